@@ -81,3 +81,18 @@ def test_every_option_has_a_help_text_and_every_example_runs(command: click.Comm
             continue
         done = run(example)
         assert done.exit_code == 0, done.output
+
+
+@pytest.mark.parametrize("line", ["run {} --csv {}.csv", "frequency {} --csv {}.csv", "export {} -o {}.cir"])
+def test_commands_that_take_scenes_take_netlists(line: str) -> None:
+    run("import cable.cir -o cable.toml")
+    files = "cable.cir", "cable.toml"
+    for file in files:
+        assert run(line.replace("{}", file)).exit_code == 0
+    own, imported = (Path(file + line.rpartition("}")[2]).read_text(encoding="utf-8") for file in files)
+    assert own == imported
+
+
+def test_what_is_left_out_of_a_netlist_is_noted_in_a_line(folder: Path) -> None:
+    (folder / "noted.cir").write_text(NET.replace(".end", ".options post\n.end"), encoding="utf-8")
+    assert run("run noted.cir").stderr == "note: noted.cir, line 7, .options: skipped\n"

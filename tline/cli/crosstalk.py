@@ -27,10 +27,10 @@ def crosstalk(scene: str, *, confined: bool = False, **given: Any) -> Output:
     crosstalk (FEXT) that at the other side, both over the swing of the driven end. Differential and common mode are
     the difference and the mean of two conductors at one end.
     """
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
     from tline.signal import crosstalk as measured
 
-    read = read_scene(scene, confined=confined)
+    read = read_any(scene, confined=confined)
     with crosstalk.named():
         seen = measured.crosstalk(read, **given, progress=True)
     modes = {

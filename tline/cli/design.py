@@ -102,9 +102,9 @@ def flywheel(network: str, pump: str, *, confined: bool = False, **given: Any) -
 def separation(scene: str, *, confined: bool = False) -> Output:
     """The highest pressure where columns separate, over three numbers of places."""
     from tline.design.columns import separation as search
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
 
-    found = search(read_scene(scene, confined=confined))
+    found = search(read_any(scene, confined=confined))
     return Output([str(found)], found.table, notes=found.notes)
 
 
@@ -135,11 +135,12 @@ def _operated(
 ) -> "tuple[Scene, tuple[str, ...]]":
     """The scene in which something is sized, and notes on what was guessed for it."""
     from tline.design.sizing import USUAL_TOL
-    from tline.scene.file import EPANET, read_scene
+    from tline.interchange.any_file import read as read_any
+    from tline.scene.file import EPANET
 
     if Path(network).suffix.lower() in EPANET:
         return operated_network(search, network, t_end=t_end or "60 s", tol=tol or USUAL_TOL, **operations)
-    scene = read_scene(network, confined=confined)
+    scene = read_any(network, confined=confined)
     if operations:
         return operated_network(search, scene, t_end=t_end or scene.t_end, tol=tol or USUAL_TOL, **operations)
     with search.named():

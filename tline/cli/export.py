@@ -25,8 +25,8 @@ def export(scene: str, *, output: str | None = None, rise: str | None = None, co
     rise : TIME
         What a jump takes in the netlist, such as '1 ps': SPICE has no jumps.
     """
+    from tline.interchange.any_file import read as read_any
     from tline.interchange.netlist_text import spice_text
-    from tline.scene.file import read_scene
     from tline.units import to_si
 
     if output is not None and not output.lower().endswith(".cir"):
@@ -34,4 +34,4 @@ def export(scene: str, *, output: str | None = None, rise: str | None = None, co
     seconds = None if rise is None else to_si(rise, "s", "--rise")
     if seconds is not None and not seconds > 0:
         raise InputError("--rise", "not above zero", "a time such as '1 ps'", rise or "")
-    print_or_write(spice_text(read_scene(scene, confined=confined), seconds), output)
+    print_or_write(spice_text(read_any(scene, confined=confined), seconds), output)

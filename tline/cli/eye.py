@@ -33,12 +33,12 @@ def eye(scene: str, *, mask: str | None = None, confined: bool = False, **given:
     mask : TIME,LEVEL
         Width and height of a hexagon in its middle, as '0.4 ns, 0.3 V'.
     """
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
     from tline.scene.medium import MEDIA
     from tline.signal import eye_diagram
     from tline.signal.eye_statistics import jitter, mask_hits
 
-    read = read_scene(scene, confined=confined)
+    read = read_any(scene, confined=confined)
     given |= {key: _number_or_text(given[key]) for key in ("low", "high") if key in given}
     with eye.named():
         seen = eye_diagram.eye(read, **given, progress=True)

@@ -81,12 +81,12 @@ def frequency(
     as_json
         Print all numbers.
     """
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
     from tline.solver.description.description import describe
     from tline.solver.stability.growth import growth_sentence
 
     _check({"source": source, "ports": ports, "z0": z0, "points": points} | files)
-    read = read_scene(scene, confined=confined)
+    read = read_any(scene, confined=confined)
     f = _frequencies(read, low, high, points)
     if ports:
         curves = _parameters(read, f, [name.strip() for name in ports.split(",")], z0)

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from tline.cli.terminal import UnreadError, forsake_stdout, terminal
-from tline.errors import ActiveError, InputError, NotKeptWarning
+from tline.errors import ActiveError, InputError, LeftOutWarning, NotKeptWarning
 
 COMMANDS = {
     "line": (
@@ -48,6 +48,7 @@ COMMANDS = {
     "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
 }
 NEW_OBJECTS = 100_000  # before garbage is looked for
+NOTES = NotKeptWarning, LeftOutWarning
 
 
 class LazyGroup(click.Group):
@@ -118,17 +119,18 @@ class LazyGroup(click.Group):
 
 @contextmanager
 def _noted() -> Iterator[None]:
-    """Say in a line that compiled code cannot be kept, without the place in the program that a warning has."""
+    """Say notes in a line, without the place in the program that a warning has."""
     with warnings.catch_warnings():
         show = warnings.showwarning
 
         def note(message: Warning | str, category: type[Warning], *rest: Any) -> None:
-            if issubclass(category, NotKeptWarning):
+            if issubclass(category, NOTES):
                 click.echo(f"note: {message}", err=True, color=True)
             else:
                 show(message, category, *rest)
 
-        warnings.simplefilter("always", NotKeptWarning)
+        for category in NOTES:
+            warnings.simplefilter("always", category)
         warnings.showwarning = note
         yield
 

@@ -47,8 +47,9 @@ def run(
 ) -> Output:
     """Simulate a scene and print what its probes saw.
 
-    SCENE is a TOML file with lines, sources, loads and probes; `tline schema` describes it. A scene with a load that is
-    not positive real runs only with --active; without it you are told whether its waves grow, and how fast.
+    SCENE is a TOML file with lines, sources, loads and probes (`tline schema` describes it), or a SPICE netlist or a
+    network of EPANET, as `tline import` reads them. A scene with a load that is not positive real runs only with
+    --active; without it you are told whether its waves grow, and how fast.
 
     Order and slab are refined until the estimated error of every probe meets the tolerance; where it is not met, you
     are told what was reached, and the exit status is 1. With an order or a slab and no tolerance there is one run.
@@ -111,9 +112,9 @@ def _advice(result: "Result", accuracy: "Accuracy | None") -> Iterator[str]:
 
 
 def _read(scene: str, given: dict[str, Any], confined: bool) -> "Scene":
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
 
-    read = read_scene(scene, progress=sys.stderr.isatty(), confined=confined)
+    read = read_any(scene, progress=sys.stderr.isatty(), confined=confined)
     given = {key: value for key, value in given.items() if value}
     if "solver" in given:
         given["solver"] = read.table().get("solver", {}) | given["solver"]

@@ -65,10 +65,10 @@ def sweep(
     wanted = _wanted(vary)
     from tline import sweeps
     from tline.cli.sweep_report import as_text, notes, summary
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
     from tline.solver.simulate import UnresolvedWarning
 
-    read = read_scene(scene, confined=confined)
+    read = read_any(scene, confined=confined)
     with _executor(dask) as executor, sweep.named(), warnings.catch_warnings():
         for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell
             warnings.simplefilter("ignore", said)

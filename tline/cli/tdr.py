@@ -26,11 +26,11 @@ def tdr(scene: str, *, confined: bool = False, **given: Any) -> Output:
     The impedance is z0 (1 + ρ)/(1 - ρ) of the reflected wave ρ, as if each reflection had come back on its first way:
     exact up to the first discontinuity, misled by multiple reflections behind it. Other sources are silent.
     """
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
     from tline.scene.medium import MEDIA
     from tline.signal.tdr import reflectometry, save_reflections
 
-    read = read_scene(scene, confined=confined)
+    read = read_any(scene, confined=confined)
     with tdr.named():
         seen = reflectometry(read, **given, progress=True)
     medium = MEDIA[read.medium]

@@ -32,10 +32,6 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
         The file cannot be read or is not TOML; SceneError with all mistakes of the scene.
     """
     path = Path(path)
-    if path.suffix.lower() in (*SPICE, *EPANET) and path.is_file():
-        raise InputError(
-            str(path), "is no scene", f"one in TOML, by tline import {path.name} -o {path.stem}.toml", path.suffix
-        )
     return Scene(Folder(path.parent, confined), progress, **read_toml(path, "a scene in TOML"))
 
 

@@ -13,7 +13,7 @@ MOST_NODES = 6  # that are named of a circuit
 
 def answer(file: str, asked: Asked) -> Answer:
     """Check every load, impedance and circuit of a scene; for active ones find how the scene's waves grow."""
-    from tline.scene.file import read_scene
+    from tline.interchange.any_file import read as read_any
     from tline.scene.rational import Impedance
     from tline.scene.touchstone import Touchstone
     from tline.solver.description.active import active_impedances, controlled_sources, laws_not_through_the_origin
@@ -22,7 +22,7 @@ def answer(file: str, asked: Asked) -> Answer:
     from tline.solver.stability.growth import growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
-    scene = read_scene(file, confined=asked.confined)
+    scene = read_any(file, confined=asked.confined)
     sources, active = controlled_sources(scene), active_impedances(scene)
     tested = {at: place(*at) for at, element in scene.placed if isinstance(element, Impedance)}
     verdicts = {at: "refuted" if where in active else "proved" for at, where in tested.items()}
