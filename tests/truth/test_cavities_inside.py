@@ -122,3 +122,22 @@ def test_the_largest_pressure_measured_by_bergant_and_simpson():
     on_the_wall = probe.u + 101_325 - 999.1 * 9.80665 * 2.03
     assert on_the_wall.max() == pytest.approx(1015e3, rel=0.05)
     assert on_the_wall.max() > on_the_wall[probe.t < 0.05].max() * 1.3  # more than Joukowsky's rise
+
+
+@pytest.mark.parametrize("parted", [{}, {"cavities": {"places": 7}}, {"probe": "37 %"}])
+@pytest.mark.parametrize("acting", [{}, {"length": 300}])
+def test_local_losses_are_taken_once_however_a_pipe_is_parted(parted, acting):
+    """Torricelli with losses: drop = (f L/d + K) ρ v²/2."""
+    d, f, K, length, drop = 0.25, 0.02, 40.0, 900.0, 3e5
+    pipe = {"nodes": ["a", "b"], "length": length, "diameter": d, "wave_speed": 1000, "density": 1000}
+    pipe |= {"friction": {"kind": "darcy", "factor": f, "minor_loss": K} | acting}
+    pipe |= {"cavities": parted["cavities"]} if "cavities" in parted else {}
+    probes = {"b": {"at": "b"}} | ({"in": {"line": "p", "position": parted["probe"]}} if "probe" in parted else {})
+    tanks = {
+        "a": {"at": "a", "kind": "reservoir", "pressure": 4e5},
+        "b": {"at": "b", "kind": "reservoir", "pressure": 4e5 - drop},
+    }
+    given = {"lines": {"p": pipe}, "loads": tanks, "probes": probes, "solver": {"order": 2, "slab": 0.9 / 8 / 3}}
+    result = simulate(Scene(medium="hydraulic", t_end=0.1, start="steady", **given))
+    v = np.sqrt(2 * drop / 1000 / (f * acting.get("length", length) / d + K))
+    assert np.abs(result.probes["b"].y / (v * np.pi * d**2 / 4) - 1).max() < 1e-9

@@ -51,11 +51,15 @@ def _lines(scene: Scene, name: str, stretches: Stretches, given: dict[str, Any])
     line = scene.lines[name]
     nodes = [line.nodes[0], *stretches.places, line.nodes[1]]
     alike = {key: value for key, value in given.items() if key not in ("cavities", "vertices")}
+    friction = alike.get("friction") or {}
     whole = {key: float(getattr(line, key)) for key in ("length", "delay") if key in given}
-    return {
-        stretch: alike | {key: value * width for key, value in whole.items()} | {"nodes": nodes[k : k + 2]}
-        for k, (stretch, width) in enumerate(zip(stretches.lines, stretches.widths, strict=True))
-    }
+    whole_friction = {key: float(getattr(line.friction, key)) for key in ("length", "minor_loss") if key in friction}
+    found = {}
+    for k, (stretch, width) in enumerate(zip(stretches.lines, stretches.widths, strict=True)):
+        found[stretch] = alike | {key: value * width for key, value in whole.items()} | {"nodes": nodes[k : k + 2]}
+        if whole_friction:
+            found[stretch]["friction"] = friction | {key: value * width for key, value in whole_friction.items()}
+    return found
 
 
 def _heights(scene: Scene, name: str, stretches: Stretches) -> dict[str, Any]:
