@@ -171,8 +171,6 @@ class Texts:
             below = [self._power(m, -e) for m, e in parts if e < 0]
             under = f"/({'*'.join(below)})" if len(below) > 1 else f"/{below[0]}" if below else ""
             return ("*".join(above) or "1") + under
-        if kind in ("ratio", "system"):
-            return f"#{n}"
         return f"{kind}({', '.join(self._scaled(c, m) for c, m in parts)})"
 
     def _scaled(self, c: str, m: int) -> str:

@@ -89,6 +89,12 @@ class SampleVerdict(Decided):
     by_digits: bool = False
 
     @property
+    def why(self) -> str:
+        """The worst value, and where it is."""
+        name = "largest singular value of S" if self.response.parameter is Parameter.S else "smallest eigenvalue"
+        return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
+
+    @property
     def worst_value(self) -> float:
         """The worst of `worst`: the largest singular value, or the smallest eigenvalue."""
         return float(self.worst[self._worst])
