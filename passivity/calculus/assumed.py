@@ -32,6 +32,9 @@ def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
     facts: dict[str, Fact] = {name: r.fact for name, r in known.items()}
     if both := opaque.keys() & facts.keys():
         raise ExpressionError(f"assumption {min(both)}", "a function and a number at once", "one of them")
-    ends = {name: (Fraction(0), None) if fact == POSITIVE_REAL else fact[1:] for name, fact in opaque.items()}
-    constants = [*known.values(), *(Range(name, *pair, True, True) for name, pair in ends.items())]
+    unit = Fraction(1)
+    constants = list(known.values())
+    for name, fact in opaque.items():
+        low, high = (Fraction(0), None) if fact == POSITIVE_REAL else (-unit, unit)
+        constants.append(Range(name, low, high, True, True))
     return facts | opaque, constants

@@ -6,7 +6,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from passivity.budget import ASIDE, if_affordable
+from passivity.budget import ASIDE, VERDICT, if_affordable
 from passivity.calculus.axis_value import AxisValue, axis_value
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph
 from passivity.calculus.proof import Proof, lines, prove
@@ -14,11 +14,11 @@ from passivity.calculus.read import read
 from passivity.calculus.witness import Question, Witness
 from passivity.delayed.boxes import BallProof
 from passivity.delayed.poles import Pole
+from passivity.expression.number import complex_text, digits, written
 from passivity.one_port.verdict import Verdict
-from passivity.status import Decided, Kind, Status
+from passivity.status import SCREEN, Decided, Kind, Status
 
 CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
-_SHOWN = 40  # lines of a proof that are printed
 
 
 @dataclass(frozen=True)
@@ -90,10 +90,49 @@ class Conclusion(Decided):
             return found and found.file
         return prove(question, self.statement) if self.proved else None
 
-    def __str__(self) -> str:
-        told = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"]
-        if self.proof:
-            steps = list(lines(self.proof))
-            told += [f"    {line}" for line in steps[:_SHOWN]]
-            told += [f"    … and {len(steps) - _SHOWN} more steps"] if len(steps) > _SHOWN else []
-        return "\n".join(told)
+    @property
+    def certificate(self) -> Any:
+        """What proves it, whatever it is: a proof by the rules, one in balls, or that of the oracle."""
+        return self.proof or self.balls or getattr(self.oracle, "certificate", None)
+
+    def lines(self) -> list[str]:
+        """The answer, its reason, the witness, the margin, and the steps of the proof as far as a screen shows them."""
+        if self.oracle is not None and not self.balls:
+            return self.oracle.lines()
+        told, letter = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"], self.kind.letter
+        if found := self.witness:
+            told += [f"  {name} = {written(x)}" for name, x in found.values.items()]
+            told += [f"  witness s = {complex_text(found.re, found.im)}", f"    {letter}(s) = {found.value.str(12)}"]
+        if margin := self.margin:
+            name = "smallest Re Z(jω)" if letter == "Z" else "largest |H(jω)|"
+            sign = "about" if margin.bound is None else "≈"
+            bound = ", sampled" if margin.bound is None else f", proved not to pass {digits(margin.bound)}"
+            value = f"{float(margin.attained):.6g}"
+            told.append(f"  {name:<20} {sign} {value:<12} at ω = {margin.frequency:.6g} rad/s{bound}")
+        steps = list(lines(self.proof)) if self.proof else []
+        room = SCREEN - len(told)
+        shown = len(steps) if len(steps) <= room else room - 1
+        told += [f"    {line}" for line in steps[:shown]]
+        return told + ([f"    … and {len(steps) - shown} more steps"] if len(steps) > shown else [])
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as JSON can hold it, with the proof, and whether it was verified."""
+        from passivity.evidence import verify
+
+        if self.oracle is not None and not self.balls:
+            return {"statement": self.statement, **self.oracle.to_dict()}
+        told: dict[str, Any] = {"kind": self.kind.value, "statement": self.statement, "status": self.status.value}
+        told |= {"why": self.why, "proof": self.proof, "witness": self.witness and self.witness.file}
+        told |= {"balls": self.balls and self.balls.file}
+        if self.pole:
+            told[self.pole.word] = self.pole.place.str(20)
+        if proof := self.proof or self.balls:
+            told["verified"] = if_affordable(VERDICT, verify, proof)
+        if margin := self.margin:
+            bound = None if margin.bound is None else written(margin.bound)
+            told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}
+        return told
+
+    def plot(self) -> Any:
+        """The picture of the verdict of a rational function, or of samples."""
+        return super().plot() if self.oracle is None or self.balls else self.oracle.plot()

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpz_poly
 
@@ -13,6 +13,8 @@ from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from passivity.one_port.margin import Margins
 
 
@@ -102,3 +104,27 @@ class Verdict(Decided):
         from passivity.one_port.margin import margins
 
         return margins(self)
+
+    def lines(self) -> list[str]:
+        """The verdict, its reason, the witness, and the margins where they are affordable."""
+        from passivity.one_port.report import in_lines
+
+        return in_lines(self, self._margins)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, with the certificate."""
+        from passivity.one_port.report import as_dict
+
+        return as_dict(self, self._margins)
+
+    def plot(self) -> "Figure":
+        """Impedance plane, Smith chart and reflection, z0 = 1."""
+        from passivity.one_port.picture import draw_verdict
+
+        return draw_verdict(self, self._margins)
+
+    @property
+    def _margins(self) -> "Margins":
+        from passivity.one_port.margin import Margins
+
+        return if_affordable(ASIDE, lambda: self.margins) or Margins(None, None, None)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Decided, Status
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
 
@@ -93,6 +96,24 @@ class SampleVerdict(Decided):
         """The worst value, and where it is."""
         name = "largest singular value of S" if self.response.parameter is Parameter.S else "smallest eigenvalue"
         return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
+
+    def lines(self) -> list[str]:
+        """What was seen, where, and what samples cannot show."""
+        from passivity.sampled.report import in_lines
+
+        return in_lines(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it but the samples."""
+        from passivity.sampled.report import samples_as_dict
+
+        return samples_as_dict(self)
+
+    def plot(self) -> "Figure":
+        """The worst values against their bound."""
+        from passivity.sampled.picture import draw_samples
+
+        return draw_samples(self)
 
     @property
     def worst_value(self) -> float:
