@@ -141,9 +141,9 @@ def _read(number: str) -> Fraction:
 def lines(proof: Proof) -> Iterator[str]:
     """A proof line by line: each function that it speaks of, the fact, the rule."""
     texts = Texts(proof["nodes"])
-    for n, fact, rule, _, _ in proof["steps"]:
+    for n, fact, rule, _, data in proof["steps"]:
         if n:
-            yield f"{texts.of(n)}: {in_words(fact)}   [{rule}]"
+            yield f"{texts.of(n)}: {in_words(fact)}   [{'inverse' if data == [-1] else rule}]"
 
 
 class Texts:

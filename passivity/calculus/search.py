@@ -183,8 +183,11 @@ class Search:
             if kind == "mul":
                 below = [m for m, e in parts if e < 0 and graph.nodes[m][0] in ("sum", "tanh", "cosh", "line")]
                 yield from (((Fraction(1), m), -1) for m in below)
-            elif kind in ("tanh", "line") and n != root[1]:
+            elif kind == "tanh" and n != root[1]:
                 yield (Fraction(1), n), 1
+            elif kind == "line":  # A + Z tanh B, which is 0 at its poles
+                z0, through, load = parts
+                yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])]), -1
 
     def _singular(self, s: Array) -> list[complex]:
         """Where Newton's method, from some points, finds poles and zeros of the suspects in Re s > 0."""
