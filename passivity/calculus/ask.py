@@ -164,22 +164,22 @@ def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[s
         and symbols(plain) <= {"s", *numbers}
     ):
         pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
-        return _exact(made, kind, RationalFunction(pair.p, pair.q), text, numbers)
+        return _exact(made, kind, RationalFunction(pair.p, pair.q), (text, numbers, {}))
     graph = Graph(facts)
     value = read(graph, text, numbers)
     question = Question(graph, value, CLAIMS[kind], text, numbers)
     names = {graph.nodes[n][1][0] for n in needed(graph, value[1]) if graph.nodes[n][0] == "name"}
     if not names:
-        made = partial(made, asked=(text, numbers))
+        made = partial(made, asked=(text, numbers, facts))
         return _with_numbers(made, kind, question, next(random_values(ranges)))
     if plain is None or "line(" in text or any(facts[name][0] == "disc" for name in names):
         return _with_names(made, question, ranges)
     return _with_parameters(made, kind, question, [r for r in ranges if r.name in names])
 
 
-def _exact(made: partial, kind: Kind, r: RationalFunction, text: str, numbers: Mapping[str, Fraction]) -> Conclusion:
+def _exact(made: partial, kind: Kind, r: RationalFunction, asked: tuple) -> Conclusion:
     verdict = check(r, kind)
-    return made(verdict.status, verdict.why or verdict.budget, oracle=verdict, asked=(text, numbers))
+    return made(verdict.status, verdict.why or verdict.budget, oracle=verdict, asked=asked)
 
 
 def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping[str, Fraction]) -> Conclusion:
@@ -190,7 +190,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
         if long and (found := _at_once(made, question, prover)):
             return found[0]
         try:
-            return _exact(made, kind, function_of(graph, value[1]) * value[0], question.text, question.numbers)
+            return _exact(made, kind, function_of(graph, value[1]) * value[0], made.keywords["asked"])
         except ExpressionError as error:
             if not long or "too" not in error.problem.split():
                 raise

@@ -8,7 +8,7 @@ from typing import Any
 
 from passivity.budget import ASIDE, VERDICT, if_affordable
 from passivity.calculus.axis_value import AxisValue, axis_value
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph
+from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
 from passivity.calculus.proof import Proof, lines, prove
 from passivity.calculus.read import read
 from passivity.calculus.witness import Question, Witness
@@ -41,8 +41,8 @@ class Conclusion(Decided):
         Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
     oracle : Verdict, MatrixVerdict, SymbolicVerdict, BallProof or None
         Of the exact test, of polynomials or of balls, where one of these decided.
-    asked : tuple of (str, dict)
-        The text, and the numbers for names in it, if the question was one.
+    asked : tuple of (str, dict, dict)
+        The text, the numbers for names in it, and what was assumed of others, if the question was one.
     """
 
     kind: Kind
@@ -53,7 +53,7 @@ class Conclusion(Decided):
     witness: Witness | None = None
     pole: Pole | None = None
     oracle: Any = None
-    asked: tuple[str, Mapping[str, Fraction]] = field(default=("", {}), repr=False)
+    asked: tuple[str, Mapping[str, Fraction], Mapping[str, Fact]] = field(default=("", {}, {}), repr=False)
 
     @property
     def rational(self) -> Verdict | None:
@@ -68,8 +68,8 @@ class Conclusion(Decided):
     @cached_property
     def margin(self) -> AxisValue | None:
         """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
-        text, numbers = self.asked
-        graph = Graph()
+        text, numbers, names = self.asked
+        graph = Graph(dict(names))
         if self.rational is not None or not text:
             return None
         question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
@@ -78,10 +78,10 @@ class Conclusion(Decided):
     @cached_property
     def evidence(self) -> dict[str, Any] | None:
         """What a file can hold of a proof or a witness: for rational functions too, and for balls."""
-        text, numbers = self.asked
+        text, numbers, names = self.asked
         if self.balls:
             return self.balls.file
-        graph = Graph()
+        graph = Graph(dict(names))
         if self.rational is None or not text:
             return self.proof or (self.witness and self.witness.file)
         question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)

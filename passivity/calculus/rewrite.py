@@ -5,6 +5,7 @@ from fractions import Fraction
 from typing import Any
 
 from passivity.calculus.graph import UNIT, ZERO, Graph, Value
+from passivity.verifier import added
 
 Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; nodes that are not looked into
 Reading = tuple[bool, tuple[Value, Value, Value], list[int]]  # as before, of z0, propagation and load of a line
@@ -15,6 +16,8 @@ def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
     powers = graph.powers(n)
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
+    yield from _remainder(graph, powers, sums)
+    yield from _parallel(graph, powers, sums)
     yield from _conjugate(graph, n)
     if not graph.moves[n]:
         return
@@ -48,6 +51,36 @@ def _cayley(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[R
                 one = graph.sum([UNIT, graph.scaled(x, -1)])
                 whole = graph.sum([graph.scaled(graph.inverse(one), 2), (Fraction(-1), 0)])
                 yield False, whole, _atoms(graph, [same[1], other[1]])
+
+
+def _remainder(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """N/D as k + 1/(D/r) where N = k D + r and r is constant in s."""
+    for b in sums:
+        if powers[b] != -1:
+            continue
+        x, above = graph.product(((Fraction(1), m) for m in powers if m != b), [e for m, e in powers.items() if m != b])
+        up, down = graph.terms(above, x), graph.terms(b)
+        k = next((up[m] / c for m, c in down.items() if graph.moves[m] and m in up), Fraction(0))
+        rest = added(up, {m: -k * c for m, c in down.items()})
+        if k and rest and not any(graph.moves[m] for m in rest):
+            r = graph.sum((c, m) for m, c in rest.items())
+            below = graph.sum(graph.product([(c, m), r], [1, -1]) for m, c in down.items())
+            yield False, graph.sum([(k, 0), graph.inverse(below)]), _atoms(graph, [above, b])
+
+
+def _parallel(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """c N/D upside down, as k/c + (r/c)/N, where D = k N + r and r has fewer terms."""
+    for a in sums:
+        for b in sums:
+            up, down = graph.terms(a), graph.terms(b)
+            k = next((c / up[m] for m, c in down.items() if m in up), Fraction(0))
+            left = added(down, {m: -k * c for m, c in up.items()})
+            if powers[a] == 1 and powers[b] == -1 and k > 0 and left and len(left) < len(down):
+                rest = {m: -e for m, e in powers.items() if m not in (a, b)}
+                c = graph.product(((Fraction(1), m) for m in rest), list(rest.values()))
+                r = graph.sum((x, m) for m, x in left.items())
+                over = graph.product([r, c, (Fraction(1), a)], [1, 1, -1])
+                yield True, graph.sum([graph.scaled(c, k), over]), _atoms(graph, [a, b])
 
 
 def _spread(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
