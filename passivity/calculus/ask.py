@@ -145,6 +145,8 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
         problem = "says nothing about a function without names"
         raise ExpressionError("assume" if assume else "values", problem, "it beside a text")
     what = given(what, kind)
+    if isinstance(what, str):
+        return of_text(what, kind)
     verdict: Any = check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
     return Conclusion(kind, kind.value, verdict.status, verdict.why, oracle=verdict)
 

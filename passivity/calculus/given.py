@@ -8,7 +8,7 @@ from typing import Any
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.rational.evaluate import exact
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind
+from passivity.status import Decided, Kind
 
 _EXPECTED = (
     "text, a number, (numerator, denominator), (A, B, C, D), a system of scipy.signal or python-control, a network of "
@@ -21,7 +21,7 @@ def given(what: Any, kind: Kind) -> Any:
 
     A network of scikit-rf stands for the samples of its scattering matrix: its impedances are positive real if and only
     if that is bounded real. An object with a method ``passivity_model(kind)``, as lines of tline have, stands for
-    what that returns.
+    what that returns: one of these, or a verdict.
 
     Raises
     ------
@@ -46,7 +46,8 @@ def given(what: Any, kind: Kind) -> Any:
     if isinstance(what, SampledResponse | Network):
         return what
     if callable(model := getattr(what, "passivity_model", None)) and not isinstance(what, type):
-        return given(model(kind), kind)
+        found = model(kind)
+        return found if isinstance(found, Decided) else given(found, kind)
     if all(hasattr(what, name) for name in ("s", "f", "z0")):
         return _samples(what)
     if hasattr(what, "tolist"):  # numpy
@@ -69,6 +70,8 @@ def checked(what: Any, kind: Kind) -> Any:
     from passivity.sampled.check import check_samples
     from passivity.sampled.response import SampledResponse
 
+    if isinstance(what, Decided):
+        return what
     if not isinstance(what, SampledResponse):
         return check(what, kind)
     if what.parameter != "S" and kind is Kind.BR:
