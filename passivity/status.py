@@ -1,17 +1,10 @@
 """What can be asked of a function, and how the question can end."""
 
-from base64 import b64encode
 from enum import StrEnum
-from html import escape
-from io import BytesIO
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from passivity.errors import ExpressionError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-SCREEN = 24  # lines that are printed
+from tline.presentation import Presentation, as_image
 
 
 class Kind(StrEnum):
@@ -38,11 +31,8 @@ class Status(StrEnum):
         raise TypeError("a status is neither true nor false, expected a comparison such as `is Status.PROVED`")
 
 
-class Decided:
-    """An answer with a status, of which there are more than two: so it is neither true nor false.
-
-    Printed it says what the command line says, in one screen; a notebook shows the picture too, where there is one.
-    """
+class Decided(Presentation):
+    """An answer with a status, of which there are more than two: so it is neither true nor false."""
 
     status: Status
 
@@ -56,8 +46,8 @@ class Decided:
         """Whether the property is refuted."""
         return self.status is Status.REFUTED
 
-    def lines(self) -> list[str]:
-        """The answer in words, line by line."""
+    def text_lines(self) -> list[str]:
+        """The answer in words, as the command line prints it."""
         why = getattr(self, "why", "")
         return [self.status.value, f"  because {why}"] if why else [self.status.value]
 
@@ -65,30 +55,26 @@ class Decided:
         """All of it as JSON can hold it."""
         return {"status": self.status.value, "why": getattr(self, "why", "")}
 
-    def plot(self) -> "Figure":
-        """The picture: the impedance plane and Smith chart, or samples against their bound.
+    def plot(self, ax: Any = None) -> Any:
+        """The picture: impedance plane, Smith chart and reflection, or samples against their bound.
 
         Raises
         ------
         ExpressionError
-            If there is none.
+            If there is none; and for axes, because it has several of its own.
         """
+        if ax is not None:
+            raise ExpressionError("ax", "this picture has axes of its own", "none")
+        return self._figure()
+
+    def _figure(self) -> Any:
         raise ExpressionError("plot", "there is no picture of this", "a rational function of one port, or samples")
 
-    def _repr_html_(self) -> str:
-        text = f"<pre>{escape(str(self))}</pre>"
+    def _drawn(self) -> str:
         try:
-            figure = self.plot()
+            return as_image(self.plot())
         except (ExpressionError, ImportError):
-            return text
-        image = BytesIO()
-        figure.savefig(image, format="png")
-        return f'{text}<img src="data:image/png;base64,{b64encode(image.getvalue()).decode()}"/>'
-
-    def __str__(self) -> str:
-        told = self.lines()
-        more = len(told) - SCREEN
-        return "\n".join(told if more <= 0 else [*told[: SCREEN - 1], f"  … and {more + 1} more lines: .lines()"])
+            return ""
 
     def __bool__(self) -> NoReturn:
         raise TypeError("a verdict is neither true nor false, expected its .proved, .refuted or .status")

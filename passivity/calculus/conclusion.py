@@ -16,7 +16,8 @@ from passivity.delayed.boxes import BallProof
 from passivity.delayed.poles import Pole
 from passivity.expression.number import complex_text, digits, written
 from passivity.one_port.verdict import Verdict
-from passivity.status import SCREEN, Decided, Kind, Status
+from passivity.status import Decided, Kind, Status
+from tline.presentation import SCREEN
 
 CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
 
@@ -95,10 +96,10 @@ class Conclusion(Decided):
         """What proves it, whatever it is: a proof by the rules, one in balls, or that of the oracle."""
         return self.proof or self.balls or getattr(self.oracle, "certificate", None)
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """The answer, its reason, the witness, the margin, and the steps of the proof as far as a screen shows them."""
         if self.oracle is not None and not self.balls:
-            return self.oracle.lines()
+            return self.oracle.text_lines()
         told, letter = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"], self.kind.letter
         if found := self.witness:
             told += [f"  {name} = {written(x)}" for name, x in found.values.items()]
@@ -133,6 +134,6 @@ class Conclusion(Decided):
             told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}
         return told
 
-    def plot(self) -> Any:
+    def _figure(self) -> Any:
         """The picture of the verdict of a rational function, or of samples."""
-        return super().plot() if self.oracle is None or self.balls else self.oracle.plot()
+        return super()._figure() if self.oracle is None or self.balls else self.oracle.plot()

@@ -45,7 +45,7 @@ class Derivation(Decided):
         """That of the last statement."""
         return self.statements[-1][1].status
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """Statement after statement, with the algebra between."""
         told = []
         for name, conclusion in self.statements:

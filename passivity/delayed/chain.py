@@ -68,7 +68,7 @@ class Chain(Decided):
         """How the last step ended."""
         return self.steps[-1].status
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """The derivation in words."""
         lines = [f"through a line of z0 = {digits(self.z0)} and delay T = {digits(self.delay)}:"]
         for step in self.steps:

@@ -166,7 +166,7 @@ class MatrixVerdict(Decided):
 
         return reason(self)
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """The verdict, its reason, the witness, and the margin where it is affordable."""
         from passivity.multiport.report import in_lines
 

@@ -13,8 +13,6 @@ from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from passivity.one_port.margin import Margins
 
 
@@ -105,7 +103,7 @@ class Verdict(Decided):
 
         return margins(self)
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """The verdict, its reason, the witness, and the margins where they are affordable."""
         from passivity.one_port.report import in_lines
 
@@ -117,7 +115,7 @@ class Verdict(Decided):
 
         return as_dict(self, self._margins)
 
-    def plot(self) -> "Figure":
+    def _figure(self) -> Any:
         """Impedance plane, Smith chart and reflection, z0 = 1."""
         from passivity.one_port.picture import draw_verdict
 

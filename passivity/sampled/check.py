@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,9 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Decided, Status
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
 
@@ -97,7 +94,7 @@ class SampleVerdict(Decided):
         name = "largest singular value of S" if self.response.parameter is Parameter.S else "smallest eigenvalue"
         return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """What was seen, where, and what samples cannot show."""
         from passivity.sampled.report import in_lines
 
@@ -109,7 +106,7 @@ class SampleVerdict(Decided):
 
         return samples_as_dict(self)
 
-    def plot(self) -> "Figure":
+    def _figure(self) -> Any:
         """The worst values against their bound."""
         from passivity.sampled.picture import draw_samples
 

@@ -13,11 +13,12 @@ from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import complex_text, written
 from passivity.one_port.report import point
 from passivity.rational.evaluate import Exact, exact
-from passivity.status import SCREEN, Decided, Kind, Status
+from passivity.status import Decided, Kind, Status
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, value
+from tline.presentation import SCREEN
 
 
 @dataclass(frozen=True)
@@ -98,7 +99,7 @@ class SymbolicVerdict(Decided):
     note: str = ""
     certificate: Proof | None = None
 
-    def lines(self) -> list[str]:
+    def text_lines(self) -> list[str]:
         """The answer, its reason, the condition, the counterexample, and the first steps of the proof."""
         told = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"]
         told += [f"  exactly if {self.condition}"] if self.condition else []

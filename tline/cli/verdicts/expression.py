@@ -36,7 +36,7 @@ def answer(text: str, asked: Asked) -> Answer:
     if assumed:
         asked.refuse("parameters without values", "z0", "delay", "within")
         found = check_symbolic(text, kind, assumed, known)
-        return Answer(found.status.value, found.lines(), found.to_dict())
+        return Answer(found.status.value, found.text_lines(), found.to_dict())
     verdict = check_expression(text, kind, known)
     if verdict.rational is not None:
         found = one_port.answer(verdict.rational.function, asked)
@@ -54,11 +54,11 @@ def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str])
         raise InputError("--param", "a value in a derivation", "it in place of the name")
     derived = derive(text, asked.z0 or "z0", asked.delay or "T", assumed)
     last = derived.statements[-1][1]
-    return Answer(last.status.value, [*derived.lines(), *_written(last, asked)], last.to_dict())
+    return Answer(last.status.value, [*derived.text_lines(), *_written(last, asked)], last.to_dict())
 
 
 def _concluded(verdict: "Conclusion", asked: Asked) -> Answer:
-    return Answer(verdict.status.value, verdict.lines() + _written(verdict, asked), verdict.to_dict())
+    return Answer(verdict.status.value, verdict.text_lines() + _written(verdict, asked), verdict.to_dict())
 
 
 def _written(verdict: "Conclusion", asked: Asked) -> list[str]:

@@ -58,7 +58,7 @@ def _draw(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
 def _derivation(chain: "Chain") -> list[str]:
     from passivity import admittance_identity, reflection_identity
 
-    lines = ["", *chain.lines()]
+    lines = ["", *chain.text_lines()]
     used = [identity for steps in (reflection_identity(), admittance_identity()) for identity in steps[-1:]]
     lines += ["  with the identities, checked as polynomials:"]
     return [*lines, *(f"    {identity.text}" for identity in used if identity.holds)]
