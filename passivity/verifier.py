@@ -140,8 +140,8 @@ class Graph:
             bottom = self.multiplied(x, added(self.multiplied(ax, over), self.multiplied(az, under)))
         elif n:
             once, plus, minus = self.exponentials(*parts[0])
-            up = self.multiplied(once, plus)
-            top, bottom = {"exp": (once, UNITY), "tanh": (minus, plus), "cosh": (up, {(): 2})}[kind]
+            pair = {"exp": (once, UNITY), "tanh": (minus, plus)}.get(kind)
+            top, bottom = pair or (self.multiplied(once, plus), {(): 2})
         return top if c == 1 else {key: x * c for key, x in top.items() if x * c}, bottom
 
     def powered(self, factors):
@@ -213,8 +213,7 @@ class Graph:
         discs = [d if e > 0 else d and inverted(*d) for e, d in zip(data, discs, strict=True)]
         if None in discs:
             return found
-        moving = [e for e, fact in zip(data, facts, strict=True) if fact[0] != "real"]
-        low, high, bound = ONE, ONE, ONE
+        moving, low, high, bound = [e for e, f in zip(data, facts, strict=True) if f[0] != "real"], ONE, ONE, ONE
         for e, (a, b) in zip(map(abs, data), discs, strict=True):
             bound = bound * max(-a, b) ** e if max(-a, b, bound) < inf else inf
             a, b = (ZERO, max(-a, b) ** e) if e % 2 == 0 and a < 0 else (a**e, b**e)
@@ -242,10 +241,9 @@ class Graph:
         if name in ("tanh", "cosh"):  # |cosh(x + jy)|^2 = sinh^2 x + cos^2 y >= 1 where |y| <= x
             holds = low >= 0 if name == "tanh" else angle is not None and angle <= Fraction(1, 2)
             return [RIGHT if name == "tanh" else UNIT] if holds else []
-        found = []
-        if name == "sqrt":
-            need(angle is not None and angle <= 2, "not sqrt of a function off the negative axis")
-            found, low = [("arg", angle / 2)], max(low, ZERO)
+        found = [("arg", angle / 2)] if name == "sqrt" and angle is not None and angle <= 2 else []
+        need(found or name != "sqrt", "not sqrt of a function off the negative axis")
+        low = max(low, ZERO) if found else low
         if (name != "exp" and fact[0] == "arg") or (name == "log" and low <= 0):
             return found
         floor, roof = image(name, low)[0], image(name, high if name != "sqrt" else max(-disc(fact)[0], high))[1]
