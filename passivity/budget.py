@@ -3,11 +3,14 @@
 What may take long says so before it does: `spend`. Within `budget` the sum is limited, and what passes it is undecided.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, TypeVar
+
+from passivity.errors import ExpressionError, shown
 
 T = TypeVar("T")
 VERDICT = 1_500_000_000
@@ -26,6 +29,32 @@ class _Account:
 _account: ContextVar[_Account | None] = ContextVar("account", default=None)
 
 
+_times: ContextVar[float] = ContextVar("times", default=1)
+
+
+@contextmanager
+def granted(times: float) -> Iterator[None]:
+    """Make every budget within so many times as large.
+
+    Raises
+    ------
+    ExpressionError
+        For what is not a positive number.
+
+    Examples
+    --------
+    >>> with granted(10), budget(100):
+    ...     spend(101, "this")
+    """
+    if isinstance(times, bool) or not isinstance(times, int | float) or not 0 < times < math.inf:
+        raise ExpressionError("budget", "not a multiple", "a number above 0, 1 for the usual work", shown(times, repr))
+    token = _times.set(times)
+    try:
+        yield
+    finally:
+        _times.reset(token)
+
+
 @contextmanager
 def budget(units: int) -> Iterator[None]:
     """Limit the work within, which also counts against a budget around it.
@@ -39,6 +68,7 @@ def budget(units: int) -> Iterator[None]:
     passivity.budget.UndecidedError: this takes too long
     """
     around = _account.get()
+    units = round(units * _times.get())
     given = units if around is None else max(min(units, around.left), 0)
     own = _Account(given)
     token = _account.set(own)

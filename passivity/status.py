@@ -1,7 +1,10 @@
 """What can be asked of a function, and how the question can end."""
 
 from enum import StrEnum
-from typing import NoReturn
+from typing import Any, NoReturn
+
+from passivity.errors import ExpressionError
+from tline.presentation import Presentation, as_image
 
 
 class Kind(StrEnum):
@@ -9,6 +12,11 @@ class Kind(StrEnum):
 
     PR = "positive real"  # Z analytic and Re Z >= 0 in Re s > 0: an impedance
     BR = "bounded real"  # H analytic and |H| <= 1 in Re s > 0: a reflection
+
+    @property
+    def letter(self) -> str:
+        """By which such a function goes."""
+        return "Z" if self is Kind.PR else "H"
 
 
 class Status(StrEnum):
@@ -23,7 +31,7 @@ class Status(StrEnum):
         raise TypeError("a status is neither true nor false, expected a comparison such as `is Status.PROVED`")
 
 
-class Decided:
+class Decided(Presentation):
     """An answer with a status, of which there are more than two: so it is neither true nor false."""
 
     status: Status
@@ -37,6 +45,36 @@ class Decided:
     def refuted(self) -> bool:
         """Whether the property is refuted."""
         return self.status is Status.REFUTED
+
+    def text_lines(self) -> list[str]:
+        """The answer in words, as the command line prints it."""
+        why = getattr(self, "why", "")
+        return [self.status.value, f"  because {why}"] if why else [self.status.value]
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as JSON can hold it."""
+        return {"status": self.status.value, "why": getattr(self, "why", "")}
+
+    def plot(self, ax: Any = None) -> Any:
+        """The picture: impedance plane, Smith chart and reflection, or samples against their bound.
+
+        Raises
+        ------
+        ExpressionError
+            If there is none; and for axes, because it has several of its own.
+        """
+        if ax is not None:
+            raise ExpressionError("ax", "this picture has axes of its own", "none")
+        return self._figure()
+
+    def _figure(self) -> Any:
+        raise ExpressionError("plot", "there is no picture of this", "a rational function of one port, or samples")
+
+    def _drawn(self) -> str:
+        try:
+            return as_image(self.plot())
+        except (ExpressionError, ImportError):
+            return ""
 
     def __bool__(self) -> NoReturn:
         raise TypeError("a verdict is neither true nor false, expected its .proved, .refuted or .status")

@@ -9,20 +9,21 @@ from typing import Any
 from flint import acb
 
 from passivity.ball import near
-from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, if_affordable
-from passivity.calculus.assumed import assumed, ranges_of
+from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, granted, if_affordable
+from passivity.calculus.assumed import assumed
 from passivity.calculus.conclusion import CLAIMS, Conclusion
+from passivity.calculus.given import checked, given
 from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import function_of
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.read import read, statements
-from passivity.calculus.search import Search
+from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
 from passivity.calculus.witness import Question, Witness
 from passivity.delayed.boxes import prove_in_balls
 from passivity.delayed.poles import find_pole
-from passivity.errors import ExpressionError, shorten, shown
+from passivity.errors import ExpressionError
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
@@ -34,22 +35,30 @@ from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import random_values
 
 _EACH = VERDICT // 2  # of the ways to decide
+_EACH_NODE = 1_000_000  # more, of the first way
+_LONG = 200  # nodes of a graph that is not multiplied out before rules have been tried
 _TRIALS = 12  # choices of values for names
 _PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
 
 
-def is_positive_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
+def is_positive_real(
+    what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None, *, budget: float = 1
+) -> Conclusion:
     """Is a function analytic in Re s > 0 with Re Z >= 0 there, as the impedance of a passive one-port is?
 
     Parameters
     ----------
-    what : str, pair of sequences, RationalFunction, RationalMatrix, StateSpace, or system
-        An expression, also with ``let NAME = EXPRESSION;`` before it; numerator and denominator, highest power first;
-        a system of scipy.signal or python-control.
+    what : text, numbers, system, network or samples
+        An expression, also with ``let NAME = EXPRESSION;`` before it; a number; numerator and denominator, highest
+        power first; matrices A, B, C, D; what a `RationalFunction`, `RationalMatrix` or `StateSpace` is; a system of
+        scipy.signal or python-control; a network of scikit-rf or a `SampledResponse`, which can only be refuted; a line
+        or a scene of tline, about which `passivity.calculus.given` says more.
     assume : iterable of str
         ``R > 0``, ``0 < k < 1``, ``k real`` of parameters; ``Z2 positive real``, ``H bounded real`` of any functions.
     values : mapping of str to number or text, optional
         Numbers for names.
+    budget : float
+        How many times the usual work may be done before the answer is "undecided".
 
     Raises
     ------
@@ -63,17 +72,21 @@ def is_positive_real(what: Any, assume: Iterable[str] = (), values: Mapping[str,
     >>> print(is_positive_real(([1, 2], [1, 1, 1])).status)
     refuted
     """
-    return ask(what, Kind.PR, assume, values)
+    with granted(budget):
+        return ask(what, Kind.PR, assume, values)
 
 
-def is_bounded_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
+def is_bounded_real(
+    what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None, *, budget: float = 1
+) -> Conclusion:
     """Is a function analytic in Re s > 0 with |H| <= 1 there, as the reflection of a passive one-port is?
 
     Parameters
     ----------
-    what : str, pair of sequences, RationalFunction, RationalMatrix, StateSpace, or system
+    what : text, numbers, system, network or samples
     assume : iterable of str
     values : mapping of str to number or text, optional
+    budget : float
         All as of `is_positive_real`.
 
     Examples
@@ -81,7 +94,8 @@ def is_bounded_real(what: Any, assume: Iterable[str] = (), values: Mapping[str, 
     >>> print(is_bounded_real("exp(-2*T*s)*(Z2 - z0)/(Z2 + z0)", ["Z2 pr", "z0 > 0", "T >= 0"]).status)
     proved
     """
-    return ask(what, Kind.BR, assume, values)
+    with granted(budget):
+        return ask(what, Kind.BR, assume, values)
 
 
 def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> Conclusion:
@@ -127,28 +141,23 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
     """The conclusion of `is_positive_real` or `is_bounded_real`."""
     if isinstance(what, str):
         return of_text(what, kind, assume, values)
-    from passivity.multiport.positive_real import check as check_matrix
-    from passivity.multiport.systems import from_system
-    from passivity.multiport.verdict import Network
-
-    if isinstance(what, tuple | list) and len(what) == 2:
-        what = RationalFunction.from_coefficients(*what)
-    elif not isinstance(what, RationalFunction | Network):
-        if not any(hasattr(what, name) for name in ("A", "num", "zeros")):
-            expected = "text, (numerator, denominator), a state space, or a system of scipy.signal or python-control"
-            raise ExpressionError("what", "not a function of s", expected, shorten(shown(what, repr)))
-        what = from_system(what)
-    verdict = check(what, kind) if isinstance(what, RationalFunction) else check_matrix(what, kind)
-    return Conclusion(kind, f"{kind.value}", verdict.status, verdict.why or verdict.budget, oracle=verdict)
+    if assume or values:
+        problem = "says nothing about a function without names"
+        raise ExpressionError("assume" if assume else "values", problem, "it beside a text")
+    what = given(what, kind)
+    if isinstance(what, str):
+        return of_text(what, kind)
+    verdict: Any = check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
+    return Conclusion(kind, kind.value, verdict.status, verdict.why, oracle=verdict)
 
 
 def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
     """The conclusion about a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = [assume] if isinstance(assume, str) else list(assume)
-    given = f" for all {', '.join(assume)}" if assume else ""
-    made = partial(Conclusion, kind, f"{' '.join(text.split()):.300} is {kind.value}{given}")
-    facts = assumed(assume)
+    under = f" for all {', '.join(assume)}" if assume else ""
+    made = partial(Conclusion, kind, f"{' '.join(text.split()):.300} is {kind.value}{under}")
+    facts, ranges = assumed(assume)
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
     if (
         plain is not None
@@ -157,37 +166,46 @@ def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[s
         and symbols(plain) <= {"s", *numbers}
     ):
         pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
-        return _exact(made, kind, RationalFunction(pair.p, pair.q), text, numbers)
+        return _exact(made, kind, RationalFunction(pair.p, pair.q), (text, numbers, {}))
     graph = Graph(facts)
-    value, ranges = read(graph, text, numbers), ranges_of(facts, assume)
+    value = read(graph, text, numbers)
     question = Question(graph, value, CLAIMS[kind], text, numbers)
     names = {graph.nodes[n][1][0] for n in needed(graph, value[1]) if graph.nodes[n][0] == "name"}
     if not names:
-        made = partial(made, asked=(text, numbers))
+        made = partial(made, asked=(text, numbers, facts))
         return _with_numbers(made, kind, question, next(random_values(ranges)))
     if plain is None or "line(" in text or any(facts[name][0] == "disc" for name in names):
         return _with_names(made, question, ranges)
     return _with_parameters(made, kind, question, [r for r in ranges if r.name in names])
 
 
-def _exact(made: partial, kind: Kind, r: RationalFunction, text: str, numbers: Mapping[str, Fraction]) -> Conclusion:
+def _exact(made: partial, kind: Kind, r: RationalFunction, asked: tuple) -> Conclusion:
     verdict = check(r, kind)
-    return made(verdict.status, verdict.why or verdict.budget, oracle=verdict, asked=(text, numbers))
+    return made(verdict.status, verdict.why or verdict.budget, oracle=verdict, asked=asked)
 
 
 def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping[str, Fraction]) -> Conclusion:
     """The first of the ways that leads to an answer; each has its own budget."""
     graph, value = question.graph, question.value
+    long, prover = len(graph.nodes) > _LONG, Prover(graph)
     if graph.is_rational[value[1]]:
-        return _exact(made, kind, function_of(graph, value[1]) * value[0], question.text, question.numbers)
+        if long and (found := _at_once(made, question, prover)):
+            return found[0]
+        try:
+            return _exact(made, kind, function_of(graph, value[1]) * value[0], made.keywords["asked"])
+        except ExpressionError as error:
+            if not long or "too" not in error.problem.split():
+                raise
     if not any(in_ball(graph, value, s).is_finite() for s in _PLACES):
         expected = "an expression that is neither 1/0 nor beyond all numbers everywhere"
         raise ExpressionError("", "no value in reach", expected)
-    prover, missing = Prover(graph), []
+    missing: list[str] = []
+    if found := _at_once(made, question, prover):
+        return found[0]
     search = Search(question, unused)
     ways = (
         lambda: _refuted(made, search.glance()),
-        lambda: _proved(made, question, prover, DEPTHS[:-1]),
+        lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
         lambda: _refuted(made, search.hunt()),
         lambda: _in_balls(made, kind, question, search),
@@ -202,6 +220,15 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
             missing.append(str(error))
     why = f"no rule applies, no counterexample was found, and balls do not settle it: {'; '.join(missing)}"
     return made(Status.UNDECIDED, why)
+
+
+def _at_once(made: partial, question: Question, prover: Prover) -> list[Conclusion]:
+    """By rules along the structure as it stands, in time that grows as its length does."""
+    try:
+        with budget(_EACH + _EACH_NODE * len(question.graph.nodes)):
+            return _proved(made, question, prover, DEPTHS[:1])
+    except UndecidedError:
+        return []
 
 
 def _proved(made: partial, question: Question, prover: Prover, depths: tuple[int, ...]) -> list[Conclusion]:
@@ -237,11 +264,13 @@ def _in_balls(made: partial, kind: Kind, question: Question, search: Search) -> 
 
 def _with_names(made: partial, question: Question, ranges: list[Range]) -> Conclusion:
     """For any values of the names, and any functions."""
+    prover = Prover(question.graph)
     try:
-        with budget(VERDICT):
-            found = _glanced(made, question, ranges) or _proved(made, question, Prover(question.graph), DEPTHS)
-        if found:
+        if found := _at_once(made, question, prover):
             return found[0]
+        with budget(VERDICT):
+            if found := _glanced(made, question, ranges) or _proved(made, question, prover, DEPTHS[1:]):
+                return found[0]
         limit = "no rule applies and no counterexample was found"
     except UndecidedError as error:
         limit = str(error)
@@ -271,8 +300,9 @@ def _with_parameters(made: partial, kind: Kind, question: Question, ranges: list
 
 
 def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Conclusion]:
+    scales = Scales(question)
     for names in islice(random_values(ranges), _TRIALS):
-        if found := _refuted(made, Search(question, names).glance()):
+        if found := _refuted(made, Search(question, names, scales).glance()):
             return found
     return []
 

@@ -1,7 +1,7 @@
 """What is assumed of names: of parameters that they are in a range, of functions that they have a property."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from fractions import Fraction
 
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact
@@ -11,12 +11,12 @@ from passivity.symbolic.assumption import Range, collect
 _OPAQUE = re.compile(r"\s*([^\W\d]\w*)\s+(?:(pr|positive real)|br|bounded real)\s*", re.IGNORECASE)
 
 
-def assumed(assume: Iterable[str]) -> dict[str, Fact]:
-    """What is assumed of each name, as facts.
+def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
+    """What is assumed of each name, as facts, and the constants that each may be.
 
     Examples
     --------
-    >>> assumed(["R > 0", "H bounded real"])["R"]
+    >>> assumed(["R > 0", "H bounded real"])[0]["R"]
     ('real', Fraction(0, 1), inf)
     """
     opaque: dict[str, Fact] = {}
@@ -28,19 +28,13 @@ def assumed(assume: Iterable[str]) -> dict[str, Fact]:
             opaque[found[1]] = POSITIVE_REAL if found[2] else BOUNDED_REAL
         else:
             ranges.append(text)
-    facts: dict[str, Fact] = {name: r.fact for name, r in collect(ranges).items()}
+    known = collect(ranges)
+    facts: dict[str, Fact] = {name: r.fact for name, r in known.items()}
     if both := opaque.keys() & facts.keys():
         raise ExpressionError(f"assumption {min(both)}", "a function and a number at once", "one of them")
-    return facts | opaque
-
-
-def ranges_of(facts: Mapping[str, Fact], assume: Iterable[str | Range]) -> list[Range]:
-    """The constants that the names may be."""
-    known = collect(x for x in assume if not (isinstance(x, str) and _OPAQUE.fullmatch(x)))
     unit = Fraction(1)
-    opaque = {POSITIVE_REAL: (Fraction(0), None), BOUNDED_REAL: (-unit, unit)}
-    found = []
-    for name, fact in facts.items():
-        low, high = opaque.get(fact, (None, None))
-        found.append(known[name] if name in known else Range(name, low, high, True, True))
-    return found
+    constants = list(known.values())
+    for name, fact in opaque.items():
+        low, high = (Fraction(0), None) if fact == POSITIVE_REAL else (-unit, unit)
+        constants.append(Range(name, low, high, True, True))
+    return facts | opaque, constants

@@ -6,19 +6,20 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from passivity.budget import ASIDE, if_affordable
+from passivity.budget import ASIDE, VERDICT, if_affordable
 from passivity.calculus.axis_value import AxisValue, axis_value
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph
+from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
 from passivity.calculus.proof import Proof, lines, prove
 from passivity.calculus.read import read
 from passivity.calculus.witness import Question, Witness
 from passivity.delayed.boxes import BallProof
 from passivity.delayed.poles import Pole
+from passivity.expression.number import complex_text, digits, written
 from passivity.one_port.verdict import Verdict
 from passivity.status import Decided, Kind, Status
+from tline.presentation import SCREEN
 
 CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
-_SHOWN = 40  # lines of a proof that are printed
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,8 @@ class Conclusion(Decided):
         Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
     oracle : Verdict, MatrixVerdict, SymbolicVerdict, BallProof or None
         Of the exact test, of polynomials or of balls, where one of these decided.
-    asked : tuple of (str, dict)
-        The text, and the numbers for names in it, if the question was one.
+    asked : tuple of (str, dict, dict)
+        The text, the numbers for names in it, and what was assumed of others, if the question was one.
     """
 
     kind: Kind
@@ -53,7 +54,7 @@ class Conclusion(Decided):
     witness: Witness | None = None
     pole: Pole | None = None
     oracle: Any = None
-    asked: tuple[str, Mapping[str, Fraction]] = field(default=("", {}), repr=False)
+    asked: tuple[str, Mapping[str, Fraction], Mapping[str, Fact]] = field(default=("", {}, {}), repr=False)
 
     @property
     def rational(self) -> Verdict | None:
@@ -68,8 +69,8 @@ class Conclusion(Decided):
     @cached_property
     def margin(self) -> AxisValue | None:
         """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
-        text, numbers = self.asked
-        graph = Graph()
+        text, numbers, names = self.asked
+        graph = Graph(dict(names))
         if self.rational is not None or not text:
             return None
         question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
@@ -78,10 +79,10 @@ class Conclusion(Decided):
     @cached_property
     def evidence(self) -> dict[str, Any] | None:
         """What a file can hold of a proof or a witness: for rational functions too, and for balls."""
-        text, numbers = self.asked
+        text, numbers, names = self.asked
         if self.balls:
             return self.balls.file
-        graph = Graph()
+        graph = Graph(dict(names))
         if self.rational is None or not text:
             return self.proof or (self.witness and self.witness.file)
         question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
@@ -90,10 +91,49 @@ class Conclusion(Decided):
             return found and found.file
         return prove(question, self.statement) if self.proved else None
 
-    def __str__(self) -> str:
-        told = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"]
-        if self.proof:
-            steps = list(lines(self.proof))
-            told += [f"    {line}" for line in steps[:_SHOWN]]
-            told += [f"    … and {len(steps) - _SHOWN} more steps"] if len(steps) > _SHOWN else []
-        return "\n".join(told)
+    @property
+    def certificate(self) -> Any:
+        """What proves it, whatever it is: a proof by the rules, one in balls, or that of the oracle."""
+        return self.proof or self.balls or getattr(self.oracle, "certificate", None)
+
+    def text_lines(self) -> list[str]:
+        """The answer, its reason, the witness, the margin, and the steps of the proof as far as a screen shows them."""
+        if self.oracle is not None and not self.balls:
+            return self.oracle.text_lines()
+        told, letter = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"], self.kind.letter
+        if found := self.witness:
+            told += [f"  {name} = {written(x)}" for name, x in found.values.items()]
+            told += [f"  witness s = {complex_text(found.re, found.im)}", f"    {letter}(s) = {found.value.str(12)}"]
+        if margin := self.margin:
+            name = "smallest Re Z(jω)" if letter == "Z" else "largest |H(jω)|"
+            sign = "about" if margin.bound is None else "≈"
+            bound = ", sampled" if margin.bound is None else f", proved not to pass {digits(margin.bound)}"
+            value = f"{float(margin.attained):.6g}"
+            told.append(f"  {name:<20} {sign} {value:<12} at ω = {margin.frequency:.6g} rad/s{bound}")
+        steps = list(lines(self.proof)) if self.proof else []
+        room = SCREEN - len(told)
+        shown = len(steps) if len(steps) <= room else room - 1
+        told += [f"    {line}" for line in steps[:shown]]
+        return told + ([f"    … and {len(steps) - shown} more steps"] if len(steps) > shown else [])
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as JSON can hold it, with the proof, and whether it was verified."""
+        from passivity.evidence import verify
+
+        if self.oracle is not None and not self.balls:
+            return {"statement": self.statement, **self.oracle.to_dict()}
+        told: dict[str, Any] = {"kind": self.kind.value, "statement": self.statement, "status": self.status.value}
+        told |= {"why": self.why, "proof": self.proof, "witness": self.witness and self.witness.file}
+        told |= {"balls": self.balls and self.balls.file}
+        if self.pole:
+            told[self.pole.word] = self.pole.place.str(20)
+        if proof := self.proof or self.balls:
+            told["verified"] = if_affordable(VERDICT, verify, proof)
+        if margin := self.margin:
+            bound = None if margin.bound is None else written(margin.bound)
+            told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}
+        return told
+
+    def _figure(self) -> Any:
+        """The picture of the verdict of a rational function, or of samples."""
+        return super()._figure() if self.oracle is None or self.balls else self.oracle.plot()

@@ -45,7 +45,8 @@ class Derivation(Decided):
         """That of the last statement."""
         return self.statements[-1][1].status
 
-    def __str__(self) -> str:
+    def text_lines(self) -> list[str]:
+        """Statement after statement, with the algebra between."""
         told = []
         for name, conclusion in self.statements:
             told += [f"({name}) {conclusion.statement}: {conclusion.status.value}", f"    because {conclusion.why}"]
@@ -53,7 +54,7 @@ class Derivation(Decided):
                 told += [
                     f"    {text:<52} [{what}{'' if holds else ': does not hold'}]" for what, text, holds in self.algebra
                 ]
-        return "\n".join(told)
+        return told
 
 
 def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[str] = ()) -> Derivation:

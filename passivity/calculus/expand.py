@@ -13,7 +13,7 @@ from flint import acb, fmpz_mpoly, fmpz_poly
 
 from passivity.budget import UndecidedError, spend
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.values import Names, in_ball
+from passivity.calculus.values import Names, in_ball, needed
 from passivity.size import bits_of
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.domain import Domain
@@ -24,6 +24,7 @@ MAX_DEGREE = 400  # in s or any parameter
 MAX_UNITS = 2_000  # of a delay, in its largest common measure with the others
 MAX_BITS = 10_000  # of one coefficient
 MAX_WORK = 3_000_000  # products of terms in one expression
+_MAX_DEPTH = 150  # of parts within parts
 _MAX_REDUCED = 2_000  # terms of a pair that is freed of common factors
 
 
@@ -75,6 +76,8 @@ class Expansion:
         self.units: dict[int, Fraction] = {}  # of exp(-unit w), by w
         self.atoms: list[int] = []
         self._collect(root)
+        if _depth(graph, root) > _MAX_DEPTH:
+            raise ExpansionError(f"functions of over {_MAX_DEPTH} parts within parts are not expanded")
         self.domain = Domain(tuple(ranges), max(len(self.units) + len(self.atoms), 1))
         if len(self.domain.ranges) > MAX_PARAMETERS:
             raise ExpansionError(f"functions of over {MAX_PARAMETERS} parameters are not expanded")
@@ -95,7 +98,7 @@ class Expansion:
                 continue
             seen.add(n)
             kind, parts = graph.nodes[n]
-            if kind in ("sqrt", "log", "system") or (kind == "name" and graph.names[parts[0]][0] != "real"):
+            if kind in ("sqrt", "log") or (kind == "name" and graph.names[parts[0]][0] != "real"):
                 self.atoms.append(n)
             elif kind in ("exp", "cosh", "tanh", "line"):
                 c, m = parts[1] if kind == "line" else parts[0]
@@ -116,9 +119,7 @@ class Expansion:
     def _node(self, n: int) -> Pair:
         if n not in self.known:
             kind, parts = self.graph.nodes[n]
-            if kind == "ratio":
-                found = Pair(*(self.univariate(fmpz_poly(list(f))) for f in parts))
-            elif kind == "sum":
+            if kind == "sum":
                 found = self._sum(self.of(part) for part in parts)
             elif kind == "mul":
                 found = Pair(self.one, self.one)
@@ -240,6 +241,13 @@ class Expansion:
                 term *= x ** int(e)
             total += term
         return total
+
+
+def _depth(graph: Graph, root: int) -> int:
+    depth = {0: 0}
+    for n in needed(graph, root):
+        depth[n] = 1 + max((depth[m] for m in graph.inner(n)), default=0)
+    return depth[root]
 
 
 def bits(f: fmpz_mpoly) -> int:

@@ -53,8 +53,8 @@ class Graph(Nodes):
             found = self._number[kind, parts] = len(self.nodes) - 1
             ids = self.inner(found)
             opaque = kind == "name" and self.names[parts[0]][0] != "real"
-            self.moves.append(kind in ("s", "ratio", "system") or opaque or any(self.moves[n] for n in ids))
-            plain = kind in ("s", "ratio", "sum", "mul")
+            self.moves.append(kind == "s" or opaque or any(self.moves[n] for n in ids))
+            plain = kind in ("s", "sum", "mul")
             self.is_rational.append(plain and all(self.is_rational[n] for n in ids))
         return found
 
@@ -63,7 +63,7 @@ class Graph(Nodes):
         kind, parts = self.nodes[n]
         if kind == "mul":
             return [m for m, _ in parts]
-        return [m for _, m in parts] if kind not in ("one", "s", "name", "ratio", "system") else []
+        return [m for _, m in parts] if kind not in ("one", "s", "name") else []
 
     @property
     def s(self) -> Value:
@@ -74,22 +74,18 @@ class Graph(Nodes):
         """A parameter or an opaque function of `names`."""
         return Fraction(1), self.node("name", (name,))
 
-    def ratio(self, p: Iterable[int], q: Iterable[int]) -> Value:
-        """A rational function of given coefficients, lowest power first."""
-        return Fraction(1), self.node("ratio", (tuple(p), tuple(q)))
-
     def scaled(self, value: Value, c: Fraction | int) -> Value:
         """A multiple."""
         return _checked(value[0] * c), value[1] if c else 0
 
     def sum(self, values: Iterable[Value]) -> Value:
         """The sum of some values."""
-        total: dict[int, Fraction] = {}
+        terms: dict[int, Fraction] = {}
         for c, n in values:
             kind, parts = self.nodes[n]
-            for x, m in parts if kind == "sum" else ((Fraction(1), n),):
-                total[m] = total.get(m, Fraction(0)) + c * x
-        terms = {n: _checked(c) for n, c in total.items() if c}
+            for x, m in ((c * x, m) for x, m in parts) if kind == "sum" else ((c, n),):
+                terms[m] = terms[m] + x if m in terms else x
+        terms = {n: _checked(c) for n, c in terms.items() if c}
         if len(terms) < 2:
             return next(((c, n) for n, c in terms.items()), ZERO)
         common = self._common(list(terms))
@@ -99,6 +95,8 @@ class Graph(Nodes):
             return self.product([inner, self._product(common, {})])
         order = sorted(terms)
         first = terms[order[0]]
+        if first == 1:
+            return UNIT[0], self.node("sum", tuple((terms[n], n) for n in order))
         return first, self.node("sum", tuple((terms[n] / first, n) for n in order))
 
     def _common(self, nodes: list[int]) -> dict[int, int]:
@@ -119,22 +117,23 @@ class Graph(Nodes):
         ExpressionError
             For a division by zero.
         """
-        values = list(values)
         powers: dict[int, int] = {}
         c = Fraction(1)
-        for (x, n), e in zip(values, exponents or [1] * len(values), strict=True):
-            if not x and e < 0:
-                raise ExpressionError("", "division by zero", "a denominator that is not zero everywhere")
-            check_size(0, bits_of(x) * abs(e))
-            c = _checked(c * x**e)
+        for (x, n), e in zip(values, exponents, strict=True) if exponents else ((value, 1) for value in values):
+            if x != 1:
+                if not x and e < 0:
+                    raise ExpressionError("", "division by zero", "a denominator that is not zero everywhere")
+                check_size(0, bits_of(x) * abs(e))
+                c = _checked(c * x**e)
             for b, k in self.powers(n).items():
                 powers[b] = powers.get(b, 0) + k * e
         factor, n = self._product(powers, {}) if c else ZERO
-        return _checked(c * factor), n
+        return (c, n) if factor == 1 else (_checked(c * factor), n)
 
     def _product(self, powers: dict[int, int], more: dict[int, int]) -> Value:
         """A product in its one form: one exponential, roots of squares taken."""
-        powers = {b: powers.get(b, 0) + more.get(b, 0) for b in powers | more}
+        if more:
+            powers = {b: powers.get(b, 0) + more.get(b, 0) for b in powers | more}
         arguments, folded = [], []
         for b, e in list(powers.items()):
             kind, parts = self.nodes[b]
@@ -158,6 +157,13 @@ class Graph(Nodes):
         if len(kept) == 1 and next(iter(kept.values())) == 1:
             return Fraction(1), next(iter(kept))
         return Fraction(1), self.node("mul", tuple(sorted(kept.items()))) if kept else 0
+
+    def opposite(self, n: int) -> int | None:
+        """The number of 1 over a node, None if it is not there yet."""
+        powers = {b: -e for b, e in self.powers(n).items()}
+        if len(powers) == 1 and 1 in powers.values():
+            return next(iter(powers))
+        return self._number.get(("mul", tuple(sorted(powers.items()))))
 
     def inverse(self, value: Value) -> Value:
         """1 over a value."""
@@ -205,6 +211,8 @@ class Graph(Nodes):
 
     def multiplied(self, f: dict, g: dict) -> dict:
         """The product of two polynomials in atoms, if it is affordable."""
+        if len(f) == 1 or len(g) == 1:
+            return super().multiplied(f, g)
         longest = max(map(len, f), default=0) + max(map(len, g), default=0)
         spend((5_000 + 2_000 * longest) * len(f) * len(g), "an equality")
         return super().multiplied(f, g)
@@ -217,22 +225,6 @@ class Graph(Nodes):
     def mark(self, value: Value) -> None:
         """Remember a value that is to be proved before what is made of it."""
         self.marks.append(value[1])
-
-    def replaced(self, n: int, old: int, new: Value) -> Value:
-        """A product with another value for one that is a factor of it, or of a term of the sums in it."""
-
-        def factor(b: int) -> Value:
-            kind, parts = self.nodes[b]
-            if kind != "sum":
-                return new if b == old else (Fraction(1), b)
-            terms = [(c, self.powers(m)) for c, m in parts]
-            return self.sum(
-                self.product([(c, 0), *(new if x == old else (Fraction(1), x) for x in powers)], [1, *powers.values()])
-                for c, powers in terms
-            )
-
-        powers = self.powers(n)
-        return self.product(map(factor, powers), powers.values())
 
 
 def _checked(c: Fraction) -> Fraction:

@@ -9,6 +9,8 @@ from flint import fmpz_poly
 
 from passivity.budget import UndecidedError
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
+from passivity.calculus.values import needed
+from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.one_port.axis import allowance
 from passivity.one_port.hurwitz import routh_column
@@ -23,8 +25,8 @@ MAX_DEGREE = 16  # above, only Re >= 0 and modulus <= 1 are tried
 _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
-def rational_facts(graph: Graph, n: int) -> Iterator[tuple[Fact, dict[str, Any]]]:
-    """Facts, where found the sharpest half-planes and discs, each with the data that the rule `rational` asks for.
+def rational_facts(graph: Graph, n: int, sharp: bool = True) -> Iterator[tuple[Fact, dict[str, Any]]]:
+    """Facts, the sharpest discs where found and wanted, each with the data that the rule `rational` asks for.
 
     Examples
     --------
@@ -33,8 +35,11 @@ def rational_facts(graph: Graph, n: int) -> Iterator[tuple[Fact, dict[str, Any]]
     >>> [tuple(map(str, fact)) for fact, _ in rational_facts(graph, n)][:2]
     [('disc', '0', '1'), ('disc', '0', 'inf')]
     """
-    r = function_of(graph, n)
-    for disc in _candidates(r):
+    try:
+        r = function_of(graph, n)
+    except ExpressionError:  # its degree is too high, or its numbers are too long
+        return
+    for disc in _candidates(r) if sharp else (POSITIVE_REAL, BOUNDED_REAL):
         if data := _proof(_moved(r, disc)):
             yield disc, data
     for turns, candidate in ((1, r), (2, r / _S), (2, r * _S)):
@@ -45,19 +50,18 @@ def rational_facts(graph: Graph, n: int) -> Iterator[tuple[Fact, dict[str, Any]]
 
 def function_of(graph: Graph, n: int) -> RationalFunction:
     """A node that is rational in s as such a function."""
-    kind, parts = graph.nodes[n]
-    if kind == "ratio":
-        return RationalFunction(fmpz_poly(list(parts[0])), fmpz_poly(list(parts[1])))
-    if kind == "s":
-        return _S
-    total = RationalFunction.constant(Fraction(1 if kind != "sum" else 0))
-    if kind == "sum":
-        for c, m in parts:
-            total = total + function_of(graph, m) * c
-    elif kind == "mul":
-        for m, e in parts:
-            total = total * function_of(graph, m) ** e
-    return total.reduced()
+    known = {0: RationalFunction.constant(Fraction(1))}
+    for k in needed(graph, n):
+        kind, parts = graph.nodes[k]
+        if kind == "s":
+            total = _S
+        else:
+            total = RationalFunction.constant(Fraction(1 if kind != "sum" else 0))
+            for x, m in parts:
+                total = total + known[m] * x if kind == "sum" else total * known[x] ** m
+            total = total.reduced()
+        known[k] = total
+    return known[n]
 
 
 def _proof(z: RationalFunction) -> dict[str, Any] | None:

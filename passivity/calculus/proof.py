@@ -141,9 +141,9 @@ def _read(number: str) -> Fraction:
 def lines(proof: Proof) -> Iterator[str]:
     """A proof line by line: each function that it speaks of, the fact, the rule."""
     texts = Texts(proof["nodes"])
-    for n, fact, rule, _, _ in proof["steps"]:
+    for n, fact, rule, _, data in proof["steps"]:
         if n:
-            yield f"{texts.of(n)}: {in_words(fact)}   [{rule}]"
+            yield f"{texts.of(n)}: {in_words(fact)}   [{'inverse' if data == [-1] else rule}]"
 
 
 class Texts:
@@ -171,8 +171,6 @@ class Texts:
             below = [self._power(m, -e) for m, e in parts if e < 0]
             under = f"/({'*'.join(below)})" if len(below) > 1 else f"/{below[0]}" if below else ""
             return ("*".join(above) or "1") + under
-        if kind in ("ratio", "system"):
-            return f"#{n}"
         return f"{kind}({', '.join(self._scaled(c, m) for c, m in parts)})"
 
     def _scaled(self, c: str, m: int) -> str:

@@ -1,25 +1,32 @@
 """Facts about the nodes of a graph, by the rules of `passivity.verifier`: the prover only chooses which to apply."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 from passivity.budget import VERDICT, UndecidedError, budget, spend
 from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import rational_facts
-from passivity.calculus.rewrite import rewritings
+from passivity.calculus.rewrite import lines, rewritings
+from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.verifier import RULES, disc, implies, inverted, scaled, turn
 
-DEPTHS = (2, 4, 6)  # of rewritings within rewritings, tried in turn
+DEPTHS = (
+    0,
+    2,
+    4,
+    6,
+)  # of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
+Task: TypeAlias = Iterator[int]  # asks for facts about nodes, which are there when it goes on
 
 
 class Prover:
@@ -43,33 +50,40 @@ class Prover:
     def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
         """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
         for most in depths:
-            self.most = most
-            for n in [*self._marked(value[1]), value[1]]:
+            self.most, self.depth = most, 0
+            for n in [*(self._marked(value[1]) if most else ()), value[1]]:
                 self.rewritten = 0
-                self.facts(n)
+                self._run(iter([n]))
             if (found := self._implying(value, goal)) is not None:
                 return found
-            self.rewritten = 0
-            if (found := self._rewritten_to(value, goal)) is not None:
-                return found
-            self.known = {n: steps for n, steps in self.known.items() if steps}
+            self.rewritten, found = 0, []
+            self._run(self._rewrite(value[1], lambda k: self._best(value, goal, [k]) is not None, found))
+            if found:
+                return found[0]
+            self.known = {n: steps for n, steps in self.known.items() if steps and (most or self._is_line(steps))}
         return None
+
+    def _run(self, task: Task) -> None:
+        """Work through a task and those that it waits for, however deep, without recursion."""
+        stack = [task]
+        while stack:
+            n = next(stack[-1], None)
+            if n is None:
+                stack.pop()
+            elif n not in self.known:
+                spend(_COST, "a proof by composition")
+                self.known[n] = []
+                stack.append(self._facts(n))
 
     def _marked(self, root: int) -> list[int]:
         """The marks among what a node is made of, in order."""
-        seen, stack = set(), [root]
-        while stack:
-            n = stack.pop()
-            if n not in seen:
-                seen.add(n)
-                stack += self.graph.inner(n)
-        return sorted(seen.intersection(self.graph.marks))
+        return sorted(set(needed(self.graph, root)).intersection(self.graph.marks))
+
+    def _is_line(self, steps: list[int]) -> bool:
+        return any(self.steps[k][2] == "line" for k in steps)
 
     def _implying(self, value: Value, goal: Fact) -> int | None:
         return self._best(value, goal, self.known.get(value[1], ()))
-
-    def _rewritten_to(self, value: Value, goal: Fact) -> int | None:
-        return next((k for k in self.rewrite(value[1]) if self._best(value, goal, [k]) is not None), None)
 
     def _best(self, value: Value, goal: Fact, steps: Iterable[int]) -> int | None:
         """The sharpest of some steps that imply a fact."""
@@ -77,16 +91,11 @@ class Prover:
         implying = [(_size(fact), _low(fact), k) for fact, k in moved if fact and implies(fact, goal)]
         return min(implying)[-1] if implying else None
 
-    def facts(self, n: int) -> list[int]:
+    def _facts(self, n: int) -> Task:
         """Steps about a node, those that others imply left out."""
-        if n not in self.known:
-            spend(_COST, "a proof by composition")
-            self.known[n] = []
-            for _ in self.direct(n):
-                pass
-            if not any(disc(self.steps[k][1]) for k in self.known[n]):
-                next(self.rewrite(n), None)
-        return self.known[n]
+        yield from self._direct(n)
+        if not any(disc(self.steps[k][1]) for k in self.known[n]):
+            yield from self._rewrite(n, lambda _: True, [])
 
     def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
         """Apply a rule, and keep what is new."""
@@ -103,82 +112,106 @@ class Prover:
                 fresh.append(len(self.steps) - 1)
         return fresh
 
-    def direct(self, n: int) -> Iterator[int]:
+    def _direct(self, n: int) -> Task:
         """Facts by the operation of a node itself."""
         graph, (kind, parts) = self.graph, self.graph.nodes[n]
         if kind in ("one", "s", "name"):
-            yield from self.follow(n, "leaf", [])
+            self.follow(n, "leaf", [])
         elif graph.moves[n] and graph.is_rational[n] and graph.powers(n) not in ({graph.s[1]: 1}, {graph.s[1]: -1}):
-            for fact, data in rational_facts(graph, n):
-                yield from self.follow(n, "rational", [], {"fact": [fact[0], *map(written, fact[1:])], **data})
-            if kind == "mul" and not any(turn(self.steps[k][1]) is not None for k in self.known[n]):
-                yield from self.product(n)
+            yield from self._rational(n, kind)
         elif kind == "sum":
-            yield from self.sum(n)
+            yield from self._sum(n)
         elif kind == "mul":
-            yield from self.product(n)
+            found = False
+            for upside_down, parts, cut in lines(graph, n) if graph.moves[n] else ():
+                found, line = True, graph.node("line", parts)
+                target = graph.inverse((Fraction(1), n))[1] if upside_down else n
+                yield line
+                for k in list(self.known[line]):
+                    self._equal(target, k, "1", cut)
+                for k in list(self.known.get(target, ())) if upside_down else ():
+                    self.follow(n, "product", [k], [-1])
+                if self.known[n]:
+                    return
+            if self.most or not found:
+                yield from self._product(n)
         elif kind == "line":
-            yield from self.line(n, parts)
+            yield from self._line(n, *parts)
         elif kind in ("exp", "log", "sqrt", "tanh", "cosh"):
-            for k in list(self.facts(parts[0][1])):
-                yield from self.follow(n, "function", [k])
+            yield parts[0][1]
+            for k in list(self.known[parts[0][1]]):
+                self.follow(n, "function", [k])
             name, inner = graph.nodes[parts[0][1]]
             if kind == "exp" and name == "log":
-                for k in list(self.facts(inner[0][1])):
-                    yield from self.follow(n, "power", [k])
+                yield inner[0][1]
+                for k in list(self.known[inner[0][1]]):
+                    self.follow(n, "function", [k])
 
-    def line(self, n: int, parts: tuple) -> Iterator[int]:
-        """A line, from its load, series impedance and shunt admittance."""
-        z0, through, load = parts
-        plain = [(Fraction(1), through[1]), (Fraction(1), z0[1])]
-        products = [self.graph.product(plain, [1, e])[1] for e in (1, -1)]
-        chosen = [self.right(m) for m in (load[1] if load[0] else 0, *products)]
-        known = [k for k in chosen if k is not None]
-        if len(known) == 3:
-            yield from self.follow(n, "line", known)
+    def _rational(self, n: int, kind: str) -> Task:
+        """By the parts if that is enough, else by the exact test, at a closer look with the sharpest discs."""
+        if not self.most:
+            yield from self._sum(n) if kind == "sum" else self._product(n)
+            if self.right(n) is not None:
+                return
+        for fact, data in rational_facts(self.graph, n, bool(self.most)):
+            self.follow(n, "rational", [], {"fact": [fact[0], *map(written, fact[1:])], **data})
+        if self.most and kind == "mul" and not any(turn(self.steps[k][1]) is not None for k in self.known[n]):
+            yield from self._product(n)
+
+    def _line(self, n: int, z0: Value, through: Value, load: Value) -> Task:
+        """A line, from its load and a constant z0, or from its load, series impedance and shunt admittance."""
+        along = [z0[1], through[1]]
+        if self.graph.moves[z0[1]]:
+            plain = [(Fraction(1), through[1]), (Fraction(1), z0[1])]
+            along = [self.graph.product(plain, [1, e])[1] for e in (1, -1)]
+        needs = [load[1] if load[0] else 0, *along]
+        for m in needs:
+            yield m
+            if self.right(m) is None:
+                return
+        self.follow(n, "line", [k for m in needs if (k := self.right(m)) is not None])
 
     def right(self, n: int) -> int | None:
         """A step that says Re w >= 0."""
-        self.facts(n)
-        return self._implying((Fraction(1), n), POSITIVE_REAL)
+        return next((k for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)), None)
 
-    def discs(self, n: int) -> list[int]:
-        """Steps that tell of discs."""
-        return [k for k in self.facts(n) if disc(self.steps[k][1])]
-
-    def sum(self, n: int) -> Iterator[int]:
+    def _sum(self, n: int) -> Task:
         """A sum, from the sharpest facts about its terms, of which rational ones are taken together."""
         graph, terms = self.graph, self.graph.nodes[n][1]
         simple = [(c, m) for c, m in terms if graph.is_rational[m]]
         if 1 < len(simple) < len(terms):
             c, together = graph.sum(simple)
             terms = [(c, together), *((c, m) for c, m in terms if not graph.is_rational[m])]
-        known = [[(scaled(self.steps[k][1], c), k) for k in self.facts(m)] for c, m in terms]
+        yield from (m for _, m in terms)
+        known = [[(scaled(self.steps[k][1], c), k) for k in self.known[m]] for c, m in terms]
         data = [written(c) for c, _ in terms]
         for key in (_low, _high, _width, _angle):
             best = [min(((key(f), k) for f, k in facts if f), default=(math.inf, 0)) for facts in known]
             if all(x < math.inf for x, _ in best) and (key is not _angle or all(x <= 1 for x, _ in best)):
-                yield from self.follow(n, "combination", [k for _, k in best], data)
+                self.follow(n, "combination", [k for _, k in best], data)
+            if not self.most and self.right(n) is not None:
+                return
 
-    def product(self, n: int) -> Iterator[int]:
+    def _product(self, n: int) -> Task:
         """A product, from facts about its inverse or its factors, of which those that belong together are kept so."""
         graph, powers = self.graph, self.graph.powers(n)
-        opposite = graph.inverse((Fraction(1), n))[1]
         if len(powers) == 1:
             ((b, e),) = powers.items()
             if e == -1:
-                self.facts(b)
+                yield b
             if graph.nodes[b][0] == "cosh" and e == -1:
-                for k in list(self.facts(graph.nodes[b][1][0][1])):
-                    yield from self.follow(n, "function", [k])
-        for k in list(self.known.get(opposite, ())):
-            yield from self.follow(n, "inverse", [k])
-        yield from self.means(n, powers)
+                yield graph.nodes[b][1][0][1]
+                for k in list(self.known[graph.nodes[b][1][0][1]]):
+                    self.follow(n, "function", [k])
+        for k in list(self.known.get(graph.opposite(n) or 0, ())):
+            self.follow(n, "product", [k], [-1])
+        yield from self._means(n, powers)
         pieces = self.pieces(n, powers)
         if len(pieces) < 2 and pieces[0][1] in (1, -1):
             return
         exponents = [e for _, e in pieces]
-        known = [[(self.steps[k][1], k) for k in self.facts(m)] for m, _ in pieces]
+        yield from (m for m, _ in pieces)
+        known = [[(self.steps[k][1], k) for k in self.known[m]] for m, _ in pieces]
         keys = [(_low, _low), (_size, _size)] if any(not graph.moves[m] for m, _ in pieces) else [(_size, _size)]
         for up, _ in [*keys, (_angle, _angle)]:
             best = []
@@ -186,22 +219,23 @@ class Prover:
                 usable = [(up(f) if e > 0 or up is _angle else up(_inverted(f)), k) for f, k in facts]
                 best.append(min(usable, default=(math.inf, 0)))
             if all(x < math.inf for x, _ in best):
-                yield from self.follow(n, "product", [k for _, k in best], exponents)
-        yield from self.roots(n, pieces)
+                self.follow(n, "product", [k for _, k in best], exponents)
+            if not self.most and self.right(n) is not None:
+                return
+        yield from self._roots(n, pieces)
 
-    def roots(self, n: int, pieces: list[tuple[int, int]]) -> Iterator[int]:
+    def _roots(self, n: int, pieces: list[tuple[int, int]]) -> Task:
         """A product of roots, from its square."""
         graph = self.graph
         if not any(graph.nodes[m][0] == "sqrt" for m, _ in pieces):
             return
-        angles = [min(((_angle(self.steps[k][1]), k) for k in self.facts(m)), default=(math.inf, 0)) for m, _ in pieces]
+        angles = [min(((_angle(self.steps[k][1]), k) for k in self.known[m]), default=(math.inf, 0)) for m, _ in pieces]
         if all(x < math.inf for x, _ in angles):
             c, squared = graph.product([(Fraction(1), n)], [2])
             if c > 0 and squared != n and graph.is_rational[squared]:
-                for k in list(self.facts(squared)):
-                    yield from self.follow(
-                        n, "square", [k, *(x for _, x in angles)], [written(c), [e for _, e in pieces]]
-                    )
+                yield squared
+                for k in list(self.known[squared]):
+                    self.follow(n, "square", [k, *(x for _, x in angles)], [written(c), [e for _, e in pieces]])
 
     def pieces(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
         """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
@@ -222,7 +256,7 @@ class Prover:
                     left[a], left[b] = left[a] - 1, left[b] + 1
         return found + [(b, e) for b, e in left.items() if e]
 
-    def means(self, n: int, powers: dict[int, int]) -> Iterator[int]:
+    def _means(self, n: int, powers: dict[int, int]) -> Task:
         """log(1 + X)/X and (1 - exp(-X))/X."""
         graph = self.graph
         for b, e in powers.items():
@@ -236,10 +270,11 @@ class Prover:
                     continue
                 c, x = graph.scaled(graph.nodes[x][1][0], -1)
             if {k: -v for k, v in graph.powers(x).items()} == {k: v for k, v in powers.items() if k != b}:
-                for k in self.discs(x):
-                    yield from self.follow(n, "mean", [k], written(c))
+                yield x
+                for k in [k for k in self.known[x] if disc(self.steps[k][1])]:
+                    self.follow(n, "mean", [k], written(c))
 
-    def equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
+    def _equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
         """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
         try:
             with budget(_EQUALITY):
@@ -250,8 +285,8 @@ class Prover:
         except UndecidedError:
             return []
 
-    def rewrite(self, n: int) -> Iterator[int]:
-        """Facts about the same function, or its inverse, written differently."""
+    def _rewrite(self, n: int, enough: Callable[[int], bool], found: list[int]) -> Task:
+        """Facts about the same function, or its inverse, written differently, until one is enough."""
         if self.depth >= self.most or self.graph.is_rational[n]:
             return
         self.depth += 1
@@ -261,9 +296,13 @@ class Prover:
                 if self.rewritten > MAX_REWRITINGS:
                     return
                 target = self.graph.inverse((Fraction(1), n))[1] if upside_down else n
-                for k in list(self.facts(m)):
-                    for found in self.equal(target, k, written(c), cut):
-                        yield from [found] if target == n else self.follow(n, "inverse", [found])
+                yield m
+                for k in list(self.known[m]):
+                    for other in self._equal(target, k, written(c), cut):
+                        fresh = [other] if target == n else self.follow(n, "product", [other], [-1])
+                        if any(map(enough, fresh)):
+                            found += filter(enough, fresh)
+                            return
         except ExpressionError:  # a division by zero on the way
             return
         finally:

@@ -1,12 +1,14 @@
-"""The same function written differently: so that its parts occur once, or that a line and its end stand apart."""
+"""The same function written differently: so that its parts occur once; and a line in it, with its end."""
 
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import Any
 
-from passivity.calculus.graph import UNIT, Graph, Value
-from passivity.errors import ExpressionError
+from passivity.calculus.graph import UNIT, ZERO, Graph, Value
+from passivity.verifier import added
 
 Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; nodes that are not looked into
+Reading = tuple[bool, tuple[Value, Value, Value], list[int]]  # as before, of z0, propagation and load of a line
 
 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
@@ -14,12 +16,12 @@ def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
     powers = graph.powers(n)
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
+    yield from _remainder(graph, powers, sums)
+    yield from _parallel(graph, powers, sums)
     yield from _conjugate(graph, n)
     if not graph.moves[n]:
         return
-    sums = [b for b in sums if graph.moves[b]]
-    yield from _lines(graph, n, sums)
-    yield from _spread(graph, powers, sums)
+    yield from _spread(graph, powers, [b for b in sums if graph.moves[b]])
 
 
 def _conjugate(graph: Graph, n: int) -> Iterator[Rewriting]:
@@ -51,6 +53,36 @@ def _cayley(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[R
                 yield False, whole, _atoms(graph, [same[1], other[1]])
 
 
+def _remainder(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """N/D as k + 1/(D/r) where N = k D + r and r is constant in s."""
+    for b in sums:
+        if powers[b] != -1:
+            continue
+        x, above = graph.product(((Fraction(1), m) for m in powers if m != b), [e for m, e in powers.items() if m != b])
+        up, down = graph.terms(above, x), graph.terms(b)
+        k = next((up[m] / c for m, c in down.items() if graph.moves[m] and m in up), Fraction(0))
+        rest = added(up, {m: -k * c for m, c in down.items()})
+        if k and rest and not any(graph.moves[m] for m in rest):
+            r = graph.sum((c, m) for m, c in rest.items())
+            below = graph.sum(graph.product([(c, m), r], [1, -1]) for m, c in down.items())
+            yield False, graph.sum([(k, 0), graph.inverse(below)]), _atoms(graph, [above, b])
+
+
+def _parallel(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """c N/D upside down, as k/c + (r/c)/N, where D = k N + r and r has fewer terms."""
+    for a in sums:
+        for b in sums:
+            up, down = graph.terms(a), graph.terms(b)
+            k = next((c / up[m] for m, c in down.items() if m in up), Fraction(0))
+            left = added(down, {m: -k * c for m, c in up.items()})
+            if powers[a] == 1 and powers[b] == -1 and k > 0 and left and len(left) < len(down):
+                rest = {m: -e for m, e in powers.items() if m not in (a, b)}
+                c = graph.product(((Fraction(1), m) for m in rest), list(rest.values()))
+                r = graph.sum((x, m) for m, x in left.items())
+                over = graph.product([r, c, (Fraction(1), a)], [1, 1, -1])
+                yield True, graph.sum([graph.scaled(c, k), over]), _atoms(graph, [a, b])
+
+
 def _spread(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
     """A sum above spread over its terms; one below, over the terms of the inverse."""
     for b in sums:
@@ -62,33 +94,79 @@ def _spread(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[R
         yield e < 0, graph.sum(terms), _atoms(graph, [b, *(m for (_, m), _ in rest)], deeper=b)
 
 
-def _lines(graph: Graph, n: int, sums: list[int]) -> Iterator[Rewriting]:
-    """A line with a load Z: w at tanh B = 0 is Z, at tanh B = 1 the characteristic impedance; or 1/w is one."""
-    cut = sorted(
-        {x for b in sums for m in graph.terms(b) for x in graph.powers(m) if graph.nodes[x][0] in ("sum", "line")}
-    )
-    for t in _hyperbolic(graph, n, sums):
-        kind, parts = graph.nodes[t]
-        through = parts[0] if kind == "tanh" else graph.scaled(parts[0], Fraction(-1, 2))
-        for upside_down in (False, True):
-            try:
-                whole = graph.inverse((Fraction(1), n))[1] if upside_down else n
-                load, z0 = (graph.replaced(whole, t, (Fraction(int(x == (kind == "tanh"))), 0)) for x in (0, 1))
-            except ExpressionError:  # no load, or none that is not infinite
-                continue
-            lossy = any(graph.nodes[b][0] == "sqrt" for b in graph.powers(z0[1]))
-            if through[0] > 0 and z0[0] > 0 and load[0] >= 0 and (lossy or not graph.moves[z0[1]]):
-                yield upside_down, (Fraction(1), graph.node("line", (z0, through, load))), cut
-                break
+def lines(graph: Graph, n: int) -> Iterator[Reading]:
+    """Ways to read c (P + Q t)/(R + S t) as a line: t = tanh B, A = c Q/R, Z = c P/R; or t = exp(-2 B), A = c P/R."""
+    powers = graph.powers(n)
+
+    def without(*bases: int) -> Value:
+        rest = {b: e for b, e in powers.items() if b not in bases}
+        return graph.product(((Fraction(1), b) for b in rest), list(rest.values()))
+
+    for t, e in powers.items():
+        if graph.nodes[t][0] == "tanh" and abs(e) == 1 and len(powers) > 1:  # the end is shorted, or open
+            z0 = without(t) if e > 0 else graph.inverse(without(t))
+            yield e < 0, (z0, graph.nodes[t][1][0], ZERO), [t, *_factors(graph, z0[1])]
+    above, below = ([b for b, e in powers.items() if e == sign and graph.nodes[b][0] == "sum"] for sign in (1, -1))
+    for up in above:
+        for down in below:
+            for t in sorted(_waves(graph, up) & _waves(graph, down), reverse=True):
+                (k, p, q), (m, r, s) = (_split(graph, b, t) for b in (up, down))
+                for upside_down in (False, True) if k is not None and k == m else ():
+                    c = without(up, down)
+                    c, ends = (graph.inverse(c), (r, s, p, q)) if upside_down else (c, (p, q, r, s))
+                    if found := _line(graph, t, c, *ends):
+                        yield upside_down, *found
+                        break
 
 
-def _hyperbolic(graph: Graph, n: int, sums: list[int]) -> list[int]:
-    """tanh and exp in the terms of the sums in a product, and tanh in its factors."""
-    found = {b for b in graph.powers(n) if graph.nodes[b][0] == "tanh"} if len(graph.powers(n)) > 1 else set()
-    for b in sums:
-        for m in graph.terms(b):
-            found |= {x for x in graph.powers(m) if graph.nodes[x][0] in ("tanh", "exp")}
-    return sorted(found, reverse=True)
+def _waves(graph: Graph, b: int) -> set[int]:
+    """tanh and exp in the terms of a sum."""
+    return {
+        x for _, m in graph.nodes[b][1] for x, e in graph.powers(m).items()
+        if e in (1, -1) and graph.nodes[x][0] in ("tanh", "exp")
+    }  # fmt: skip
+
+
+def _split(graph: Graph, b: int, t: int) -> tuple[int | None, Value, Value]:
+    """k, P and Q of a sum t^k (P + Q t); no k if it is none."""
+    found: dict[int, list[Value]] = {}
+    for c, m in graph.nodes[b][1]:
+        powers = graph.powers(m)
+        k = powers.get(t, 0)
+        x, rest = graph.product([(c, m), (Fraction(1), t)], [1, -k]) if k else (c, m)
+        found.setdefault(k, []).append((x, rest))
+    k = min(found)
+    return (k if found.keys() <= {k, k + 1} else None), graph.sum(found[k]), graph.sum(found.get(k + 1, ()))
+
+
+def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value) -> Any:
+    """The line that c (P + Q t)/(R + S t) is, None if it has no positive constants, or an open end."""
+    kind, ((x, through),) = graph.nodes[t]
+    if kind == "exp" and x > 0:
+        p, q, r, s = q, p, s, r
+    if not r[0]:
+        return None
+    z0 = graph.product([c, q if kind == "tanh" else p, r], [1, 1, -1])
+    if kind == "tanh":
+        load = graph.product([c, p, r], [1, 1, -1])
+    else:
+        h, n = graph.product([s, r], [1, -1])
+        over, under = ({b: abs(e) for b, e in graph.powers(n).items() if sign * e > 0} for sign in (1, -1))
+        above, below = (graph.product(((Fraction(1), b) for b in x), list(x.values())) for x in (over, under))
+        less, more = graph.sum([below, graph.scaled(above, -h)]), graph.sum([below, graph.scaled(above, h)])
+        if not more[0]:
+            return None
+        load = graph.product([z0, less, more], [1, 1, -1])
+    if z0[0] <= 0 or x == 0 or (kind == "tanh" and x < 0) or load[0] < 0:
+        return None
+    cut = _factors(graph, z0[1]) | _factors(graph, load[1]) | ({t} if kind == "tanh" else set())
+    return (z0, (x if kind == "tanh" else abs(x) / 2, through), load), sorted(cut)
+
+
+def _factors(graph: Graph, n: int) -> set[int]:
+    """Sums and lines that a value is a product of; if it is a sum itself, those in its terms."""
+    bases = [x for m in graph.terms(n) for x in graph.powers(m)]
+    return {b for b in bases if graph.nodes[b][0] in ("sum", "line") and b != n}
 
 
 def _atoms(graph: Graph, nodes: list[int], deeper: int = -1) -> list[int]:

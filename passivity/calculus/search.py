@@ -21,8 +21,49 @@ _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _STARTS, _NEWTON = 400, 16  # points from which Newton's method looks for poles, and its steps
+_Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
+
+
+class Scales:
+    """Where terms in s are of one size, and lengths of time: what is the same for all values of the names."""
+
+    def __init__(self, question: Question):
+        self.graph, self.order = question.graph, needed(question.graph, question.value[1])
+        self.times: set[_Term] = set()
+        self.sums: list[list[_Term]] = []
+        for n in self.order:
+            kind, parts = self.graph.nodes[n]
+            if kind in ("exp", "tanh", "cosh", "line"):
+                c, m = parts[1] if kind == "line" else parts[0]
+                self.times |= {term for k, x in self.graph.terms(m, c).items() if (term := self._term(x, k))[0] == 1}
+            elif kind == "sum":
+                self.sums.append([self._term(c, m) for c, m in parts])
+
+    def _term(self, c: Fraction, n: int) -> _Term:
+        """The power of s in a term, the logarithm of its coefficient, and the names in it."""
+        powers, nodes = self.graph.powers(n), self.graph.nodes
+        names = tuple((nodes[m][1][0], e) for m, e in powers.items() if nodes[m][0] == "name")
+        return powers.get(self.graph.s[1], 0), math.log(abs(c.numerator)) - math.log(c.denominator), names
+
+    def periods(self, names: Mapping[str, float]) -> list[float]:
+        """The lengths of time in arguments of functions: 1/T of exp(-T s)."""
+        return sorted({_exp(-_size(term, names)) for term in self.times})[:8]
+
+    def ratios(self, names: Mapping[str, float]) -> list[float]:
+        """Where neighbouring powers of s in a sum are of one size."""
+        found = []
+        for terms in self.sums:
+            known = sorted((term[0], _size(term, names)) for term in terms)
+            found += [_exp((a - b) / (j - i)) for (i, a), (j, b) in pairwise(known) if i != j and math.isfinite(a - b)]
+        return found
+
+
+def _size(term: _Term, names: Mapping[str, float]) -> float:
+    """The logarithm of what stands before the power of s in a term."""
+    _, size, powers = term
+    return size + sum(e * math.log(abs(names[name])) for name, e in powers if names[name])
 
 
 class Search:
@@ -37,11 +78,11 @@ class Search:
     True
     """
 
-    def __init__(self, question: Question, names: Mapping[str, Fraction]):
-        self.question, self.names = question, dict(names)
+    def __init__(self, question: Question, names: Mapping[str, Fraction], scales: "Scales | None" = None):
+        self.question, self.names, self.scales = question, dict(names), scales or Scales(question)
         self.floats = {name: double(x) for name, x in names.items()}
-        self.order = needed(question.graph, question.value[1])
-        sizes = self._periods() + [x for n in self.order for x in self._ratios(n)] or [1.0]
+        self.periods = self.scales.periods(self.floats)
+        sizes = self.periods + self.scales.ratios(self.floats) or [1.0]
         self.low, self.high = min(sizes) * 1e-6, max(sizes) * 1e6
 
     def glance(self) -> Witness | None:
@@ -101,7 +142,8 @@ class Search:
 
     def values(self, s: Array, value: Value | None = None) -> Array:
         """Of the function, or of a part of it."""
-        return in_floats(self.question.graph, value or self.question.value, s, self.floats)
+        order = None if value else self.scales.order
+        return in_floats(self.question.graph, value or self.question.value, s, self.floats, order)
 
     def badness(self, s: Array, relative: bool = True) -> Array:
         """By how much the property fails at points, in parts of the modulus."""
@@ -112,39 +154,6 @@ class Search:
         with np.errstate(all="ignore"):
             found = size - 1 if self.question.bounded else -f.real / (size if relative else 1)
         return np.where(np.isfinite(found), found, -np.inf)
-
-    def _periods(self) -> list[float]:
-        """The lengths of time in arguments of functions: 1/T of exp(-T s)."""
-        graph, found = self.question.graph, set()
-        for n in self.order:
-            kind, parts = graph.nodes[n]
-            if kind in ("exp", "tanh", "cosh", "line"):
-                c, m = parts[1] if kind == "line" else parts[0]
-                for k, x in graph.terms(m, c).items():
-                    degree, size = self._size(x, k)
-                    if degree == 1:
-                        found.add(_exp(-size))
-        return sorted(found)[:8]
-
-    def _ratios(self, n: int) -> Iterator[float]:
-        """Where neighbouring powers of s in a sum are of one size."""
-        kind, parts = self.question.graph.nodes[n]
-        if kind == "sum":
-            known = sorted(self._size(c, m) for c, m in parts)
-            for (i, a), (j, b) in pairwise(known):
-                if i != j and math.isfinite(a - b):
-                    yield _exp((a - b) / (j - i))
-
-    def _size(self, c: Fraction, n: int) -> tuple[int, float]:
-        """The power of s in a term, and the logarithm of what stands before it."""
-        graph = self.question.graph
-        powers = graph.powers(n)
-        size = math.log(abs(c.numerator)) - math.log(c.denominator)
-        for m, e in powers.items():
-            kind, parts = graph.nodes[m]
-            if kind == "name" and self.floats[parts[0]]:
-                size += e * math.log(abs(self.floats[parts[0]]))
-        return powers.get(graph.s[1], 0), size
 
     def _candidates(self) -> Iterator[tuple[Fraction, Fraction]]:
         """Points to try: of a grid, on the real axis where values are not real, improved, beside the axis."""
@@ -169,13 +178,16 @@ class Search:
         """Functions whose poles (1) or zeros (-1) in Re s > 0 may be poles of the whole, or zeros of an impedance."""
         graph, root = self.question.graph, self.question.value
         yield from ((root, sign) for sign in ((1,) if self.question.bounded else (1, -1)))
-        for n in reversed(self.order):
+        for n in reversed(self.scales.order):
             kind, parts = graph.nodes[n]
             if kind == "mul":
                 below = [m for m, e in parts if e < 0 and graph.nodes[m][0] in ("sum", "tanh", "cosh", "line")]
                 yield from (((Fraction(1), m), -1) for m in below)
-            elif kind in ("tanh", "line") and n != root[1]:
+            elif kind == "tanh" and n != root[1]:
                 yield (Fraction(1), n), 1
+            elif kind == "line":  # A + Z tanh B, which is 0 at its poles
+                z0, through, load = parts
+                yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])]), -1
 
     def _singular(self, s: Array) -> list[complex]:
         """Where Newton's method, from some points, finds poles and zeros of the suspects in Re s > 0."""
@@ -221,7 +233,7 @@ class Search:
         """Frequencies of the worst points near the axis, after shrinking a grid around each."""
         import numpy as np
 
-        turns = (np.linspace(0, 50 * x, _AXIS // 4)[1:] for x in self._periods())  # some 8 turns of each delay
+        turns = (np.linspace(0, 50 * x, _AXIS // 4)[1:] for x in self.periods)  # some 8 turns of each delay
         w = np.unique(np.concatenate([np.geomspace(self.low, self.high, _AXIS), *turns]))
         value = self.badness((tilt + 1j) * w, relative=False)
         peaks = np.flatnonzero((value >= np.roll(value, 1)) & (value >= np.roll(value, -1)) & np.isfinite(value))

@@ -56,11 +56,13 @@ def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Name
         bits *= 2
 
 
-def in_floats(graph: Graph, value: Value, s: Array, names: Mapping[str, float]) -> Array:
+def in_floats(
+    graph: Graph, value: Value, s: Array, names: Mapping[str, float], order: list[int] | None = None
+) -> Array:
     """Values at an array of points, in complex doubles; what overflows is not finite."""
     import numpy as np
 
-    order = needed(graph, value[1])
+    order = needed(graph, value[1]) if order is None else order
     spend((1 + len(order)) * (10_000 + 20 * s.size), "a search for a counterexample")
     with np.errstate(all="ignore"):
         at = _Evaluation(graph, names, s, np.ones_like(s), lambda name, x: getattr(np, name)(x), double)
@@ -94,9 +96,6 @@ class _Evaluation:
             for m, e in parts:
                 found = found * at[m] if e == 1 else found / at[m] if e == -1 else found * at[m] ** e
             return found
-        if kind == "ratio":
-            p, q = (sum((exact(Fraction(c)) * self.s**k for k, c in enumerate(f)), 0 * self.one) for f in parts)
-            return p / q
         scaled = [at[m] * exact(c) for c, m in parts]
         if kind == "line":
             z0, propagation, load = scaled

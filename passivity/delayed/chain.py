@@ -10,14 +10,16 @@ before is. For a rational load the converse holds too: an active load makes an a
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from flint import acb, ctx
 
 from passivity.ball import of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.errors import ExpressionError, shown
-from passivity.expression.number import digits
+from passivity.expression.number import digits, written
 from passivity.one_port.positive_real import check_bounded_real, check_positive_real
+from passivity.one_port.report import point
 from passivity.one_port.verdict import Verdict, Witness
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
@@ -65,6 +67,19 @@ class Chain(Decided):
     def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
         """How the last step ended."""
         return self.steps[-1].status
+
+    def text_lines(self) -> list[str]:
+        """The derivation in words."""
+        lines = [f"through a line of z0 = {digits(self.z0)} and delay T = {digits(self.delay)}:"]
+        for step in self.steps:
+            lines += [f"  {step.claim}: {step.status.value}", f"    because {step.reason}"]
+        return lines
+
+    def to_dict(self) -> dict[str, Any]:
+        """The derivation as JSON can hold it."""
+        told: dict[str, Any] = {"z0": written(self.z0), "delay": written(self.delay), "status": self.status.value}
+        told["steps"] = [{"claim": x.claim, "status": x.status.value, "reason": x.reason} for x in self.steps]
+        return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
 
 
 def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:

@@ -11,6 +11,8 @@ from flint import fmpq
 from passivity.errors import ExpressionError, shown
 from passivity.size import bits_of, check_size
 
+_LONGEST = 40  # characters of a complex number that is written exactly
+
 
 def fraction(number: Any, where: str) -> Fraction:
     """Exact value of an int, a float, a Fraction or one of numpy's; `where` names it in the error.
@@ -71,3 +73,18 @@ def digits(x: Fraction | float, count: int = 6) -> str:
     if isinstance(x, float) or not x or sys.float_info.min <= abs(near) < math.inf:
         return f"{near:.{count}g}"
     return f"{Context(prec=count).divide(Decimal(x.numerator), Decimal(x.denominator)).normalize():g}"
+
+
+def complex_text(re: Fraction, im: Fraction) -> str:
+    """An exact complex number if it is short, else a rounded one.
+
+    Examples
+    --------
+    >>> complex_text(Fraction(1, 2), Fraction(-3))
+    '1/2 - 3j'
+    """
+    sign = "-" if im < 0 else "+"
+    exact = f"{written(re)} {sign} {written(abs(im))}j"
+    if len(exact) <= _LONGEST:
+        return exact
+    return f"{digits(re, 12)} {sign} {digits(abs(im), 12)}j  (rounded; exactly: --json)"

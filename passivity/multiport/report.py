@@ -1,13 +1,14 @@
-"""Verdicts on several ports as plain data; exact numbers are texts, polynomials lists, highest power first."""
+"""Verdicts on several ports in words and as plain data; exact numbers are texts, polynomials highest power first."""
 
 import math
 from typing import Any
 
 from passivity.budget import VERDICT, if_affordable
-from passivity.expression.number import written
+from passivity.expression.number import complex_text, digits, written
 from passivity.multiport.certificate import verify
 from passivity.multiport.margin import MatrixMargin
 from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate, StrictCertificate
+from passivity.status import Kind
 
 
 def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, Any]:
@@ -76,3 +77,21 @@ def _number(x: float) -> float | str:
 
 def _list(polynomial: Any) -> list[str]:
     return [str(c) for c in reversed(polynomial.coeffs())] or ["0"]
+
+
+def in_lines(verdict: MatrixVerdict, margin: MatrixMargin | None) -> list[str]:
+    """A verdict in words, line by line."""
+    lines = [f"{verdict.kind.value}, {verdict.network.size} ports: {verdict.status.value}", f"  because {verdict.why}"]
+    if w := verdict.witness:
+        vector = ", ".join(complex_text(re, im) for re, im in w.vector)
+        form = "vᴴ(Z + Zᴴ)v" if verdict.kind is Kind.PR else "|v|² − |Sv|²"
+        lines += [
+            f"  witness s = {complex_text(w.re, w.im)}",
+            f"    v = ({vector})",
+            f"    {form} = {digits(w.value)}",
+        ]
+    if margin:
+        name = "smallest eigenvalue of (Z + Zᴴ)/2" if verdict.kind is Kind.PR else "largest singular value of S"
+        proved = f"proved not beyond {margin.bound:.6g}"
+        lines.append(f"  {name} ≈ {margin.value:.6g} at ω = {margin.frequency:.6g} rad/s, {proved}")
+    return lines

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from flint import arb, fmpq_mat, fmpz_poly
 
+from passivity.budget import ASIDE, if_affordable
 from passivity.multiport.axis_analysis import AxisAnalysis
 from passivity.multiport.matrix import RationalMatrix
 from passivity.multiport.polynomial_matrix import PolynomialMatrix
@@ -164,3 +165,21 @@ class MatrixVerdict(Decided):
         from passivity.multiport.reason import reason
 
         return reason(self)
+
+    def text_lines(self) -> list[str]:
+        """The verdict, its reason, the witness, and the margin where it is affordable."""
+        from passivity.multiport.report import in_lines
+
+        return in_lines(self, self._margin)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, with the certificate."""
+        from passivity.multiport.report import as_dict
+
+        return as_dict(self, self._margin)
+
+    @property
+    def _margin(self) -> Any:
+        from passivity.multiport.margin import margin
+
+        return if_affordable(ASIDE, margin, self.network, self.kind)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpz_poly
 
@@ -102,3 +102,27 @@ class Verdict(Decided):
         from passivity.one_port.margin import margins
 
         return margins(self)
+
+    def text_lines(self) -> list[str]:
+        """The verdict, its reason, the witness, and the margins where they are affordable."""
+        from passivity.one_port.report import in_lines
+
+        return in_lines(self, self._margins)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it, with the certificate."""
+        from passivity.one_port.report import as_dict
+
+        return as_dict(self, self._margins)
+
+    def _figure(self) -> Any:
+        """Impedance plane, Smith chart and reflection, z0 = 1."""
+        from passivity.one_port.picture import draw_verdict
+
+        return draw_verdict(self, self._margins)
+
+    @property
+    def _margins(self) -> "Margins":
+        from passivity.one_port.margin import Margins
+
+        return if_affordable(ASIDE, lambda: self.margins) or Margins(None, None, None)

@@ -1,5 +1,6 @@
 """The exact value of an expression, refused where it would take too long or too much memory."""
 
+import re
 from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
@@ -18,6 +19,7 @@ MAX_WORK = 300_000_000  # bits in all intermediate results of one expression: ha
 
 Exact: TypeAlias = int | float | Fraction | Decimal | str
 
+_WHOLE = re.compile(r"\s*[0-9]{1,30}\s*")  # numbers that need no parser
 _S = Quotient(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
@@ -61,6 +63,8 @@ def exact(value: Exact, where: str) -> Fraction:
         value = str(value)  # within the limits of text: Decimal("1e999999999") would fill the memory
     if not isinstance(value, str):
         return fraction(value, where)
+    if _WHOLE.fullmatch(value):
+        return Fraction(int(value))
     try:
         tree = parse(value)
         constant = None if symbols(tree) else _Evaluation({}).of(tree)

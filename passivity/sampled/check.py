@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,6 +87,30 @@ class SampleVerdict(Decided):
     bands: tuple[Band, ...]
     witness: SampleWitness | None
     by_digits: bool = False
+
+    @property
+    def why(self) -> str:
+        """The worst value, and where it is."""
+        name = "largest singular value of S" if self.response.parameter is Parameter.S else "smallest eigenvalue"
+        return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
+
+    def text_lines(self) -> list[str]:
+        """What was seen, where, and what samples cannot show."""
+        from passivity.sampled.report import in_lines
+
+        return in_lines(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it but the samples."""
+        from passivity.sampled.report import samples_as_dict
+
+        return samples_as_dict(self)
+
+    def _figure(self) -> Any:
+        """The worst values against their bound."""
+        from passivity.sampled.picture import draw_samples
+
+        return draw_samples(self)
 
     @property
     def worst_value(self) -> float:

@@ -1,11 +1,13 @@
-"""What samples showed, and the nearest passive model, as plain data; exact numbers are texts."""
+"""What samples showed, and the nearest passive model, in words and as plain data; exact numbers are texts."""
 
 from typing import Any
 
 from passivity.one_port.certificate import verify
-from passivity.sampled.check import SampleVerdict
+from passivity.sampled.check import Band, SampleVerdict
 from passivity.sampled.enforce import Enforced
 from passivity.sampled.model import PoleResidueModel
+
+_MOST_BANDS = 6  # bands that are printed
 
 
 def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) -> dict[str, Any]:
@@ -62,3 +64,53 @@ def _model(model: PoleResidueModel) -> dict[str, Any]:
         "constant": model.constant,
         "proportional": model.proportional,
     }
+
+
+def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[str]:
+    """What samples showed in words, line by line."""
+    response = verdict.response
+    name = {"S": "largest singular value of S", "Z": "smallest Re Z", "Y": "smallest Re Y"}[response.parameter.value]
+    lines = [
+        f"{len(response.f)} samples of {response.parameter.value}, {response.ports} port{'s' * (response.ports > 1)}, "
+        f"{response.f[0]:.6g} to {response.f[-1]:.6g} Hz: {verdict.status.value}",
+        f"  {name} = {_value(verdict)} at {verdict.worst_frequency:.6g} Hz",
+        *_allowed(verdict),
+    ]
+    lines += [f"  violated {_band(band, response.parameter)}" for band in verdict.bands[:_MOST_BANDS]]
+    if len(verdict.bands) > _MOST_BANDS:
+        lines.append(f"  and in {len(verdict.bands) - _MOST_BANDS} more bands")
+    lines += [f"  note: {caveat}" for caveat in verdict.caveats]
+    if enforced:
+        model = enforced.model
+        lines += [
+            f"nearest passive model, {len(model.poles)} poles: {enforced.verdict.status.value}",
+            f"  because {enforced.verdict.why}",
+            f"  it misses the samples by {enforced.misfit.rms:.3g} (rms, relative), "
+            f"the best fit by {enforced.misfit_before.rms:.3g}; being passive cost {enforced.change.rms:.3g}",
+        ]
+    return lines
+
+
+def _value(verdict: SampleVerdict) -> str:
+    """Six digits, and more where they would hide on which side of 1 it lies."""
+    text = f"{verdict.worst_value:.6g}"
+    off = verdict.worst_value - 1
+    return f"1 {'-' if off < 0 else '+'} {abs(off):.3g}" if text == "1" and off else text
+
+
+def _allowed(verdict: SampleVerdict) -> list[str]:
+    """How far the worst sample is beyond the bound, and how far it may be off."""
+    if verdict.worst_excess <= 0:
+        return []
+    beyond = "σ − 1" if verdict.response.parameter == "S" else "below 0 by"
+    source = "digits of the file allow" if verdict.by_digits else "the error allows"
+    consistent = "" if verdict.bands else ": consistent with a passive response"
+    equals = " = " if beyond.startswith("σ") else " "
+    at = f"{verdict.worst_frequency:.6g} Hz"
+    return [f"  {beyond}{equals}{verdict.worst_excess:.2g} at {at}, {source} {verdict.worst_bar:.2g}{consistent}"]
+
+
+def _band(band: Band, parameter: str) -> str:
+    where = f"at {band.first:.6g} Hz" if band.first == band.last else f"from {band.first:.6g} to {band.last:.6g} Hz"
+    worst = f"σ − 1 = {band.worst - 1:.3g}" if parameter == "S" else f"{band.worst:.6g}"
+    return f"{where}, worst {worst} at {band.frequency:.6g} Hz"

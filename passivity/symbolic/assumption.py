@@ -136,9 +136,9 @@ def _is_name(text: str) -> bool:
 
 
 def _name(text: str, where: str) -> str:
-    tree = parse(text) if _is_name(text) else None
-    if not isinstance(tree, Symbol):
-        raise ExpressionError(where, "not a name", "one name of the expression", repr(shorten(text.strip())))
-    if tree.name == "s":
+    name = text.strip()
+    if not (_is_name(text) and (name.isascii() or isinstance(parse(name), Symbol))):
+        raise ExpressionError(where, "not a name", "one name of the expression", repr(shorten(name)))
+    if name == "s":
         raise ExpressionError(where, "s is the Laplace variable", "a parameter")
-    return tree.name
+    return name

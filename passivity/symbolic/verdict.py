@@ -3,18 +3,22 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from flint import fmpz_mpoly
 
 from passivity.calculus.expand import Pair
 from passivity.calculus.proof import Proof
 from passivity.errors import ExpressionError, shorten, shown
+from passivity.expression.number import complex_text, written
+from passivity.one_port.report import point
 from passivity.rational.evaluate import Exact, exact
 from passivity.status import Decided, Kind, Status
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, value
+from tline.presentation import SCREEN
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,30 @@ class SymbolicVerdict(Decided):
     counterexample: Counterexample | None = None
     note: str = ""
     certificate: Proof | None = None
+
+    def text_lines(self) -> list[str]:
+        """The answer, its reason, the condition, the counterexample, and the first steps of the proof."""
+        told = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"]
+        told += [f"  exactly if {self.condition}"] if self.condition else []
+        if found := self.counterexample:
+            told += [f"  {name} = {written(value)}" for name, value in found.values.items()]
+            told.append(f"  witness s = {complex_text(found.witness.re, found.witness.im)}")
+        note = [f"  note: {self.note}"] if self.note else []
+        room = SCREEN - len(told) - len(note)
+        shown = len(self.proof) if len(self.proof) <= room else room - 1
+        told += [f"  {line}" for line in self.proof[:shown]]
+        more = [f"  … and {len(self.proof) - shown} more steps"] if len(self.proof) > shown else []
+        return told + more + note
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it as JSON can hold it."""
+        told: dict[str, Any] = {"kind": self.kind.value, "status": self.status.value, "why": self.why}
+        told |= {"assumed": [str(r) for r in self.ranges], "proof": list(self.proof), "note": self.note}
+        told |= {"condition": str(self.condition) if self.condition else None, "counterexample": None}
+        if found := self.counterexample:
+            at = {name: written(value) for name, value in found.values.items()}
+            told["counterexample"] = {"values": at, "witness": point(found.witness), "delay": written(found.delay)}
+        return told
 
 
 def _vanishes(f: fmpz_mpoly, values: Mapping[str, Fraction]) -> bool:

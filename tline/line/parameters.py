@@ -1,6 +1,7 @@
 """What pipes and cables have in common: quantities by name, read from what a user gives, and immutable once settled."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from tline.errors import InputError
@@ -82,6 +83,17 @@ class LineParameters(Presentation):
     def to_dict(self) -> dict[str, Any]:
         """All quantities in SI, None where one does not follow, and ``notes`` on what is odd."""
         return {item.name: getattr(self, item.name) for item in self.quantities} | {"notes": list(self.remarks)}
+
+    def passivity_model(self, kind: str) -> object:
+        """For `passivity.is_positive_real` the verdict on both ends, for `is_bounded_real` what a wave becomes."""
+        from passivity import check_line_two_port
+
+        z0, delay = (vars(self).get(name) for name in ("z0", "delay"))
+        if z0 is None or delay is None:
+            raise InputError("line", "no delay follows from what was given", "a length")
+        if kind == "positive real":
+            return check_line_two_port(z0, delay)
+        return f"exp(-{Fraction(delay)}*s)"
 
 
 def read(quantities: Iterable[LineQuantity], arguments: Mapping[str, float | str | None]) -> Given:

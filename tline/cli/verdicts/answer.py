@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
@@ -10,7 +9,6 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LONGEST = 40  # characters of a fraction that is printed as one
 NO_VIOLATION = "no violation seen"
 EXIT = {"proved": 0, "refuted": 1, "undecided": 3, NO_VIOLATION: 3}
 
@@ -50,16 +48,6 @@ class Answer:
     def exit_code(self) -> int:
         """0 proved, 1 refuted, 3 undecided."""
         return EXIT[self.status]
-
-
-def complex_text(re: Fraction, im: Fraction) -> str:
-    """An exact complex number if it is short, else a rounded one."""
-    from passivity.expression.number import digits, written
-
-    exact = f"{written(re)} {'-' if im < 0 else '+'} {written(abs(im))}j"
-    if len(exact) <= LONGEST:
-        return exact
-    return f"{digits(re, 12)} {'-' if im < 0 else '+'} {digits(abs(im), 12)}j  (rounded; exactly: --json)"
 
 
 def values(given: tuple[str, ...]) -> dict[str, str]:

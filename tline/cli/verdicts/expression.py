@@ -3,19 +3,18 @@
 import json
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tline.cli.verdicts import one_port
-from tline.cli.verdicts.answer import Answer, Asked, complex_text, values
+from tline.cli.verdicts.answer import Answer, Asked, values
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from passivity import Conclusion, SymbolicVerdict
+    from passivity import Conclusion
 
 OPAQUE = re.compile(r"^[^=]*\s(pr|br|positive real|bounded real)\s*$", re.IGNORECASE)
 ASSUMPTION = re.compile(rf"[<>]|\s+real\s*$|{OPAQUE.pattern}", re.IGNORECASE)
 STRUCTURE = re.compile(r"\blet\s|\bline\s*\(|[;\n]")
-MOST_STEPS = 40  # lines of a proof that are printed
 
 
 def answer(text: str, asked: Asked) -> Answer:
@@ -36,7 +35,8 @@ def answer(text: str, asked: Asked) -> Answer:
         return _concluded(of_text(text, kind, assumed, known), asked)
     if assumed:
         asked.refuse("parameters without values", "z0", "delay", "within")
-        return _symbolic(check_symbolic(text, kind, assumed, known))
+        found = check_symbolic(text, kind, assumed, known)
+        return Answer(found.status.value, found.text_lines(), found.to_dict())
     verdict = check_expression(text, kind, known)
     if verdict.rational is not None:
         found = one_port.answer(verdict.rational.function, asked)
@@ -54,43 +54,11 @@ def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str])
         raise InputError("--param", "a value in a derivation", "it in place of the name")
     derived = derive(text, asked.z0 or "z0", asked.delay or "T", assumed)
     last = derived.statements[-1][1]
-    return Answer(last.status.value, [*str(derived).splitlines(), *_written(last, asked)], _told(last))
+    return Answer(last.status.value, [*derived.text_lines(), *_written(last, asked)], last.to_dict())
 
 
 def _concluded(verdict: "Conclusion", asked: Asked) -> Answer:
-    from passivity.expression.number import digits, written
-
-    lines, told = str(verdict).splitlines(), _told(verdict)
-    letter = "Z" if verdict.kind == "positive real" else "H"
-    if found := verdict.witness:
-        where = [f"  witness s = {complex_text(found.re, found.im)}", f"    {letter}(s) = {found.value.str(12)}"]
-        lines[2:2] = [f"  {name} = {written(x)}" for name, x in found.values.items()] + where
-    if margin := verdict.margin:
-        name = "smallest Re Z(jω)" if letter == "Z" else "largest |H(jω)|"
-        sign = "about" if margin.bound is None else "≈"
-        bound = ", sampled" if margin.bound is None else f", proved not to pass {digits(margin.bound)}"
-        value = f"{float(margin.attained):.6g}"
-        lines.append(f"  {name:<20} {sign} {value:<12} at ω = {margin.frequency:.6g} rad/s{bound}")
-        told["margin"] = {
-            "attained": margin.attained.str(20),
-            "bound": None if margin.bound is None else written(margin.bound),
-            "frequency": margin.frequency,
-        }
-    return Answer(verdict.status.value, lines + _written(verdict, asked), told)
-
-
-def _told(verdict: "Conclusion") -> dict[str, Any]:
-    from passivity import verify
-    from passivity.budget import VERDICT, if_affordable
-
-    told: dict[str, Any] = {"kind": verdict.kind.value, "statement": verdict.statement, "status": verdict.status.value}
-    told |= {"why": verdict.why, "proof": verdict.proof, "witness": verdict.witness and verdict.witness.file}
-    told |= {"balls": verdict.balls and verdict.balls.file}
-    if verdict.pole:
-        told[verdict.pole.word] = verdict.pole.place.str(20)
-    if proof := verdict.proof or verdict.balls:
-        told["verified"] = if_affordable(VERDICT, verify, proof)
-    return told
+    return Answer(verdict.status.value, verdict.text_lines() + _written(verdict, asked), verdict.to_dict())
 
 
 def _written(verdict: "Conclusion", asked: Asked) -> list[str]:
@@ -103,29 +71,6 @@ def _written(verdict: "Conclusion", asked: Asked) -> list[str]:
         return ["nothing was written: no proof along the expression, and no witness in reach"]
     save(verdict.evidence, asked.certificate)
     return [f"wrote {asked.certificate}"]
-
-
-def _symbolic(verdict: "SymbolicVerdict") -> Answer:
-    from passivity.expression.number import written
-
-    lines = [f"{verdict.kind.value}: {verdict.status.value}", f"  because {verdict.why}"]
-    told: dict[str, Any] = {"kind": verdict.kind.value, "status": verdict.status.value, "why": verdict.why}
-    told |= {"assumed": [str(r) for r in verdict.ranges], "proof": list(verdict.proof), "note": verdict.note}
-    told |= {"condition": str(verdict.condition) if verdict.condition else None, "counterexample": None}
-    if verdict.condition:
-        lines.append(f"  exactly if {verdict.condition}")
-    if found := verdict.counterexample:
-        lines += [f"  {name} = {written(value)}" for name, value in found.values.items()]
-        lines.append(f"  witness s = {complex_text(found.witness.re, found.witness.im)}")
-        point = {key: None if part is None else written(part) for key, part in vars(found.witness).items()}
-        at = {name: written(value) for name, value in found.values.items()}
-        told["counterexample"] = {"values": at, "witness": point, "delay": written(found.delay)}
-    lines += [f"  {line}" for line in verdict.proof[:MOST_STEPS]]
-    if (more := len(verdict.proof) - MOST_STEPS) > 0:
-        lines.append(f"  … and {more} more steps (--json has all)")
-    if verdict.note:
-        lines.append(f"  note: {verdict.note}")
-    return Answer(verdict.status.value, lines, told)
 
 
 def verified(path: str) -> Answer:

@@ -1,0 +1,90 @@
+"""What can be asked about: text, numbers, systems and networks of other libraries, samples, lines and scenes."""
+
+from collections.abc import Sequence
+from decimal import Decimal
+from numbers import Real
+from typing import Any
+
+from passivity.errors import ExpressionError, shorten, shown
+from passivity.rational.evaluate import exact
+from passivity.rational.function import RationalFunction
+from passivity.status import Decided, Kind
+
+_EXPECTED = (
+    "text, a number, (numerator, denominator), (A, B, C, D), a system of scipy.signal or python-control, a network of "
+    "scikit-rf, samples, or a line of tline"
+)
+
+
+def given(what: Any, kind: Kind) -> Any:
+    """What was given as text, RationalFunction, RationalMatrix, StateSpace or SampledResponse.
+
+    A network of scikit-rf stands for the samples of its scattering matrix: its impedances are positive real if and only
+    if that is bounded real. An object with a method ``passivity_model(kind)``, as lines of tline have, stands for
+    what that returns: one of these, or a verdict.
+
+    Raises
+    ------
+    ExpressionError
+        For anything else.
+
+    Examples
+    --------
+    >>> print(given(([1, 0], [2, 1]), Kind.PR), given(0.5, Kind.PR))
+    (s)/(2*s + 1) (1)/(2)
+    """
+    if isinstance(what, str | RationalFunction):
+        return what
+    if isinstance(what, Real | Decimal) and not isinstance(what, bool):
+        return RationalFunction.constant(exact(what, "what"))  # pyright: ignore[reportArgumentType]
+    from passivity.multiport.matrix import RationalMatrix
+    from passivity.multiport.state_space import StateSpace
+    from passivity.multiport.systems import from_system
+    from passivity.multiport.verdict import Network
+    from passivity.sampled.response import SampledResponse
+
+    if isinstance(what, SampledResponse | Network):
+        return what
+    if callable(model := getattr(what, "passivity_model", None)) and not isinstance(what, type):
+        found = model(kind)
+        return found if isinstance(found, Decided) else given(found, kind)
+    if all(hasattr(what, name) for name in ("s", "f", "z0")):
+        return _samples(what)
+    if hasattr(what, "tolist"):  # numpy
+        what = what.tolist()
+    if isinstance(what, tuple | list):
+        parts = [part.tolist() if hasattr(part, "tolist") else part for part in what]
+        if len(parts) == 2 and all(isinstance(part, Sequence) and not isinstance(part, str) for part in parts):
+            return RationalFunction.from_coefficients(*parts)
+        if len(parts) == 4:
+            return StateSpace.from_entries(*parts)
+    elif any(hasattr(what, name) for name in ("A", "num", "zeros")):
+        network = from_system(what)
+        return network.rows[0][0] if isinstance(network, RationalMatrix) and network.size == 1 else network
+    raise ExpressionError("what", "not a function of s", _EXPECTED, shorten(shown(what, repr)))
+
+
+def checked(what: Any, kind: Kind) -> Any:
+    """The verdict on a network, or on samples, of which those of S are asked about both properties of their system."""
+    from passivity.multiport.positive_real import check
+    from passivity.sampled.check import check_samples
+    from passivity.sampled.response import SampledResponse
+
+    if isinstance(what, Decided):
+        return what
+    if not isinstance(what, SampledResponse):
+        return check(what, kind)
+    if what.parameter != "S" and kind is Kind.BR:
+        raise ExpressionError("what", f"samples of {what.parameter}", "samples of S, or is_positive_real")
+    return check_samples(what)
+
+
+def _samples(network: Any) -> Any:
+    """S of a network of scikit-rf, with its reference resistances."""
+    from passivity.sampled.response import SampledResponse
+
+    references = [[complex(x) for x in row] for row in network.z0]
+    if any(row != references[0] or any(x.imag for x in row) for row in references):
+        expected = "resistances that do not change with the frequency; renormalize() changes them"
+        raise ExpressionError("z0", "not such reference impedances", expected)
+    return SampledResponse(network.f, network.s, "S", [x.real for x in references[0]])

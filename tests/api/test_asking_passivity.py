@@ -1,0 +1,88 @@
+"""What can be asked about passivity, what is answered, and what is refused in one sentence."""
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from passivity import ExpressionError, SampledResponse, Status, is_bounded_real, is_positive_real
+from tline import ElectricalLine, InputError
+
+control = pytest.importorskip("control")
+skrf = pytest.importorskip("skrf")
+BAND = skrf.Frequency(1, 10, 11, "ghz")
+PROVED = {
+    "text": "25 + s",
+    "number": 0.5,
+    "numpy number": np.float64(3),
+    "fraction": Fraction(1, 3),
+    "coefficients": ([1, 0], [2, 1]),
+    "arrays": (np.array([1.0, 0]), np.array([2, 1])),
+    "rows of an array": np.array([[1, 0], [2, 1]]),
+    "lti": signal.lti([1, 0], [2, 1]),
+    "zeros and poles": signal.lti([-1.0], [-2.0], 1.0),
+    "scipy's states": signal.StateSpace([[-1]], [[1]], [[1]], [[0]]),
+    "control's transfer function": control.tf([1], [1, 1]),
+    "control's states": control.ss([[-1]], [[1]], [[1]], [[0]]),
+    "matrices": ([[-1]], [[1]], [[1]], [[0]]),
+    "line": ElectricalLine(z0="50 ohm", delay="5 ns"),
+}
+
+
+@pytest.mark.parametrize("what", PROVED.values(), ids=PROVED)
+def test_what_is_taken(what):
+    verdict = is_positive_real(what)
+    assert verdict.proved
+    assert "proved" in str(verdict)
+    assert verdict.to_dict()["status"] == json.loads(json.dumps(verdict.to_dict()))["status"] == "proved"
+
+
+def test_samples_can_only_refute():
+    line = skrf.media.DefinedGammaZ0(BAND, z0=50).line(10, "mm")
+    assert is_positive_real(line).status is is_bounded_real(line).status is Status.NO_VIOLATION
+    line.s = line.s * 1.5
+    assert is_positive_real(line).refuted
+    assert is_positive_real(SampledResponse([1.0, 2.0], [3.0, -4.0], "Z")).refuted
+    with pytest.raises(ExpressionError, match="samples of Z, expected samples of S"):
+        is_bounded_real(SampledResponse([1.0], [3.0], "Z"))
+
+
+@pytest.mark.parametrize("what", [None, [], [1, 2, 3], ("a", "b"), {}, True, int, 1j, object(), np.eye(3), b"s"])
+def test_what_is_refused(what):
+    with pytest.raises(ExpressionError, match="not a function of s, expected text, a number"):
+        is_positive_real(what)
+
+
+def test_other_refusals():
+    with pytest.raises(ExpressionError, match="discrete in time"):
+        is_positive_real(control.tf([1], [1, 1], 0.1))
+    with pytest.raises(ExpressionError, match="budget: not a multiple"):
+        is_positive_real("s", budget=0)
+    with pytest.raises(ExpressionError, match="says nothing about a function without names"):
+        is_positive_real(3, ["R > 0"])
+    with pytest.raises(InputError, match="a length"):
+        is_positive_real(ElectricalLine(z0=50, wave_speed="20 cm/ns"))
+
+
+def test_a_larger_budget_decides_more():
+    text = "(s + 1 - exp(-s)/3)/(s + 3 + exp(-2*s)/(1 + s)) + 1/10"
+    assert is_positive_real(text, budget=1e-9).status is Status.UNDECIDED
+    assert is_positive_real(text, budget=4).proved
+
+
+def test_pictures_and_notebooks():
+    assert "<img" in is_positive_real("(s + 2)/(s^2 + s + 1)")._repr_html_()
+    shown = is_positive_real("tanh(s)")._repr_html_()
+    assert "proved" in shown
+    assert "<img" not in shown
+    with pytest.raises(ExpressionError, match="there is no picture of this"):
+        is_positive_real("tanh(s)").plot()
+
+
+def test_long_proofs_take_one_screen():
+    lets = "".join(f"let q{k + 1} = line(50, {k + 1}*s, q{k}); " for k in range(60))
+    verdict = is_positive_real(f"let q0 = 25 + s; {lets} q60")
+    assert len(str(verdict).splitlines()) <= 40
+    assert "more steps" in str(verdict)
