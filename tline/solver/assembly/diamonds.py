@@ -21,6 +21,7 @@ from tline.solver.radau import Basis, basis, gauss
 if TYPE_CHECKING:
     from tline.solver.assembly.layout import Junctions, SlabGrid
 
+EXACT, SHARE = 1e-15, 1e-4  # of the largest wave, and of what may be left out: changes that end an iteration
 KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
 
 
@@ -79,8 +80,8 @@ def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
     return np.stack([across[:, m] * along[:, n] for m in range(s + 1) for n in range(s + 1 - m)], axis=1)
 
 
-def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions") -> Diamonds:
-    """The lines of a grid that lose all along."""
+def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float) -> Diamonds:
+    """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint."""
     here, rests, ends = list(grid.diamonds), grid.rests, junctions.ends
     lines = list(grid.lines.values())
     each = [lines[k] for k in here]
@@ -102,6 +103,7 @@ def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions") -> Diamo
         order.A,
         *triangle(order.s if here else 1),
         ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
+        exact=max(EXACT, SHARE * same),
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import times
 from tline.solver.kernel.diamonds.friction import lost
-from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet_apart
+from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, flushed, meet_apart
 from tline.solver.kernel.load import load
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
@@ -205,7 +205,8 @@ def settle(run, g, here, column, n):
                     change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k))
         if not np.isfinite(size):
             return False
-        if change <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+        left = change * min(change / last, 1.0) if turn > 0 else change
+        if left <= diamonds.exact * size or (change >= 0.5 * last and change <= ROUNDED * size):
             return True
         last = change
     return False
