@@ -83,6 +83,8 @@ class Ladder:
         """What forbids a finer run, of so many line-end samples in all; empty if nothing does."""
         foretell = foretells(self._attempts, self.description)
         limit = limit_of(self._attempts, foretell * self.stale, self.description.collapses, most)
+        if self.description.blurred and self.compared > 1:  # by jumps inside slabs, which no finer run follows
+            limit = limit or inside_slabs(self.told)
         return limit or (not self.last.resolution.blind and inside_limit(self._attempts, self.told, foretell)) or ""
 
     def result(self, limit: str) -> Result:
