@@ -280,8 +280,10 @@ class DiamondWork(NamedTuple):
 
     taken: Floats2  # (s, s) by friction
     along: Floats2  # (s, s) the flow that this leaves
-    value: Floats2  # (s, s) of the tangent of friction where there is no flow
-    slope: Floats2  # (s, s) of friction
+    base: Floats2  # (s, s) the flow at which the next two are
+    value: Floats2  # (s, s) of friction
+    slope: Floats2  # (s, s)
+    tangent: Floats3  # (3, E, M) the same three of half diamonds
     a: Floats  # (s,) a wave in a part of a diamond
     b: Floats
     coming: Floats2  # (E, s) what arrives if no friction acts in the triangle

@@ -130,7 +130,8 @@ def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: flo
     """What forbids a finer run; empty if nothing does."""
     told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
     samples, next_ = sum(a.samples for a in attempts), _growth(attempts) * attempts[-1].samples
-    if (stale >= STALE and (collapses or samples > CHEAP)) or (collapses and len(told) > STALE and min(told) > LOST):
+    lost = collapses and len(told) > 1 and min(told) > (LOST if len(told) > STALE else 1.0)
+    if (stale >= STALE and (collapses or samples > CHEAP)) or lost:
         return f"narrower slabs do not help{COLLAPSE * collapses}"
     if samples + next_ > most:
         return f"a finer run would take the total beyond {most:.0e} line-end samples"

@@ -24,13 +24,20 @@ def flushed(x):
 
 
 @function
+def bent(slope, flow, base):
+    """About by how much friction is off the tangent at another flow."""
+    away = abs(flow - base)
+    return slope * away * min(away / max(abs(base), TINY), 1.0)
+
+
+@function
 def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     """Advance s values of a from place p past s of b from place q, through a rectangle so many slabs wide and high.
 
     Returns whether the iteration ended: Newton's, for friction is dear, each step of it by rounds that leave no more of
     the last one than the slope of friction. Where steps do not end, for friction bends, each is a single round.
     """
-    s, taken, flow, value, slope = radau.shape[0], work.taken, work.along, work.value, work.slope
+    s, taken, flow, base, value, slope = radau.shape[0], work.taken, work.along, work.base, work.value, work.slope
     size, last, reach, done = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s), False
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
@@ -41,18 +48,18 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
         off, steep = 0.0, 0.0
         for i in range(s):
             for j in range(s):
-                here, slope[i, j] = lost(diamonds, row, flow[i, j])
-                off, steep = max(off, abs(here - taken[i, j])), max(steep, slope[i, j])
-                value[i, j] = here - slope[i, j] * flow[i, j]
+                base[i, j] = flow[i, j]
+                value[i, j], slope[i, j] = lost(diamonds, row, flow[i, j])
+                off, steep = max(off, abs(value[i, j] - taken[i, j])), max(steep, slope[i, j])
         weak = min(reach * steep, 1.0)
         if off * weak <= diamonds.exact * size or (off >= 0.5 * last and off * weak <= ROUNDED * size):
             done = True  # after one round more
         last = off
         for _ in range(ROUNDS if turn < NEWTON else 1):
-            change = 0.0
+            change, rest = 0.0, 0.0
             for i in range(s):
                 for j in range(s):
-                    here = value[i, j] + slope[i, j] * flow[i, j]
+                    here = value[i, j] + slope[i, j] * (flow[i, j] - base[i, j])
                     step = (here - taken[i, j]) / (1.0 + reach * slope[i, j])
                     taken[i, j] += step
                     change = max(change, abs(step))
@@ -65,7 +72,9 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
                         x += radau[j, k] * taken[i, k]
                         y += radau[i, k] * taken[k, j]
                     flow[i, j] = a[p + i] - b[q + j] - (high * x + wide * y)
+                    rest = max(rest, bent(slope[i, j], flow[i, j], base[i, j]))
             if change * weak <= max(LINEAR * off, diamonds.exact * size):
+                done = max(rest, change * weak) <= diamonds.exact * size
                 break
         if done:
             break

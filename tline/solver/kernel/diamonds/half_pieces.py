@@ -59,7 +59,7 @@ def settle_piece(job, g, piece, m):
                         work.sent[j] = 2.0 * u[q + j] - arrived[k, piece, j]
                         fronts.work.left[k, piece, j] = work.sent[j]
                         size = max(size, abs(work.sent[j]), abs(arrived[k, piece, j]))
-                    change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k))
+                    change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
         left = change * min(change / last, 1.0) if turn > 0 else change
