@@ -12,6 +12,7 @@ from tline.solver.kernel.diamonds.friction import lost
 from tline.solver.kernel.network import Run
 
 ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
+NEAR, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
 LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
 ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
 REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
@@ -25,9 +26,9 @@ def flushed(x):
 
 @function
 def bent(slope, flow, base):
-    """About by how much friction is off the tangent at another flow."""
+    """About by how much friction is off the tangent at another flow; unknown, and so large, if that is not near."""
     away = abs(flow - base)
-    return slope * away * min(away / max(abs(base), TINY), 1.0)
+    return slope * away * away / abs(base) if away < NEAR * abs(base) else away * UNKNOWN
 
 
 @function
