@@ -88,6 +88,9 @@ def route(scene: Scene, *nodes: str) -> Route:
     by_line = _steps((name, line.nodes) for name, line in scene.lines.items())
     linked = [("", pair) for pair in linked_pairs(scene)]
     steps = _steps([*((name, line.nodes) for name, line in scene.lines.items()), *linked])
+    for node in nodes:
+        if not isinstance(node, str):
+            raise InputError("path", "is no name", "each node as an argument of its own", f"{node!r}")
     nodes = nodes or _chain_ends(by_line) or _chain_ends(steps) or _no_chain(by_line)
     for node in nodes:
         if node not in steps:

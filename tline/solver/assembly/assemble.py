@@ -87,7 +87,7 @@ def assemble(
     chosen = chosen if graded.any() else chosen._replace(layers=0.0)
     grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented
     rows = _rows_of(layout, order, record, laws, description.probed_nodes)
-    network, s = _network(layout, order, rows), order.s
+    network, s = _network(layout, order, rows, chosen.same), order.s
     state = State(
         waves=np.repeat(layout.arriving, np.repeat(grid.delay * s, 2)),
         slot=np.zeros(len(grid.delay), np.int64),
@@ -167,7 +167,7 @@ def _rows_of(layout: Layout, order: Basis, record: set[str], laws: Collection[st
     return of_last(layout.junctions.rows, (s, frozenset(record), tuple(laws), tuple(probed), places), made, ORDERS)
 
 
-def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
+def _network(layout: Layout, order: Basis, rows: Rows, same: float) -> Network:
     """The constant arrays of a layout at an order."""
     grid, systems = layout.grid, layout.systems
     echoes = [_echoes(group, grid.z0, grid.segmented) for group in layout.groups]
@@ -193,7 +193,7 @@ def _network(layout: Layout, order: Basis, rows: Rows) -> Network:
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
         segments=grid.segments,
         losses=grid.losses,
-        diamonds=diamonds_of(grid, order, layout.junctions),
+        diamonds=diamonds_of(grid, order, layout.junctions, same),
         blocks=layout.junctions.blocks,
     )
 

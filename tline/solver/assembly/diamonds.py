@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
 from tline.solver.description.lines import Line
+from tline.solver.kernel.diamonds.friction import PLACES, TERMS
 from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds
 from tline.solver.radau import Basis, basis, gauss
 
 if TYPE_CHECKING:
     from tline.solver.assembly.layout import Junctions, SlabGrid
 
+EXPONENT = 1023  # of 1.0, as numbers hold it
+EXACT, SHARE = 1e-15, 1e-4  # of the largest wave, and of what may be left out: changes that end an iteration
 KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
 
 
@@ -79,8 +82,8 @@ def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
     return np.stack([across[:, m] * along[:, n] for m in range(s + 1) for n in range(s + 1 - m)], axis=1)
 
 
-def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions") -> Diamonds:
-    """The lines of a grid that lose all along."""
+def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float) -> Diamonds:
+    """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint."""
     here, rests, ends = list(grid.diamonds), grid.rests, junctions.ends
     lines = list(grid.lines.values())
     each = [lines[k] for k in here]
@@ -102,6 +105,7 @@ def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions") -> Diamo
         order.A,
         *triangle(order.s if here else 1),
         ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
+        exact=max(EXACT, SHARE * same),
     )
 
 
@@ -120,16 +124,33 @@ def _friction(line: Line, h: float) -> tuple[int, list[float]]:
 
 
 def _tables(lines: list[Line]) -> tuple[NDArray, NDArray]:
-    """Tables of friction factors, those that lines share once, and the place of each line's."""
+    """Tables of friction factors and powers, those that lines share once, and the place of each line's."""
     known, kept, at, n = {}, [np.empty(0)], [], 0
     for line in lines:
         law = line.losses.flow_law if line.losses else None
-        if not isinstance(law, Colebrook):
+        if not isinstance(law, Colebrook | PowerLaw):
             at.append(0)
             continue
-        if law.roughness not in known:
-            first, step, y = colebrook_table(law.roughness)
-            known[law.roughness], n = n, n + 3 + len(y)
-            kept.append(np.concatenate([[first, step, len(y)], y]))
-        at.append(known[law.roughness])
+        key = law.roughness if isinstance(law, Colebrook) else (law.exponent,)
+        if key not in known:
+            kept.append(_power_table(law.exponent - 1) if isinstance(law, PowerLaw) else _of_colebrook(law.roughness))
+            known[key], n = n, n + len(kept[-1])
+        at.append(known[key])
     return np.concatenate(kept), np.array(at, int)
+
+
+def _of_colebrook(roughness: float) -> NDArray:
+    first, step, y = colebrook_table(roughness)
+    return np.concatenate([[first, step, len(y)], y])
+
+
+@lru_cache
+def _power_table(n: float) -> NDArray:
+    """What `tline.solver.kernel.diamonds.friction.power` looks up."""
+    k, places = np.arange(TERMS), 1 + (np.arange(PLACES) + 0.5) / PLACES
+    binomials = np.cumprod(np.append(1.0, (n - k[:-1]) / k[1:]))
+    exponents = np.arange(2 * EXPONENT + 1) - EXPONENT
+    with np.errstate(over="ignore"):
+        powers = np.exp2(n * exponents)
+    powers[0] = 0.0  # of nothing, and of what is too little to be a number
+    return np.concatenate([binomials, places**n, 1 / places, powers])

@@ -90,6 +90,10 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     return DiamondWork(
         taken=np.empty((s, s)),
         along=np.empty((s, s)),
+        base=np.empty((s, s)),
+        value=np.empty((s, s)),
+        slope=np.empty((s, s)),
+        tangent=np.empty((3, ends, len(network.diamonds.values))),
         a=np.empty(s),
         b=np.empty(s),
         coming=np.empty((ends, s)),
@@ -182,5 +186,5 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
         ),
         left=np.zeros((ends, most, s)),
         pair_edges=np.zeros((2, given + 1)),
-        pair=np.zeros((2, given, s)),
+        pair=np.zeros((4, given, s)),
     )

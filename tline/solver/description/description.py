@@ -127,7 +127,7 @@ class Description:
         Not with order 1 by hand: constants do not hold what a steady flow loses along a line.
         """
         lossy = [line for line in self.lines.values() if line.dispersive and self.scene.solver.order != 1]
-        return bool(lossy) and all(line.in_diamonds for line in lossy) and not self.collapses
+        return bool(lossy) and all(line.in_diamonds for line in lossy)
 
     @cached_property
     def blurred(self) -> bool:

@@ -116,6 +116,7 @@ class Diamonds(NamedTuple):
     gained: Floats3  # (2, s, K) what friction adds to what arrives, at the points, and projected
     left: Floats3  # (2, s, K) what it takes from what leaves
     ends: Floats4  # (rows of shift, 2, s, s) a rest of a slab in the next one, and the rest of a slab
+    exact: float  # of the largest wave: changes that end an iteration
 
 
 class Blocks(NamedTuple):
@@ -279,6 +280,10 @@ class DiamondWork(NamedTuple):
 
     taken: Floats2  # (s, s) by friction
     along: Floats2  # (s, s) the flow that this leaves
+    base: Floats2  # (s, s) the flow at which the next two are
+    value: Floats2  # (s, s) of friction
+    slope: Floats2  # (s, s)
+    tangent: Floats3  # (3, E, M) the same three of half diamonds
     a: Floats  # (s,) a wave in a part of a diamond
     b: Floats
     coming: Floats2  # (E, s) what arrives if no friction acts in the triangle

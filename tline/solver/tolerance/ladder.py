@@ -83,6 +83,8 @@ class Ladder:
         """What forbids a finer run, of so many line-end samples in all; empty if nothing does."""
         foretell = foretells(self._attempts, self.description)
         limit = limit_of(self._attempts, foretell * self.stale, self.description.collapses, most)
+        if self.description.blurred and self.compared > 1:  # by jumps inside slabs, which no finer run follows
+            limit = limit or inside_slabs(self.told)
         return limit or (not self.last.resolution.blind and inside_limit(self._attempts, self.told, foretell)) or ""
 
     def result(self, limit: str) -> Result:
@@ -129,7 +131,8 @@ def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: flo
     """What forbids a finer run; empty if nothing does."""
     told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
     samples, next_ = sum(a.samples for a in attempts), _growth(attempts) * attempts[-1].samples
-    if (stale >= STALE and (collapses or samples > CHEAP)) or (collapses and len(told) > STALE and min(told) > LOST):
+    lost = collapses and len(told) > 1 and min(told) > (LOST if len(told) > STALE else 1.0)
+    if (stale >= STALE and (collapses or samples > CHEAP)) or lost:
         return f"narrower slabs do not help{COLLAPSE * collapses}"
     if samples + next_ > most:
         return f"a finer run would take the total beyond {most:.0e} line-end samples"

@@ -22,7 +22,7 @@ DIGITS = 3  # of the tolerance beyond three, for which the first order is one hi
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: how well pieces in diamonds continue each other that are one; and later
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
-CLEAR = 1 / 3  # of the tolerance: an error told by the first two runs alone is to be below
+CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: an error told by two runs alone is to be below; if laws kink
 HALVED = 4  # times that a slab is halved at most to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
@@ -160,10 +160,10 @@ def _is_enough(search: Search, ladder: Ladder, kinks: bool) -> bool:
     """Whether the tolerance is met, as far as is known how fast runs converge.
 
     Two comparisons tell that; one is enough if it leaves some room, or that is known of the scene with other values.
-    Where laws kink that takes both.
+    Where laws kink that takes much room.
     """
-    room = 1.0 if search.start and not kinks else CLEAR
-    sure = ladder.told.worst <= room * search.tol and (search.start is not None or not kinks)
+    room = FAR_CLEAR if kinks else 1.0 if search.start else CLEAR
+    sure = ladder.told.worst <= room * search.tol
     return (ladder.compared > 1 or sure) and ladder.told.met and not ladder.last.resolution.blind
 
 

@@ -11,8 +11,10 @@ from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.diamonds.friction import lost
 from tline.solver.kernel.network import Run
 
-ROUNDS = 400
-EXACT, ROUNDED = 1e-15, 1e-12  # of the largest wave: changes that end an iteration, and with which none may go on
+ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
+NEAR, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
+LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
+ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
 REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
 
 
@@ -23,38 +25,60 @@ def flushed(x):
 
 
 @function
+def bent(slope, flow, base):
+    """About by how much friction is off the tangent at another flow; unknown, and so large, if that is not near."""
+    away = abs(flow - base)
+    return slope * away * away / abs(base) if away < NEAR * abs(base) else away * UNKNOWN
+
+
+@function
 def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     """Advance s values of a from place p past s of b from place q, through a rectangle so many slabs wide and high.
 
-    Returns whether the iteration ended: each round takes a Newton step for the flow at each point alone, and leaves no
-    more of the last one than the slope of friction.
+    Returns whether the iteration ended: Newton's, for friction is dear, each step of it by rounds that leave no more of
+    the last one than the slope of friction. Where steps do not end, for friction bends, each is a single round.
     """
-    s, taken, flow = radau.shape[0], work.taken, work.along
-    size, last, reach = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s)
+    s, taken, flow, base, value, slope = radau.shape[0], work.taken, work.along, work.base, work.value, work.slope
+    size, last, reach, done = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s), False
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
         for j in range(s):
-            taken[i, j] = lost(diamonds, row, a[p + i] - b[q + j])[0]
-    done = False
-    for turn in range(ROUNDS):  # noqa: B007
-        change, steep = 0.0, 0.0
+            flow[i, j] = a[p + i] - b[q + j]
+            taken[i, j] = 0.0
+    for turn in range(ROUNDS):
+        off, steep = 0.0, 0.0
         for i in range(s):
             for j in range(s):
-                x, y = 0.0, 0.0
-                for k in range(s):
-                    x += radau[j, k] * taken[i, k]
-                    y += radau[i, k] * taken[k, j]
-                flow[i, j] = a[p + i] - b[q + j] - (high * x + wide * y)
-        for i in range(s):
-            for j in range(s):
-                value, slope = lost(diamonds, row, flow[i, j])
-                step = (value - taken[i, j]) / (1.0 + reach * slope)
-                taken[i, j] += step
-                change, steep = max(change, abs(step)), max(steep, slope)
-        if change * min(reach * steep, 1.0) <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
-            done = True
+                base[i, j] = flow[i, j]
+                value[i, j], slope[i, j] = lost(diamonds, row, flow[i, j])
+                off, steep = max(off, abs(value[i, j] - taken[i, j])), max(steep, slope[i, j])
+        weak = min(reach * steep, 1.0)
+        if off * weak <= diamonds.exact * size or (off >= 0.5 * last and off * weak <= ROUNDED * size):
+            done = True  # after one round more
+        last = off
+        for _ in range(ROUNDS if turn < NEWTON else 1):
+            change, rest = 0.0, 0.0
+            for i in range(s):
+                for j in range(s):
+                    here = value[i, j] + slope[i, j] * (flow[i, j] - base[i, j])
+                    step = (here - taken[i, j]) / (1.0 + reach * slope[i, j])
+                    taken[i, j] += step
+                    change = max(change, abs(step))
+            if done:
+                break
+            for i in range(s):
+                for j in range(s):
+                    x, y = 0.0, 0.0
+                    for k in range(s):
+                        x += radau[j, k] * taken[i, k]
+                        y += radau[i, k] * taken[k, j]
+                    flow[i, j] = a[p + i] - b[q + j] - (high * x + wide * y)
+                    rest = max(rest, bent(slope[i, j], flow[i, j], base[i, j]))
+            if change * weak <= max(LINEAR * off, diamonds.exact * size):
+                done = max(rest, change * weak) <= diamonds.exact * size
+                break
+        if done:
             break
-        last = change
     for i in range(s):
         x, y = 0.0, 0.0
         for k in range(s):

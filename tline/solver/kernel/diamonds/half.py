@@ -14,7 +14,7 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import times
 from tline.solver.kernel.diamonds.friction import lost
-from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, flushed, meet_apart
+from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, meet_apart
 from tline.solver.kernel.load import load
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
@@ -83,9 +83,13 @@ def arrive(diamonds, taken, e, coming, work, k, out, o):
 
 
 @function
-def lose_half(diamonds, row, taken, e, sent, work, k):
-    """Let friction be what the flow asks for that comes of what is sent. Returns the largest change."""
+def lose_half(diamonds, row, taken, e, sent, work, k, turn, size):
+    """Let friction be what the flow asks for that comes of what is sent. Returns the largest change.
+
+    From the second turn on it is on its tangent wherever that is as exact as is asked, for friction is dear.
+    """
     flow, modes, wide, change = work.flow, work.modes[k], work.width[0], 0.0
+    base, here, slopes = work.tangent[0, k], work.tangent[1, k], work.tangent[2, k]
     reach = wide / np.sqrt(sent.size)
     for i in range(modes.size):
         flow[i] = -work.seen[k, i]
@@ -99,8 +103,10 @@ def lose_half(diamonds, row, taken, e, sent, work, k):
         d = 0.0
         for j in range(modes.size):
             d += diamonds.values[i, j] * flow[j]
-        value, slope = lost(diamonds, row, d)
-        step = (value - taken[e, i]) / (1.0 + reach * slope)
+        if turn == 0 or bent(slopes[i], d, base[i]) > diamonds.exact * size:
+            here[i], slopes[i] = lost(diamonds, row, d)
+            base[i] = d
+        step = (here[i] + slopes[i] * (d - base[i]) - taken[e, i]) / (1.0 + reach * slopes[i])
         taken[e, i] += step
         change = max(change, abs(step))
     return change
@@ -202,10 +208,11 @@ def settle(run, g, here, column, n):
                         work.sent[j] = 2.0 * u[q + j] - waves[o + j]
                         size = max(size, abs(work.sent[j]), abs(waves[o + j]))
                     k = i - network.first[one]
-                    change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k))
+                    change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
-        if change <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+        left = change * min(change / last, 1.0) if turn > 0 else change
+        if left <= diamonds.exact * size or (change >= 0.5 * last and change <= ROUNDED * size):
             return True
         last = change
     return False

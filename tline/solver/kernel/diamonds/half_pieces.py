@@ -3,7 +3,7 @@
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.diamonds.full import EXACT, ROUNDED, ROUNDS, meet_apart
+from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, meet_apart
 from tline.solver.kernel.diamonds.half import arrive, begin_half, keep_states, leave, lose_half, makes_energy
 from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
 from tline.solver.kernel.fronts.events import happen_until
@@ -59,10 +59,11 @@ def settle_piece(job, g, piece, m):
                         work.sent[j] = 2.0 * u[q + j] - arrived[k, piece, j]
                         fronts.work.left[k, piece, j] = work.sent[j]
                         size = max(size, abs(work.sent[j]), abs(arrived[k, piece, j]))
-                    change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k))
+                    change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
-        if change <= EXACT * size or (change >= 0.5 * last and change <= ROUNDED * size):
+        left = change * min(change / last, 1.0) if turn > 0 else change
+        if left <= diamonds.exact * size or (change >= 0.5 * last and change <= ROUNDED * size):
             return True
         last = change
     return False

@@ -6,33 +6,61 @@ from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
 from tline.solver.kernel.diamonds.full import flushed, meet_apart
 from tline.solver.kernel.fronts.send import release
-from tline.solver.kernel.fronts.structures import MERGE, FrontRun
+from tline.solver.kernel.fronts.structures import MERGE, SCALE, FrontRun
 from tline.solver.kernel.polynomials import project
+
+WEAK = 8.0  # times what may be left of a breakpoint: fronts that friction does not see
 
 
 @function
 def take_up(fronts, row, wave, side):
-    """Hold a slab by values at the points of its pieces. Returns how many these are."""
-    pieces, edges, values = fronts.pieces, fronts.work.pair_edges[side], fronts.work.pair[side]
+    """Hold a slab by values at the points of pieces, as friction sees it. Returns how many these are.
+
+    Pieces beside a weak front are one: what each loses is the polynomial that their projection loses, so no energy is
+    made, and the front itself stays as it is.
+    """
+    pieces, tools, whole = fronts.pieces, fronts.tools, fronts.work.whole
+    edges, values, n = fronts.work.pair_edges[side], fronts.work.pair[side], np.int64(0)
     if row < 0:
         edges[0], edges[1] = 0.0, 1.0
         copy(wave, values[0])
         return np.int64(1)
+    weak = WEAK * fronts.same * fronts.sizes[SCALE]
     for j in range(pieces.number[row]):
-        edges[j], edges[j + 1] = pieces.start[row, j], pieces.start[row, j + 1]
-        times(fronts.tools.to_points, pieces.coef[row, j], 0, values[j])
-    return pieces.number[row]
+        if j == 0 or pieces.size[row, j] > weak:
+            edges[n], n = pieces.start[row, j], n + 1
+    edges[n], j = 1.0, np.int64(0)
+    for k in range(n):
+        clear(whole)
+        while j < pieces.number[row] and pieces.start[row, j] < edges[k + 1]:
+            start, stop = pieces.start[row, j], pieces.start[row, j + 1]
+            project(pieces.coef[row, j], start, stop, edges[k], edges[k + 1], tools.gauss, whole)
+            j += 1
+        times(tools.to_points, whole, 0, values[k])
+        copy(values[k], fronts.work.pair[side + 2, k])
+    return n
 
 
 @function
 def put_back(fronts, row, wave, side, n):
-    """Write down what has become of n pieces."""
-    values = fronts.work.pair[side]
+    """Write down what has become of n pieces as friction sees them."""
+    pieces, tools, whole, part = fronts.pieces, fronts.tools, fronts.work.whole, fronts.work.part
+    edges, values, before, j = fronts.work.pair_edges[side], fronts.work.pair[side], fronts.work.pair[side + 2], 0
     if row < 0:
         for i in range(wave.size):
             wave[i] = flushed(values[0, i])
-    for j in range(n if row >= 0 else 0):
-        times(fronts.tools.to_legendre, values[j], 0, fronts.pieces.coef[row, j])
+        return
+    for k in range(n):
+        for i in range(wave.size):
+            before[k, i] = values[k, i] - before[k, i]
+        times(tools.to_legendre, before[k], 0, whole)
+        while j < pieces.number[row] and pieces.start[row, j] < edges[k + 1]:
+            clear(part)
+            start, stop = pieces.start[row, j], pieces.start[row, j + 1]
+            project(whole, edges[k], edges[k + 1], start, stop, tools.gauss, part)
+            for i in range(wave.size):
+                pieces.coef[row, j, i] = flushed(pieces.coef[row, j, i] + part[i])
+            j += 1
 
 
 @function

@@ -10,7 +10,7 @@ from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import DIVIDED, MISSES, Store
 from tline.solver.kernel.newton import STEPS, ULPS
 from tline.solver.kernel.stores.fill import fill
-from tline.solver.kernel.stores.parts import in_parts
+from tline.solver.kernel.stores.parts import PARTS, in_parts
 
 MISSED = 1e-3  # share of a gas's volume that a step may lose
 FARTHEST = 2.0  # change of ln V in a step of Newton's method
@@ -93,11 +93,14 @@ def is_missed(store, at, state, start, h):
 
 @unit
 def gas(store: Store, at: int, state: int, h: float, z: float) -> int:
-    """Flows into the gas at the points of a slab of width h, behind the efforts v and the impedance z."""
-    start = store.states[state]
-    if store.division[DIVIDED]:
-        c, flow = store.constants, store.flow
-        store.states[state] = np.log(in_parts(squeezed, store, at, np.exp(start), h / c[at + 3], z))
+    """Flows into the gas at the points of a slab of width h, behind the efforts v and the impedance z.
+
+    With order 1 the volume is what has flowed, and the step found at once.
+    """
+    start, c, flow = store.states[state], store.constants, store.flow
+    if store.division[DIVIDED] or flow.size == 1:
+        parts = PARTS if store.division[DIVIDED] else 1
+        store.states[state] = np.log(in_parts(squeezed, store, at, np.exp(start), h / c[at + 3], z, parts))
         for j in range(flow.size):
             store.drive[j] = z * flow[j] + flow[j] * abs(flow[j]) / c[at + 1] ** 2
         return 0

@@ -1,4 +1,4 @@
-"""A slab that is far too long for what has a volume: many steps of Euler's implicit method."""
+"""What has a volume, by steps of Euler's implicit method: slabs of order 1, and any that are far too long."""
 
 from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import clear, times
@@ -8,18 +8,18 @@ PARTS = 64
 
 
 @function
-def in_parts(step, store, at, volume, share, z):
+def in_parts(step, store, at, volume, share, z, parts=PARTS):
     """Flows at the points of a slab, under the efforts v there; share is the slab's time over the unit of volume.
 
     Where the energy is convex in the volume a step adds none. Nor does the projection of these flows on the slab, which
     keeps their integral. Returns the volume at the end.
     """
     tools, flow, coef, sent = store.tools, store.flow, store.coef, store.integral
-    constant, whole, c, width, last = store.constant, store.whole, store.constants, 1.0 / PARTS, 0.0
+    constant, whole, c, width, last = store.constant, store.whole, store.constants, 1.0 / parts, 0.0
     clear(whole)
     times(tools.to_legendre, store.v, 0, coef)
     integrated(coef, 1.0, sent)
-    for k in range(PARTS):
+    for k in range(parts):
         here = series(sent, 2.0 * (k + 1) * width - 1.0)
         after = step(c, at, volume, share * width, (here - last) / width - c[at], z)
         constant[0] = (volume - after) / (share * width)
