@@ -40,16 +40,15 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
     With instants, s, also what the probes saw then.
     """
     told = result.to_dict()
-    for name, probe in result.probes.items() if accuracy and accuracy.estimates else ():
-        seen = {
-            each: told["probes"][name][each.named(result.scene)]
-            for each in in_tables(result.scene)
-            if each.seen_by(probe)
-        }
+    estimates, blurred = (accuracy.estimates, accuracy.blurred) if accuracy else ({}, {})
+    for name, estimate in estimates.items():
+        probe = result.probes[name]
+        shown = [each for each in in_tables(result.scene) if each.seen_by(probe)]
+        seen = {each: told["probes"][name][each.named(result.scene)] for each in shown}
         sizes = {each.key: max(abs(ends["minimum"]), abs(ends["maximum"])) for each, ends in seen.items()}
         for each, ends in seen.items():
-            ends["error"] = each.error(_bounds(probe, accuracy.estimates[name], sizes))
-            ends["error_inside_slabs"] = each.error(_bounds(probe, accuracy.blurred[name], sizes))
+            ends["error"] = each.error(_bounds(probe, estimate, sizes))
+            ends["error_inside_slabs"] = each.error(_bounds(probe, blurred[name], sizes))
     return told | {
         "grid": grid_choice(describe((result.parts or result).scene), result.resolution)._asdict(),
         "lumped": dict(result.resolution.sections),
