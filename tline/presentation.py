@@ -62,17 +62,21 @@ class Presentation:
 
     def _drawn(self) -> str:
         try:
-            figure: Any = self.plot()
+            figure = self.plot()
         except NotImplementedError:
             return ""
         return as_image(figure)
 
 
-def as_image(figure: Figure) -> str:
+def as_image(figure: Any) -> str:
     """A figure as an element of HTML that holds all of it."""
-    file = io.BytesIO()
-    figure.savefig(file, format="png")
-    data = base64.b64encode(file.getvalue()).decode()
+    if hasattr(figure, "_repr_png_"):
+        png, _ = figure._repr_png_()
+    else:
+        file = io.BytesIO()
+        figure.savefig(file, format="png")
+        png = file.getvalue()
+    data = base64.b64encode(png).decode()
     return f'<img alt="" style="max-width: 100%" width="800" src="data:image/png;base64,{data}">'
 
 

@@ -88,8 +88,8 @@ def documented_in(text: str) -> dict[str, Argument]:
 
 
 def without_sections(text: str) -> str:
-    """The first paragraphs of a docstring."""
-    return re.split(r"^[A-Z]\w+\n-+$", text, maxsplit=1, flags=re.MULTILINE)[0].strip()
+    """The first paragraphs of a docstring, with the quotes of a terminal."""
+    return re.split(r"^[A-Z]\w+\n-+$", text, maxsplit=1, flags=re.MULTILINE)[0].strip().replace("`", "'")
 
 
 def _public(package: str, name: str) -> str:

@@ -66,7 +66,9 @@ class FileKind(NamedTuple):
         """The option that names it."""
         *some, last = self.suffixes or [""]
         told = f"{self.content}; {', '.join(some)} or {last}." if some else f"{self.content}."
-        return click.Option([*_flags(name), name], metavar="FILE" if some else f"FILE{last}", help=told)
+        return click.Option(
+            [*_flags(name), name], metavar="FILE" if some else f"FILE{last}", help=told.replace("`", "'")
+        )
 
 
 class Output(NamedTuple):

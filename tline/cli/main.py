@@ -166,5 +166,5 @@ def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None
 def main() -> None:
     """Waves on pipes and cables.
 
-    `tline COMMAND --help` shows examples.
+    'tline COMMAND --help' shows examples.
     """

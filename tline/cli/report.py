@@ -18,7 +18,6 @@ from tline.solver.description.lines import lines_of
 from tline.solver.description.resolution import grid_choice
 from tline.solver.ledger.ledger import COLUMNS, TOLERANCE, Entry, Ledger
 from tline.solver.result.accuracy import Accuracy, Estimate
-from tline.solver.result.dense_output import extremes
 from tline.solver.result.quantities import Bounds, in_tables
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.simulate import judged
@@ -40,28 +39,17 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
 
     With instants, s, also what the probes saw then.
     """
-    probes: dict[str, Any] = {}
-    for name, probe in result.probes.items():
-        seen = {each: extremes(probe, each.key) for each in in_tables(result.scene) if each.seen_by(probe)}
-        for each, (low, high) in seen.items():
-            told = probes.setdefault(name, {})[each.named(result.scene)] = {
-                "unit": each.si(result.scene),
-                "minimum": low[0],
-                "minimum_time": low[1],
-                "maximum": high[0],
-                "maximum_time": high[1],
-                "end": float(each.of(probe.samples)[-1]),
-            }
-            if accuracy and accuracy.estimates:
-                sizes = {other.key: max(abs(ends[0][0]), abs(ends[1][0])) for other, ends in seen.items()}
-                told["error"] = each.error(_bounds(probe, accuracy.estimates[name], sizes))
-                told["error_inside_slabs"] = each.error(_bounds(probe, accuracy.blurred[name], sizes))
-    return {
-        "title": result.scene.title,
-        "medium": result.medium.name,
-        "end_time": float(result.t[-1]),
-        "order": result.resolution.s,
-        "slab": result.resolution.h,
+    told = result.to_dict()
+    estimates, blurred = (accuracy.estimates, accuracy.blurred) if accuracy else ({}, {})
+    for name, estimate in estimates.items():
+        probe = result.probes[name]
+        shown = [each for each in in_tables(result.scene) if each.seen_by(probe)]
+        seen = {each: told["probes"][name][each.named(result.scene)] for each in shown}
+        sizes = {each.key: max(abs(ends["minimum"]), abs(ends["maximum"])) for each, ends in seen.items()}
+        for each, ends in seen.items():
+            ends["error"] = each.error(_bounds(probe, estimate, sizes))
+            ends["error_inside_slabs"] = each.error(_bounds(probe, blurred[name], sizes))
+    return told | {
         "grid": grid_choice(describe((result.parts or result).scene), result.resolution)._asdict(),
         "lumped": dict(result.resolution.sections),
         "losses": _losses(result),
@@ -75,18 +63,11 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
             for (_, name), x in result.scene.measured.items()
             if isinstance(x, MeasuredMultiport)
         },
-        "slabs": result.slabs.number,
         "line_end_samples": result.samples,
         "seconds": result.seconds,
         "accuracy": accuracy and _told(accuracy),
-        "probes": probes,
-        "measures": {
-            name: {"unit": unit, "value": value if isfinite(value) else None}
-            for name, (value, unit) in result.measures.items()
-        },
         **({} if times is None else {"samples": _samples(result, times)}),
         "ledger": result.ledger and ledger_as_dict(result.ledger),
-        "notes": list(result.notes),
     }
 
 

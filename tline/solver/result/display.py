@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast, overload
 
+from tline.presentation import Presentation, plain
 from tline.units import engineering
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -18,11 +19,44 @@ if TYPE_CHECKING:
 SHOWN = 20  # probes
 
 
-class Display:
+class Display(Presentation):
     """What a result can show of itself: each method imports what it draws with."""
 
-    def __repr__(self) -> str:
-        return as_text(cast("Result", self))
+    def text_lines(self) -> Iterator[str]:
+        """What was run, how accurate it is, and the extremes of each probe."""
+        yield from as_text(cast("Result", self)).splitlines()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Order, slabs, extremes and last value of each probe, measures and notes, in SI, as ``tline run --json``."""
+        from tline.solver.result.dense_output import extremes
+        from tline.solver.result.quantities import in_tables
+
+        result = cast("Result", self)
+        probes: dict[str, Any] = {}
+        for name, probe in result.probes.items():
+            for each in in_tables(result.scene):
+                if each.seen_by(probe):
+                    (low, low_at), (high, high_at) = extremes(probe, each.key)
+                    probes.setdefault(name, {})[each.named(result.scene)] = {
+                        "unit": each.si(result.scene),
+                        "minimum": low,
+                        "minimum_time": low_at,
+                        "maximum": high,
+                        "maximum_time": high_at,
+                        "end": float(each.of(probe.samples)[-1]),
+                    }
+        told = {
+            "title": result.scene.title,
+            "medium": result.medium.name,
+            "end_time": float(result.t[-1]),
+            "order": result.resolution.s,
+            "slab": result.resolution.h,
+            "slabs": result.slabs.number,
+            "probes": probes,
+            "measures": {name: {"unit": unit, "value": value} for name, (value, unit) in result.measures.items()},
+            "notes": result.notes,
+        }
+        return plain(told)
 
     @overload
     def plot(self, *, probes: Iterable[str] | None = None, quantity: str | None = None) -> Figure: ...
