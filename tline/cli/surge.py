@@ -92,7 +92,7 @@ def surge(
     path : FROM,…,TO
         Path of --profile.
     until_settled
-        Run up to eight times as long, until neither extreme comes at the end of the run.
+        Run longer, up to an hour, until neither extreme comes at the end of the run.
     cavities
         Follow columns that separate, with cavities where water boils, or (--no-cavities) name no class there.
     """
