@@ -16,6 +16,7 @@ from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.surge.band import Band, band_of
 from tline.surge.columns import Columns, separated
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
@@ -70,6 +71,23 @@ class Operation:
     def worst(self) -> Worst:
         """The nodes with the largest rise and fall, where water boils, and the pressure class that is needed."""
         return worst(self.result, SHOWN, self.columns.spread if self.columns else 0.0)
+
+    def band(self, known: Iterable[str] = (), progress: bool = False) -> Band | None:
+        """What guesses leave of the highest and lowest pressure: runs with each of them varied.
+
+        Parameters
+        ----------
+        known : iterable of str
+            What is no guess: "wave speed", "friction", "travel", "inertia".
+        progress : bool
+            Show a progress bar on stderr if a run takes more than two seconds.
+
+        Returns
+        -------
+        Band or None
+            None if there is nothing to vary.
+        """
+        return band_of(self.scene, lambda scene: run(scene, (), progress), tuple(known))
 
     @property
     def notes(self) -> tuple[str, ...]:
