@@ -17,6 +17,7 @@ OPERATE = "tline.surge.operation:operate"
 OPERATIONS = ("trip", "start", "stop", "close", "open", "burst", "demand")
 READING = ("wave_speed", "material", "hour", "moving_tanks")
 OPERATING = (*OPERATIONS, "when", "inertia", "rated_speed", *READING)
+KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inertia"}  # what an option says is no guess
 NAMES = {"t_end": "for", "hour": "at_hour"}  # of options
 
 
@@ -74,6 +75,7 @@ def surge(
     path: str | None = None,
     cavities: bool = True,
     until_settled: bool = False,
+    band: bool = False,
     files: dict[str, str],
     **given: Any,
 ) -> Output:
@@ -91,15 +93,18 @@ def surge(
         Nodes that --heads shows, instead of those operated.
     path : FROM,…,TO
         Path of --profile.
+    band
+        Vary what is guessed, one by one (wave speed, friction, travel of valves, inertia), and say what that leaves.
     until_settled
-        Run up to eight times as long, until neither extreme comes at the end of the run.
+        Run longer, up to an hour, until neither extreme comes at the end of the run.
     cavities
         Follow columns that separate, with cavities where water boils, or (--no-cavities) name no class there.
     """
     from tline.cli.report import judgement
     from tline.scene.file import scene_text
-    from tline.surge.operation import SHOWN, run_separated
-    from tline.surge.report import as_dict, as_text
+    from tline.surge.band import band_of
+    from tline.surge.operation import SHOWN, run, run_separated
+    from tline.surge.report import as_dict, as_text, band_text
     from tline.surge.tables import save_tables
     from tline.surge.worst import worst
 
@@ -116,10 +121,12 @@ def surge(
         write_text(scene_text(result.scene), files["save"])
     accuracy, found = judgement(result), worst(result, SHOWN, columns.spread if columns else 0.0)
     missed = accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol
+    known = [word for key, word in KNOWN.items() if given.get(key)]
+    left = band_of(result.scene, lambda each: run(each, (), sys.stderr.isatty()), known) if band else None
     wrote = writers(result, way)
     return Output(
-        [as_text(result, accuracy, found, columns)],
-        lambda: as_dict(result, found, columns),
+        [as_text(result, accuracy, found, columns), *(band_text(result, left) if left else ())],
+        lambda: as_dict(result, found, columns) | ({"band": left.to_dict()} if left else {}),
         wrote | {"heads": wrote["plot"], "save": lambda _: None, "tables": partial(save_tables, result)},
         (*guesses, *told, *result.notes),
         1 if found.untold or missed else 0,

@@ -16,6 +16,7 @@ from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.surge.band import Band, band_of
 from tline.surge.columns import Columns, separated
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 SHOWN, USUAL_TOL = 5, 1e-2  # nodes in tables; of a scene that states none
-LONGEST = 8  # times the end time that was asked for, until extremes lie no more at the end of a run
+LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
 SMALL = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
@@ -70,6 +71,23 @@ class Operation:
     def worst(self) -> Worst:
         """The nodes with the largest rise and fall, where water boils, and the pressure class that is needed."""
         return worst(self.result, SHOWN, self.columns.spread if self.columns else 0.0)
+
+    def band(self, known: Iterable[str] = (), progress: bool = False) -> Band | None:
+        """What guesses leave of the highest and lowest pressure: runs with each of them varied.
+
+        Parameters
+        ----------
+        known : iterable of str
+            What is no guess: "wave speed", "friction", "travel", "inertia".
+        progress : bool
+            Show a progress bar on stderr if a run takes more than two seconds.
+
+        Returns
+        -------
+        Band or None
+            None if there is nothing to vary.
+        """
+        return band_of(self.scene, lambda scene: run(scene, (), progress), tuple(known))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -188,7 +206,7 @@ def operate(
     cavities : bool
         Where water boils, run again with cavities of vapour there and along the pipes beside, at two numbers of places.
     until_settled : bool
-        Run up to eight times as long, until neither the highest nor the lowest pressure comes at the end of the run.
+        Run longer, up to an hour, until neither the highest nor the lowest pressure comes at the end of the run.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
@@ -319,14 +337,18 @@ def run_separated(
     scene: Scene, record: Iterable[str], progress: bool, cavities: bool, until_settled: bool = False
 ) -> tuple[Result, Columns | None, tuple[str, ...]]:
     """The same, with cavities where columns separate, and until the extremes are none of its end, if so wanted."""
-    first = run(scene, record, progress)
-    found = separated(first, lambda laid: run(laid, record, progress)) if cavities else (first, None, ())
-    longer, most = 2 * float(scene.t_end), LONGEST * float(scene.t_end)
-    while until_settled and worst(found[0]).unfinished and longer <= most:
-        *found, notes = run_separated(scene.with_changes(t_end=longer), record, progress, cavities)
-        found = *found, (*notes, f"extremes lay at the end of the run: it was made again, up to {longer:g} s")
-        longer *= 2
-    return found
+    result, columns, notes = run(scene, record, progress), None, ()
+    if cavities:
+        result, columns, notes = separated(result, lambda laid: run(laid, record, progress))
+    longer = 2 * float(scene.t_end)
+    if until_settled and worst(result).unfinished and longer <= LONGEST:
+        longer_scene = scene.with_changes(t_end=longer)
+        result, columns, notes = run_separated(longer_scene, record, progress, cavities, until_settled)
+        notes = (
+            *notes,
+            f"an extreme lay at the end of a run of {float(scene.t_end):g} s: it was made again, up to {longer:g} s",
+        )
+    return result, columns, notes
 
 
 def _texts(where: str, given: Texts) -> tuple[str, ...]:

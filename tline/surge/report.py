@@ -1,5 +1,6 @@
 """The worst of an operated network as text, and as plain data."""
 
+from collections.abc import Iterator
 from functools import partial
 from itertools import islice
 from typing import Any
@@ -9,8 +10,9 @@ import numpy as np
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
 from tline.solver.result.states import StateTrace
+from tline.surge.band import Band
 from tline.surge.columns import Columns
-from tline.surge.worst import Extreme, Worst, class_of
+from tline.surge.worst import Extreme, Worst, class_of, extremes, worst
 from tline.units import to_si
 from tline.words.aligned import aligned
 
@@ -104,6 +106,25 @@ def _separate(result: Result, columns: Columns) -> list[str]:
         gone = f"gone after {one.collapse:.4g} s" if one.collapse == one.collapse else "there to the end"
         lines.append(f"cavity of up to {one.volume / size:.3g} {cubic} at {one.where} after {one.at:.4g} s, {gone}")
     return lines
+
+
+def band_text(result: Result, band: Band) -> Iterator[str]:
+    """What guesses leave of the highest and the lowest pressure, which governs, and the classes between."""
+    unit = result.medium.shown["effort"]
+    size = to_si(f"1 {unit}", "Pa")
+    told = worst(result)
+    yield ""
+    for key, at in (("highest", told.highest.highest), ("lowest", min(one.lowest for one in extremes(result)))):
+        below, above, governs = band.of(key)
+        if not below and not above:
+            continue
+        span = f"{(at - below) / size:.4g} to {(at + above) / size:.4g} {unit}"
+        yield f"as guesses vary, the {key} pressure is {span}, most by {governs.guess}"
+    below, above, _ = band.of("highest")
+    ends = [class_of(told.highest.highest + by) for by in (-below, above)]
+    words = dict.fromkeys(f"PN {end / BAR:g}" if end else "above PN 100" for end in ends)
+    if not told.untold:
+        yield f"so it asks for {' to '.join(words)}"
 
 
 def _state(result: Result, trace: StateTrace) -> list[str]:
