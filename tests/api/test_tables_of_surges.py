@@ -23,7 +23,13 @@ TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
 def surge():
     scene = tl.read(TOWN)
     running = {"links.duty": scene.table()["links"]["duty"] | {"speed": 1}}
-    given: Any = {"trip": "duty@0.5s", "inertia": "0.4 kg m^2", "rated_speed": "1450 rpm", "t_end": "3 s"}
+    given: Any = {
+        "trip": "duty@0.5s",
+        "inertia": "0.4 kg m^2",
+        "rated_speed": "1450 rpm",
+        "t_end": "3 s",
+        "cavities": False,
+    }
     return operate(scene.change(running), **given)
 
 

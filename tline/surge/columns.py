@@ -42,7 +42,7 @@ class Vapour(NamedTuple):
     where: str  # node, or place inside a pipe
     volume: float  # the largest, m³
     at: float  # when, s
-    collapse: float  # when it is gone after that, s; not a number if it is not
+    collapse: float | None  # when it is gone after that, s; None if it is not
 
 
 def separated(result: Result, run: Callable[[Scene], Result]) -> tuple[Result, Columns | None, tuple[str, ...]]:
@@ -137,6 +137,5 @@ def _vapour(trace: StateTrace) -> Vapour:
     k = int(np.argmax(trace.values))
     gone = np.flatnonzero(trace.values[k:] <= GONE * trace.values[k])
     where = trace.where.partition(".")[2].strip('"').removesuffix(":cavity")
-    return Vapour(
-        where, float(trace.values[k]), float(trace.t[k]), float(trace.t[k + gone[0]]) if len(gone) else np.nan
-    )
+    collapse = float(trace.t[k + gone[0]]) if len(gone) else None
+    return Vapour(where, float(trace.values[k]), float(trace.t[k]), collapse)

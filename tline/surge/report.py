@@ -22,7 +22,11 @@ STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "
 
 def as_dict(result: Result, found: Worst, columns: Columns | None = None) -> dict[str, Any]:
     """The worst nodes in SI, in full precision, and what columns did that separated."""
-    told = columns and columns._asdict() | {"cavities": [one._asdict() for one in columns.cavities]}
+    told = columns and {
+        "places": list(columns.places),
+        "spread": columns.spread,
+        "cavities": [one._asdict() for one in columns.cavities],
+    }
     return {
         "title": result.scene.title,
         "end_time": float(result.t[-1]),
@@ -103,7 +107,7 @@ def _separate(result: Result, columns: Columns) -> list[str]:
         "± is by their number and the slabs",
     ]
     for one in columns.cavities:
-        gone = f"gone after {one.collapse:.4g} s" if one.collapse == one.collapse else "there to the end"
+        gone = f"gone after {one.collapse:.4g} s" if one.collapse is not None else "there to the end"
         lines.append(f"cavity of up to {one.volume / size:.3g} {cubic} at {one.where} after {one.at:.4g} s, {gone}")
     return lines
 
