@@ -1,5 +1,7 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
+from friction.fit import Fit
+from friction.identify import Identification, identify
 from friction.methods import METHODS, Method
 from friction.models import MODELS, Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
 from friction.predict import (
@@ -29,7 +31,9 @@ __all__ = [
     "DeadZone",
     "ElastoPlastic",
     "Event",
+    "Fit",
     "Force",
+    "Identification",
     "InputError",
     "Karnopp",
     "Kind",
@@ -50,6 +54,7 @@ __all__ = [
     "Testbench",
     "dead_zone",
     "euler_chatter",
+    "identify",
     "limits",
     "lugre_drift",
     "passive_damping",

@@ -103,3 +103,55 @@ def test_examples_of_the_help_run():
     assert len(commands) >= 4
     for command in commands:
         assert run(command.removeprefix("tline friction motion ")).exit_code == 0, command
+
+
+def test_parameters_from_a_file(folder):
+    moved = friction.prescribe(friction.Dahl(), velocity=friction.Sine(0.05, 1.0), t_end=2.0, times=TIMES)
+    rows = [f"{1e3 * t:.17g};{1e3 * v:.17g};{f:.17g}" for t, v, f in zip(moved.t, moved.v, moved.F_f, strict=True)]
+    (folder / "data.csv").write_text("\n".join(["t [ms]; v [mm/s]; F [N]", *rows]), encoding="utf-8")
+    result = identified("data.csv --model coulomb --model dahl --plot fit.png --csv fit.csv")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert result.output.startswith("dahl: misses blocks left out by ")
+    assert "coulomb: misses all samples by " in result.output
+    assert imread(folder / "fit.png")[..., :3].std() > 0.05
+    head, first, *_ = (folder / "fit.csv").read_text(encoding="utf-8").splitlines()
+    assert head == "t,x,v,force,force dahl,force coulomb"
+    told = json.loads(identified("data.csv --model dahl --json").output)
+    assert told["fits"]["dahl"]["parameters"]["sigma0"] == pytest.approx(500.0, rel=1e-4)
+    assert float(first.split(",")[3]) == moved.F_f[0]
+
+
+TIMES = [k / 200 for k in range(401)]
+RECORDS = {
+    "level.csv": "t,x,F\n" + "".join(f"{k},{k % 7},1\n" for k in range(60)),
+    "short.csv": "t,v,F\n0,1,2\n1,2,3\n",
+    "bare.csv": "0,1,2\n1,2,3\n",
+    "still.csv": "t,F\n0,1\n1,2\n",
+    "hole.csv": "t,v,F\n0,1,2\n1,nan,3\n",
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "sentence"),
+    [
+        ("level.csv", "level.csv: constant, expected something that changes"),
+        ("short.csv", "short.csv: too few samples, expected 50 to 100,000, got 2"),
+        ("bare.csv", "bare.csv: no heading, expected names of columns in the first line"),
+        ("still.csv", "still.csv: a column is missing, expected t, F and x or v, got t, F"),
+        ("hole.csv", "hole.csv: line 3 is not 3 numbers, expected t, v, F"),
+        ("level.csv --model stribeck", "--model: unknown, expected coulomb or"),
+        ("level.csv --folds 1", "--folds: not a number of blocks, expected 2 to 20, got 1"),
+        ("none.csv", "none.csv: 'none.csv' cannot be read"),
+    ],
+)
+def test_records_that_tell_nothing(command, sentence, folder):
+    for name, text in RECORDS.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    result = identified(command)
+    assert result.stderr.startswith(sentence)
+    assert result.stderr.count("\n") == 1
+    assert (result.exit_code, result.stdout) == (2, "")
+
+
+def identified(command):
+    return CliRunner().invoke(main, ["friction", "identify", *shlex.split(command)], catch_exceptions=False)

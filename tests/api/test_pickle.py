@@ -231,6 +231,7 @@ FORCES = (
     friction.Table([0.0, 1.0], [0.0, 2.0]),
 )
 BENCH = friction.Testbench(friction.Ramp(0.5))
+BENT = friction.prescribe(friction.Dahl(), velocity=friction.Sine(0.1, 1.0), times=np.linspace(0.0, 1.0, 101))
 FRICTION = {
     "models": lambda: [model() for model in friction.MODELS.values()],
     "methods": lambda: list(friction.METHODS.values()),
@@ -242,6 +243,7 @@ FRICTION = {
     "chatter": lambda: friction.euler_chatter(1.0, 0.5, 0.01),
     "dead zone": lambda: friction.dead_zone(0.001, 1.0, 0.01),
     "prescribed": lambda: friction.prescribe(friction.LuGre(), velocity=friction.Sine(0.1, 1.0)),
+    "identified": lambda: friction.identify(BENT.t, BENT.F_f, velocity=BENT.v, models=("dahl",)),
     "sweep": lambda: friction.sweep(friction.LuGre(), BENCH, sigma0=[500.0], tol=1e-6),
 }
 

@@ -1,12 +1,13 @@
-"""`tline friction motion`: the friction that a prescribed motion meets."""
+"""`tline friction motion` and `identify`: friction under a prescribed motion, and parameters from such a record."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tline.cli.friction import friction, model_of
 from tline.cli.friction_record import read_record
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
 from tline.units import engineering, to_si
+from tline.words.progress import Progress
 
 if TYPE_CHECKING:
     from friction import Force, Prescribed
@@ -17,6 +18,12 @@ Examples:
   tline friction motion dahl lugre --position "0.5 mm, 2 mm, 10 mm" --frequency "1 Hz" --plot presliding.png
   tline friction motion karnopp --velocity "2 mm/s" --json
   tline friction motion elasto-plastic --position moved.csv --csv force.csv
+"""
+RECORDS = """\b
+Examples:
+  tline friction identify data.csv --plot fit.png
+  tline friction identify data.csv --model lugre --model dahl --json
+A file begins with the names of its columns: t [ms], x [um] or v [mm/s], F [N]; SI without units.
 """
 TIME = 1.0  # s, of a steady velocity
 
@@ -76,6 +83,45 @@ def motion(
     files = {"csv": tabled(columns), "plot": drawn("friction.loops:draw_loops", runs)}
     text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
     return Output(text, lambda: {label: run.to_dict() for label, run in runs.items()}, files)
+
+
+@command(
+    names={"models": "model"},
+    files={"csv": table("Motion, measured and fitted force, SI"), "plot": picture("Fit and residual")},
+    group=friction,
+    epilog=RECORDS,
+)
+def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Output:
+    """Fit friction laws to measured motion and force, and choose one by cross-validation.
+
+    Parameters
+    ----------
+    models : NAME
+        A law to try; all if not given.
+    folds : NUMBER
+        Blocks that are left out of the fit in turn, 2 to 20.
+    """
+    import sys
+
+    from friction import MODELS
+    from friction import identify as fitted
+
+    record = read_record(file, file)
+    moved = [name for name in ("v", "x") if name in record]
+    if not {"t", "F"} <= record.keys() or not moved:
+        raise InputError(file, "a column is missing", "t, F and x or v", ", ".join(record))
+    chosen: Any = models or tuple(MODELS)
+    motion = {"velocity" if moved[0] == "v" else "position": record[moved[0]]}
+    names = {"models": "--model", "folds": "--folds", "t": file, "force": file, "velocity": file, "position": file}
+    with (
+        identify.named(**names),
+        Progress(2 * len(chosen), "fit", sys.stderr.isatty()) as bar,
+    ):
+        found = fitted(record["t"], record["F"], **motion, models=chosen, folds=folds, progress=bar.update)
+    columns = {name: getattr(found, name) for name in ("t", "x", "v", "force")}
+    columns |= {f"force {name}": one.force for name, one in found.fits.items()}
+    files = {"csv": tabled(columns), "plot": drawn("friction.residuals:draw_fit", found)}
+    return Output(found.text_lines(), found.to_dict, files)
 
 
 def _motions(kind: str, text: str, frequency: float | None) -> list[tuple[str, "Force", float]]:
