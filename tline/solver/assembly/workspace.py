@@ -148,7 +148,8 @@ def _without_elements() -> Any:
     others = dict.fromkeys((*AT_POINTS, "integral", "constant"), nothing)
     store = Store(nothing, nothing, tools, **others, system=matrix, division=np.empty(0, np.int64))
     two = dict.fromkeys(("answer", "system", "control", "kept"), matrix)
-    circuit = CircuitWork(**dict.fromkeys(AT_LAWS, nothing), **two, waves=nothing, width=np.zeros(0, np.int64), largest=nothing)
+    one = dict.fromkeys((*AT_LAWS, "waves", "largest"), nothing)
+    circuit = CircuitWork(**one, **two, width=np.zeros(0, np.int64))
     return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(circuit)
 
 

@@ -60,15 +60,26 @@ class Convolved:
         straight = not any(changes.curved for changes in self.changes)
         return self.laws is None and not self.network.bundles and straight and affordable(self.network)
 
+    @cached_property
+    def moves(self) -> NDArray:
+        """Instants at which laws move, s."""
+        return self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
+
+    @cached_property
+    def instants(self) -> NDArray:
+        """Those and all fronts of sources, s."""
+        return np.unique(np.concatenate([self.moves, *(changes.at for changes in self.changes)]))
+
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
 
         Beside laws waves are no sums over fronts: there is one lead, for moves of laws before fronts of sources.
         """
-        fronts = np.concatenate([np.empty(0), *(changes.at for changes in self.changes)])
-        moves = self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
-        found = leads((moves if len(moves) else fronts) / h)
-        return found if len(found) and not (self.laws and len(found) > 1) else np.zeros(1)
+        for instants in (self.instants, self.moves) if self.laws else (self.instants,):
+            found = leads(instants / h)
+            if len(found) and (self.laws is None or len(found) == 1):
+                return found
+        return np.zeros(1)
 
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""

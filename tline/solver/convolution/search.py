@@ -14,6 +14,7 @@ from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import Description
 from tline.solver.description.families import MOST as MOST_FAMILIES
+from tline.solver.description.families import leads
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
@@ -55,8 +56,9 @@ def convolved(search: Search) -> Result | None:
         scene, s = Convolved(search.description, record, padding(search.tol)), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
-    h = _first_slab(description, s, scene.layered)
-    if not _affordable(scene, s, h / 2):
+    only = any(bundle.skin.any() for bundle in scene.network.bundles.values())  # other runs do not know that
+    h = _first_slab(description, s, scene)
+    if not _affordable(scene, s, h / 2) and not only:
         return None
     bundles, jumps = scene.network.bundles, arrivals(description)
     lossy = [line.delay for line in description.lines.values() if line.losses is not None]
@@ -72,13 +74,18 @@ def convolved(search: Search) -> Result | None:
     by = inf
     while accuracy.worst > search.tol and not limit:
         chosen = chosen._replace(h=chosen.h / 2, near=chosen.near + 2, layers=FINER * chosen.layers)
-        before, result = result, scene.run(chosen)
+        try:
+            before, result = result, scene.run(chosen)
+        except NoFlowError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
         found = _errors(before, result, description.scene, jumps, settle, rounding(scene.padded))
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
         by = BETWEEN * share / (1 - share)
         blurred = found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred
         accuracy = replace(found.times(by, by), tol=search.tol, blurred=blurred)
         attempts.append(Attempt.of(result, accuracy.worst))
+        limit = search.budget.limit(attempts, search.tol)
         if not _affordable(scene, s, chosen.h / 2):
             limit = "narrower slabs would take too long"
     limit = "" if accuracy.worst <= search.tol else limit
@@ -93,12 +100,20 @@ def convolved(search: Search) -> Result | None:
     return replace(result, accuracy=accuracy, accounts=accounts, warned=(*notes, *result.warned))
 
 
-def _first_slab(description: Description, s: int, layered: bool) -> float:
-    """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more."""
+def _first_slab(description: Description, s: int, scene: Convolved) -> float:
+    """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.
+
+    Beside laws it divides what is between two fronts, if that is enough for all of them to be at edges of slabs.
+    """
     shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
-    if not layered:
+    if not scene.layered:
         h = resolution(description, s).h
-        return h / 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+        h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+        if scene.laws and len(leads(scene.instants / h)) > 1:
+            apart = float(np.diff(scene.instants).min())
+            apart /= ceil(apart / h)
+            return apart if apart > h / 2 and len(leads(scene.instants / apart)) == 1 else h
+        return h
     h, ringing = shortest / FIRST_LAYERED, min((period for _, period in description.time_scales.values()), default=inf)
     return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
 
