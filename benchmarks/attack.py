@@ -6,6 +6,7 @@ Inputs and judges are those of the tests, which take a few seeds; `python -m ben
 
 import sys
 import tempfile
+import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -95,6 +96,18 @@ MEASURES = {
 
 def _outside(found) -> bool:
     return found.inside > 2 or found.extreme > 1 or (found.met and found.over > 2)
+
+
+def memory(seed: int) -> Iterator[Answer]:
+    """Lossy trees and bundles with laws, against BDF2's quadrature of their own admittances."""
+    from random_memory import judge, random_memory
+
+    tol, began = (1e-3, 1e-5)[seed // 4 % 2], time.process_time()
+    found = judge(random_memory(seed), tol)
+    wrong = f"{tol:.0e}: {found}" if found.met and found.over > 3 else ""
+    sizes = {"s of CPU, with the reference": time.process_time() - began}
+    sizes |= {"error over what is told, of those met": found.over} if found.met else {}
+    yield Answer("met" if found.met else "not met", sizes, wrong)
 
 
 def curve(seed: int) -> Iterator[Answer]:
@@ -211,6 +224,7 @@ KINDS: dict[str, tuple[Judge, int]] = {  # and so many seeds in some minutes
     "events": (events, 300),
     "stores": (stores, 100),
     "tolerance": (tolerance, 5),
+    "memory": (memory, 20),
     "curve": (curve, 2),
     "circuits": (circuits, 1000),
     "vessels": (lambda seed: circuits(seed, vessels=True), 50),

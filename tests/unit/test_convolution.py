@@ -12,6 +12,7 @@ from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.interior import inside
 from tline.solver.simulate import simulate
+from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.search import Search
 from tline.study.reference.lossy import lossy_response
 
@@ -33,7 +34,7 @@ def with_loads(loads) -> Scene:
     ],
 )
 def test_other_scenes_are_none(scene, tol):
-    assert convolved(Search(describe(scene), tol, [], False)) is None
+    assert convolved(Search(describe(scene), tol, [], False, Budget())) is None
 
 
 def test_an_envelope_has_all_nodes_and_errors():

@@ -42,6 +42,7 @@ def run(
     units: str | None = None,
     ledger: bool | None = None,
     active: bool = False,
+    seconds: str | None = None,
     confined: bool = False,
     files: dict[str, str],
 ) -> Output:
@@ -70,6 +71,8 @@ def run(
         In which results are read: 'SI', 'US', or units such as 'US, MGD'; the scene's if not given.
     ledger
         Show energy by element: supplied, dissipated, stored, and what is off; or do not keep it.
+    seconds : TIME
+        Time for all runs; what there is by then is printed, with what is known of its error.
     """
     if ledger is False and "ledger_csv" in files:
         raise InputError("--ledger-csv", "there is no ledger to write", "no --no-ledger beside it")
@@ -79,7 +82,7 @@ def run(
         read = _read(scene, {"solver": solver, "units": units}, confined)
         times = _instants(at, read)
         way = _route(read, path, files)
-        result = _simulate(read, way, active, shown or ledger, files)
+        result = _simulate(read, way, files, active=active, ledger=shown or ledger, seconds=seconds)
     from tline.cli.report import judgement, summary
 
     accuracy = judgement(result)
@@ -156,7 +159,13 @@ def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route |
 
 
 def _simulate(
-    scene: "Scene", way: "Route | None", active: bool, ledger: bool | None, wanted: dict[str, str]
+    scene: "Scene",
+    way: "Route | None",
+    wanted: dict[str, str],
+    *,
+    active: bool,
+    ledger: bool | None,
+    seconds: str | None,
 ) -> "Result":
     from tline.solver.simulate import UnresolvedWarning, simulate
 
@@ -169,4 +178,5 @@ def _simulate(
             ledger=ledger,
             active=active,
             progress=sys.stderr.isatty(),
+            seconds=seconds,
         )

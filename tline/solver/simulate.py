@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from tline.errors import ActiveError, InputError
 from tline.scene.file import as_scene
-from tline.scene.quantity import TOLERANCE
+from tline.scene.quantity import SECONDS, TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
 from tline.solver.convolution.search import convolved
 from tline.solver.description.description import Description, describe
@@ -18,6 +18,7 @@ from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import Again, run, with_ledger
+from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.ladder import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
@@ -43,6 +44,7 @@ def simulate(
     ledger: bool | None = None,
     active: bool = False,
     progress: bool = False,
+    seconds: float | str | None = None,
 ) -> Result:
     """Simulate a scene from t = 0 to its end time.
 
@@ -78,7 +80,11 @@ def simulate(
     active : bool
         Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
     progress : bool
-        Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds.
+        Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds, and say what all
+        runs are expected to take.
+    seconds : float or str, optional
+        Time for all runs, above 0; ten minutes if not given. When a further run is expected to end later, the best so
+        far is the result, with what is known of its error; at least two are made, for that takes two.
 
     Returns
     -------
@@ -123,6 +129,7 @@ def simulate(
         ledger=ledger,
         active=active,
         progress=progress,
+        seconds=seconds,
     )
 
 
@@ -136,9 +143,15 @@ def simulated(
     active: bool = False,
     progress: bool = False,
     start: Start | None = None,
+    seconds: float | str | None = None,
 ) -> Result:
     """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
-    how = _How([*record], envelope, ledger, active, progress, start)
+    if seconds is not None:
+        try:
+            seconds = float(SECONDS.parse(seconds, "s"))
+        except InputError as error:
+            raise InputError("seconds", error.problem, error.expected, error.got) from None
+    how = _How([*record], envelope, ledger, active, progress, start, Budget(seconds, progress))
     with user_mistakes(description.scene):
         result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
     for note in result.unresolved:
@@ -155,6 +168,7 @@ class _How(NamedTuple):
     active: bool
     progress: bool
     start: Start | None
+    budget: Budget
 
 
 def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
@@ -174,7 +188,7 @@ def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
         return merged(result, description, doublings)
 
     tol = asked(description.scene, tol)
-    return with_mixed_modes(parted, tol) if tol and description.mixing else parted(0, tol)
+    return with_mixed_modes(parted, tol, how.budget) if tol and description.mixing else parted(0, tol)
 
 
 def _convolved(description: Description, how: _How, tol: float | None) -> Result | None:
@@ -182,7 +196,7 @@ def _convolved(description: Description, how: _How, tol: float | None) -> Result
     tol, scene = asked(description.scene, tol), description.scene
     if tol is None or how.ledger or scene.solver.slab or user_elements(scene):
         return None
-    return convolved(Search(description, tol, how.record, how.progress, envelope=how.envelope))
+    return convolved(Search(description, tol, how.record, how.progress, how.budget, envelope=how.envelope))
 
 
 def _searched(description: Description, how: _How, tol: float | None, whole: Description | None = None) -> Result:
@@ -200,7 +214,8 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
         key = tol, frozenset(how.record)
         known = None if how.envelope or how.start else description.known.get(key)
         result = known.result(description, how) if known else _found(description, how, tol, whole)
-        if not (known or how.envelope or how.start or description.dispersive or result.resolution.convolved):
+        stopped = how.budget.asked and not (result.accuracy and result.accuracy.met)
+        if not (known or stopped or how.envelope or how.start or description.dispersive or result.resolution.convolved):
             description.known.update(_known(key, result))
     result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
@@ -210,7 +225,8 @@ def _found(description: Description, how: _How, tol: float, whole: Description |
     """What a search for order and slab finds, as a second look by other means leaves it."""
     witness = None if how.start else Witness(description, how.record)
     record = [*how.record, *(witness.lines if witness else ())]
-    search = Search(description, tol, record, how.progress, envelope=how.envelope, start=how.start, whole=whole)
+    search = Search(description, tol, record, how.progress, how.budget, envelope=how.envelope)
+    search = search._replace(start=how.start, whole=whole)
     result = convolved(search) or (with_losses if description.dispersive else within)(search)
     if witness is None:
         return result

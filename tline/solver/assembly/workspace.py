@@ -131,6 +131,7 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         kept=np.zeros((elements, int(laws.states.max(initial=0)))),
         waves=np.repeat(laws.before, s),
         width=np.zeros(1, np.int64),
+        largest=np.zeros(1),
     )
     return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
 
@@ -151,7 +152,8 @@ def _without_elements() -> Any:
     others = dict.fromkeys((*AT_POINTS, "integral", "constant"), nothing)
     store = Store(nothing, nothing, tools, **others, system=matrix, division=np.empty(0, np.int64))
     two = dict.fromkeys(("answer", "system", "control", "kept"), matrix)
-    circuit = CircuitWork(**dict.fromkeys(AT_LAWS, nothing), **two, waves=nothing, width=np.zeros(0, np.int64))
+    one = dict.fromkeys((*AT_LAWS, "waves", "largest"), nothing)
+    circuit = CircuitWork(**one, **two, width=np.zeros(0, np.int64))
     return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(circuit)
 
 

@@ -121,6 +121,7 @@ class LawsAtPorts:
         each = zip(signals, laws.control.tolist(), strict=True)
         control = np.array([_over_time(signal, now, order, h, ahead, n) for signal, now in each])
         run = _run(laws, np.concatenate(maps), self.states.copy(), s)
+        run.work.circuit.largest[0] = np.abs(given).max()
         job = pack(Convolution(run, weights[1:], map_at, given, rest, sent, control))
         _Past(weights, given, sent).advance(0, n, lambda begin, end: self._advance(job, begin, end, h))
         return sent

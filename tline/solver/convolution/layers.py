@@ -66,6 +66,8 @@ class Layers:
         Whole ones by which lines move waves.
     near : int
         Slabs of each width, behind which those of twice the width follow a front.
+    padded : int
+        Times the slabs that transforms are long.
     """
 
     def __init__(
@@ -77,9 +79,10 @@ class Layers:
         h: float,
         slabs: NDArray,
         near: int,
+        padded: int,
     ):
         self.sources = [source for source in sources if len(source.changes.at)]
-        self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4)
+        self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4, padded)
         self.near = near
         self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
         points = 2.0 ** np.arange(LEVELS + 1)[:, None] * self.rule.points

@@ -28,6 +28,20 @@ class Efforts(NamedTuple):
     from_laws: NDArray  # (n, N, K)
 
 
+class Block(NamedTuple):
+    """Coupled conductors among the unknown efforts: places of their ends, from these to modes, and numbers of pairs."""
+
+    one: NDArray  # (k,)
+    other: NDArray
+    back: NDArray  # (k, k)
+    pairs: NDArray  # (k, k); -1 where modes do not see each other
+
+    def between(self, modal: NDArray) -> NDArray:
+        """What flows into conductors per effort of conductors, (n, k, k), of the same for all pairs, (n, P)."""
+        own = np.where(self.pairs >= 0, modal[:, self.pairs], 0.0)
+        return self.back.T @ own @ self.back
+
+
 class LinearRest(Scattering):
     """A scene in s without its laws and switches, of which each is a resistance and a source of waves.
 
@@ -73,6 +87,27 @@ class LinearRest(Scattering):
         self.node_of = np.empty(self.size, int)
         for node, ends in enumerate(self.ends):
             self.node_of[ends] = node
+        self._join(description, at)
+
+    def _join(self, description: Description, at: dict[str, int]) -> None:
+        """Which efforts are unknown: those of modes follow from those of conductors."""
+        modal = [at[node] for end in description.ends for node in end.modal]
+        self.known_by = np.eye(len(at))[:, np.setdiff1d(np.arange(len(at)), modal)]  # (N, unknown)
+        self.place = np.where(self.known_by.any(axis=1), np.cumsum(self.known_by.any(axis=1)) - 1, -1)
+        numbers = {name: k for k, name in enumerate(description.lines)}
+        pair_of = {(k, j): pair for pair, (k, j) in enumerate(self.pairs.tolist())}
+        self.blocks: list[Block] = []
+        for ends in description.coupled.values():
+            lines = [numbers[node.removesuffix(", end 1")] for node in ends[0].modal]
+            back = np.linalg.inv(ends[0].modes.T)
+            one, other = (self.place[[at[node] for node in end.conductors]] for end in ends)
+            for end, places in zip(ends, (one, other), strict=True):
+                self.known_by[np.array([at[node] for node in end.modal])[:, None], places] = back
+            pairs = np.array([[pair_of.get((k, j), -1) for j in lines] for k in lines])
+            self.blocks.append(Block(one, other, back, pairs))
+        joined = {int(pair) for block in self.blocks for pair in block.pairs.flat}
+        single = [(pair, self.node_of[2 * k : 2 * k + 2]) for (k, _), pair in pair_of.items() if pair not in joined]
+        self.single = [(pair, *self.place[ends].tolist()) for pair, ends in single]
 
     def _check(self, description: Description) -> None:
         """Laws stand behind their impedances, and modes of conductors are lines."""
@@ -82,7 +117,8 @@ class LinearRest(Scattering):
         return 0.0
 
     def _branches(self, group: Group) -> list[Branch]:
-        return [branch for branch in group.branches if branch.switch is None]
+        """Without switches, and without ends of conductors, which have no place in the scene."""
+        return [branch for branch in group.branches if branch.switch is None and branch.where]
 
     def propagation(self, s: NDArray) -> tuple[NDArray, NDArray]:
         """Γl and Zc of all lines, (n, lines)."""
@@ -116,7 +152,7 @@ class LinearRest(Scattering):
         lines : pair of ndarray, shape (n, P)
             Their `admittances`.
         """
-        size = len(self.names) + sum(len(branch.nodes) for _, branches in self.groups for branch in branches)
+        size = self.known_by.shape[1] + sum(len(branch.nodes) for _, branches in self.groups for branch in branches)
         parts = int(len(s) * size * (size + len(self.laws)) / CHUNK) + 1
         split = (np.array_split(each, parts) for each in (s, held, flows, *lines))
         found = [self._efforts(*part) for part in zip(*split, strict=True)]
@@ -124,35 +160,38 @@ class LinearRest(Scattering):
 
     def _efforts(self, s: NDArray, held: NDArray, flows: NDArray, same: NDArray, other: NDArray) -> Efforts:
         matrix, p = self.system(s, (same, other))
-        nodes = p.shape[1]
         right = np.zeros((*matrix.shape[:2], 1 + len(self.laws)), complex)
-        right[:, :nodes, 0] = held + p * flows
-        for k, (port, impedance) in enumerate(zip(self.ports, self.impedances, strict=True), 1):
-            for node in np.flatnonzero(port):
-                right[:, node, k] = p[:, node] * port[node] / impedance
-        found = np.linalg.solve(matrix, right)[:, :nodes]
+        unknown = p.shape[1]
+        right[:, :unknown, 0] = (held @ self.known_by) + p * (flows @ self.known_by)  # none at modes
+        right[:, :unknown, 1:] = p[:, :, None] * (self.ports @ self.known_by / self.impedances[:, None]).T
+        found = self.known_by @ np.linalg.solve(matrix, right)[:, :unknown]
         return Efforts(found[:, :, 0], found[:, :, 1:])
 
     def system(self, s: NDArray, lines: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
-        """What efforts at nodes, and behind them flows into branches, are multiplied by; and p of the nodes."""
+        """What unknown efforts, and behind them flows into branches, are multiplied by; and p at these efforts."""
         balances, (same, other) = list(self.balances(s)), lines
-        size, nodes = sum(matrix.shape[1] for _, _, matrix in balances), len(self.names)
-        matrix, p, row = np.zeros((len(s), size, size), complex), np.empty((len(s), nodes), complex), nodes
+        unknown = self.known_by.shape[1]
+        size = unknown + sum(own.shape[1] - len(at) for at, _, own in balances)
+        matrix, p, row = np.zeros((len(s), size, size), complex), np.empty((len(s), unknown), complex), unknown
         for at, factor, own in balances:
-            branches = own.shape[1] - len(at)
-            rows = np.concatenate([at, np.arange(row, row + branches)])
-            matrix[:, rows[:, None], rows], p[:, at] = own, factor
+            here, branches = np.flatnonzero(self.place[at] >= 0), own.shape[1] - len(at)
+            rows = np.concatenate([self.place[at[here]], np.arange(row, row + branches)])
+            part = np.concatenate([here, np.arange(len(at), own.shape[1])])
+            matrix[:, rows[:, None], rows], p[:, self.place[at[here]]] = own[:, part[:, None], part], factor[:, here]
             row += branches
-        at = self.node_of.reshape(-1, 2)
-        for pair, (k, j) in enumerate(self.pairs.tolist()):
-            own = same[:, pair] - (1 / self.z0[k] if k == j else 0.0)
-            for end in (0, 1):
-                here = at[k, end]
-                matrix[:, here, at[j, end]] += p[:, here] * own
-                matrix[:, here, at[j, 1 - end]] += p[:, here] * other[:, pair]
-        for port, impedance in zip(self.ports, self.impedances, strict=True):
+        for pair, *ends in self.single:
+            own = same[:, pair] - 1 / self.z0[self.pairs[pair, 0]]
+            for here, there in (ends, ends[::-1]):
+                matrix[:, here, here] += p[:, here] * own
+                matrix[:, here, there] += p[:, here] * other[:, pair]
+        for block in self.blocks:
+            own, across = block.between(same), block.between(other)
+            for here, there in ((block.one, block.other), (block.other, block.one)):
+                matrix[:, here[:, None], here] += p[:, here, None] * own
+                matrix[:, here[:, None], there] += p[:, here, None] * across
+        for port, impedance in zip(self.ports @ self.known_by, self.impedances, strict=True):
             for node in np.flatnonzero(port):
-                matrix[:, node, :nodes] += (p[:, node] * port[node] / impedance)[:, None] * port
+                matrix[:, node, :unknown] += (p[:, node] * port[node] / impedance)[:, None] * port
         return matrix, p
 
     def arriving(self, efforts: NDArray, lines: tuple[NDArray, NDArray], ends: NDArray) -> NDArray:

@@ -17,11 +17,22 @@ from numpy.typing import NDArray
 
 from tline.solver.radau import Basis
 
-PADDED = 3  # times the slabs that a transform has
+PADDED = 1, 2, 3  # times the slabs that a transform has
+LEAST = 0.2  # of a tolerance: what wraps around and rounding may be
 ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps of Newton's method
 WRONG = 1e-12  # of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
-ROUNDING = 1e3 * EPS ** (PADDED / (PADDED + 1))  # of the largest value: what wraps around, and rounding
+SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of which transforms are quick
+
+
+def rounding(padded: int) -> float:
+    """What wraps around, and rounding, of the largest value, where transforms have so many times the slabs."""
+    return 1e3 * EPS ** (padded / (padded + 1))
+
+
+def padding(tol: float) -> int:
+    """Times the slabs that transforms need for a tolerance."""
+    return next((padded for padded in PADDED if rounding(padded) <= LEAST * tol), PADDED[-1])
 
 
 class Modes(NamedTuple):
@@ -68,6 +79,12 @@ def _by_decomposition(basis: Basis, zeta: NDArray) -> Modes:
     return Modes(rates, vectors, np.linalg.inv(vectors))
 
 
+def _smooth(n: int) -> int:
+    """The next length of which a transform is quick."""
+    halved = max(n.bit_length() - 4, 0)
+    return min(part * 2**k for part in SMOOTH for k in (halved, halved + 1) if part * 2**k >= n)
+
+
 class Quadrature:
     """Transforms of values at the Radau points of n slabs of width h.
 
@@ -78,6 +95,8 @@ class Quadrature:
     h : float
         s.
     n : int
+    padded : int
+        Times n, at least, that transforms are long: see `padding`.
 
     Examples
     --------
@@ -88,9 +107,9 @@ class Quadrature:
     True
     """
 
-    def __init__(self, basis: Basis, h: float, n: int):
-        self.n, self.h, self.length = n, h, PADDED * n
-        radius = EPS ** (1 / (n * (PADDED + 1)))  # what wraps around is then as small as rounding makes the last slabs
+    def __init__(self, basis: Basis, h: float, n: int, padded: int = PADDED[-1]):
+        self.n, self.h, self.length = n, h, _smooth(padded * n)
+        radius = EPS ** (1 / (n + self.length))  # what wraps around is then as small as rounding makes the last slabs
         self.decay = radius ** np.arange(n)
         zeta = radius * np.exp(-2j * np.pi * np.arange(self.length // 2 + 1) / self.length)
         rates, self._from_eigen, self._to_eigen = derivative(basis, zeta)

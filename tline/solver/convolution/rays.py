@@ -53,8 +53,10 @@ class Rays:
         ]  # of each line its delay, s, and the slabs that it moves waves by, and does not
         total, self.impedance = network.propagation(s)
         self.passed = np.exp(np.outer(s, network.delays) - total)
-        matrix, self.p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
-        self.answers = np.linalg.inv(matrix)[:, : len(network.names), : len(network.names)]
+        matrix, p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
+        unknown, known_by = p.shape[1], network.known_by
+        self.held = known_by @ np.linalg.inv(matrix)[:, :unknown, :unknown]  # to an effort that is held
+        self.answers = self.held @ (p[:, :, None] * known_by.T)  # to a flow
         self.groups, self.group_of = [at for at, _ in network.groups], np.empty(len(network.names), int)
         for group, at in enumerate(self.groups):
             self.group_of[at] = group
@@ -75,7 +77,7 @@ class Rays:
             What a wave has to be where |s| > 1/h to go on: else the scene's own slabs follow it.
         """
         same, number = SAME * min(delay for delay, _, _ in self.ways), 0
-        first = self.answers[:, :, node] * (1.0 if held else self.p[:, node, None])
+        first = self.held[:, :, self.network.place[node]] if held else self.answers[:, :, node]
         heap: list[tuple[float, float, int, int]] = [(0.0, 0.0, 0, int(self.group_of[node]))]
         due: dict[tuple[int, int, int], dict[int, NDArray]] = {}
         while heap and number < MOST:
@@ -103,11 +105,11 @@ class Rays:
 
     def _efforts(self, group: int, into: dict[int, NDArray]) -> NDArray:
         """Efforts at all nodes under waves into ends of one group."""
-        found = np.zeros(self.p.shape, complex)
+        found = np.zeros(self.answers.shape[:2], complex)
         at = self.groups[group]
         for end, wave in into.items():
             node = self.network.node_of[end]
-            flow = self.p[:, node] * 2 * wave / self.impedance[:, end // 2]
+            flow = 2 * wave / self.impedance[:, end // 2]
             found[:, at] += self.answers[:, at, node] * flow[:, None]
         return found
 

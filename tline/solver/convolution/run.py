@@ -16,7 +16,7 @@ from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain, gain_of_bundle
-from tline.solver.convolution.quadrature import Quadrature
+from tline.solver.convolution.quadrature import PADDED, Quadrature
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.families import Changes, changes_of, family_of, leads
@@ -34,10 +34,10 @@ MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 
 
 class Convolved:
-    """A linear scene in s, and what its sources add to what they are before t = 0."""
+    """A linear scene in s, and what its sources add to what they are before t = 0; `padded` as in `Quadrature`."""
 
-    def __init__(self, description: Description, record: list[str]):
-        self.description = description
+    def __init__(self, description: Description, record: list[str], padded: int = PADDED[-1]):
+        self.description, self.padded = description, padded
         self.lines = [name for name in description.lines if name in {*record, *description.probed}]
         self.before: Before = above_level(description) if description.steady else rest(description)
         nodes = description.grouped()[1].values()
@@ -60,15 +60,26 @@ class Convolved:
         straight = not any(changes.curved for changes in self.changes)
         return self.laws is None and not self.network.bundles and straight and affordable(self.network)
 
+    @cached_property
+    def moves(self) -> NDArray:
+        """Instants at which laws move, s."""
+        return self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
+
+    @cached_property
+    def instants(self) -> NDArray:
+        """Those and all fronts of sources, s."""
+        return np.unique(np.concatenate([self.moves, *(changes.at for changes in self.changes)]))
+
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
 
         Beside laws waves are no sums over fronts: there is one lead, for moves of laws before fronts of sources.
         """
-        fronts = np.concatenate([np.empty(0), *(changes.at for changes in self.changes)])
-        moves = self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
-        found = leads((moves if len(moves) else fronts) / h)
-        return found if len(found) and not (self.laws and len(found) > 1) else np.zeros(1)
+        for instants in (self.instants, self.moves) if self.laws else (self.instants,):
+            found = leads(instants / h)
+            if len(found) and (self.laws is None or len(found) == 1):
+                return found
+        return np.zeros(1)
 
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""
@@ -77,7 +88,7 @@ class Convolved:
         slabs, ahead = Slabs.until(description.t_end, h), np.zeros(1) if self.layered else self.leads(h)
         n = slabs.number
         whole = self._whole(order, h)
-        rule = Quadrature(order, h, n + 1 if ahead.any() else n)
+        rule = Quadrature(order, h, n + 1 if ahead.any() else n, self.padded)
         late = np.outer(rule.late, whole)
         records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
         if self.layered:
@@ -118,7 +129,7 @@ class Convolved:
             for node, parts in enumerate(each)
             for changes, share in parts
         ]
-        return Layers(self.network, sources, rows, order, h, whole, near)
+        return Layers(self.network, sources, rows, order, h, whole, near, self.padded)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""

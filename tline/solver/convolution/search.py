@@ -10,10 +10,11 @@ from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.lossy_segments import fits
 from tline.solver.convolution.envelope import envelope_of
 from tline.solver.convolution.jumps import arrivals
-from tline.solver.convolution.quadrature import ROUNDING
+from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import Description
 from tline.solver.description.families import MOST as MOST_FAMILIES
+from tline.solver.description.families import leads
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
@@ -28,7 +29,7 @@ ORDER = 5
 CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
-FIRST, FIRST_LAYERED = 16, 8  # slabs, at least, in the shortest delay, and where others are narrower beside fronts
+FIRST, FIRST_LAYERED = 8, 8  # slabs, at least, in the shortest delay, and where others are narrower beside fronts
 SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside fronts change no more; and later
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
@@ -52,11 +53,12 @@ def convolved(search: Search) -> Result | None:
         search.description.refuse_coupled("an envelope")
     record = [*search.description.lines] if search.envelope else search.record
     try:
-        scene, s = Convolved(search.description, record), description.scene.solver.order or ORDER
+        scene, s = Convolved(search.description, record, padding(search.tol)), description.scene.solver.order or ORDER
     except InputError:  # there is no answer in s
         return None
-    h = _first_slab(description, s, scene.layered)
-    if not _affordable(scene, s, h / 2):
+    only = any(bundle.skin.any() for bundle in scene.network.bundles.values())  # other runs do not know that
+    h = _first_slab(description, s, scene)
+    if not _affordable(scene, s, h / 2) and not only:
         return None
     bundles, jumps = scene.network.bundles, arrivals(description)
     lossy = [line.delay for line in description.lines.values() if line.losses is not None]
@@ -72,13 +74,18 @@ def convolved(search: Search) -> Result | None:
     by = inf
     while accuracy.worst > search.tol and not limit:
         chosen = chosen._replace(h=chosen.h / 2, near=chosen.near + 2, layers=FINER * chosen.layers)
-        before, result = result, scene.run(chosen)
-        found = _errors(before, result, description.scene, jumps, settle)
+        try:
+            before, result = result, scene.run(chosen)
+        except NoFlowError as error:
+            limit = f"{error.where}: {error.problem}"
+            break
+        found = _errors(before, result, description.scene, jumps, settle, rounding(scene.padded))
         share, last = min(max(found.worst / last, LEAST_SHARE) if last < inf else share, SLOWEST), found.worst
         by = BETWEEN * share / (1 - share)
         blurred = found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred
         accuracy = replace(found.times(by, by), tol=search.tol, blurred=blurred)
         attempts.append(Attempt.of(result, accuracy.worst))
+        limit = search.budget.limit(attempts, search.tol)
         if not _affordable(scene, s, chosen.h / 2):
             limit = "narrower slabs would take too long"
     limit = "" if accuracy.worst <= search.tol else limit
@@ -93,12 +100,20 @@ def convolved(search: Search) -> Result | None:
     return replace(result, accuracy=accuracy, accounts=accounts, warned=(*notes, *result.warned))
 
 
-def _first_slab(description: Description, s: int, layered: bool) -> float:
-    """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more."""
+def _first_slab(description: Description, s: int, scene: Convolved) -> float:
+    """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.
+
+    Beside laws it divides what is between two fronts, if that is enough for all of them to be at edges of slabs.
+    """
     shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
-    if not layered:
+    if not scene.layered:
         h = resolution(description, s).h
-        return h / 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+        h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+        if scene.laws and len(leads(scene.instants / h)) > 1:
+            apart = float(np.diff(scene.instants).min())
+            apart /= ceil(apart / h)
+            return apart if apart > h / 2 and len(leads(scene.instants / apart)) == 1 else h
+        return h
     h, ringing = shortest / FIRST_LAYERED, min((period for _, period in description.time_scales.values()), default=inf)
     return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
 
@@ -142,12 +157,14 @@ def _affordable(scene: Convolved, s: int, h: float) -> bool:
     return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
 
 
-def _errors(coarse: Result, fine: Result, scene: Scene, jumps: dict[str, NDArray], settle: float) -> Accuracy:
+def _errors(
+    coarse: Result, fine: Result, scene: Scene, jumps: dict[str, NDArray], settle: float, least: float
+) -> Accuracy:
     """Differences of all probes at slab ends, and at places in all slabs of the finer run."""
     found = {}
     for name, probe in fine.probes.items():
         near = _near(name, scene, jumps, settle)
-        found[name] = _difference(coarse.probes[name], probe, near, settle)
+        found[name] = _difference(coarse.probes[name], probe, near, settle, least)
     return Accuracy(None, *relative(found))
 
 
@@ -169,7 +186,7 @@ def _seen(probe: ProbeResult, t: NDArray) -> NDArray:
     return np.stack([seen.gauge_pressure, probe.record.z0 * seen.y])
 
 
-def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float) -> Difference:
+def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float, least: float) -> Difference:
     """Of two runs at a probe, at slab ends of the coarser and at places in slabs of the finer."""
     edges = np.concatenate([[-np.inf], near, [np.inf]])
 
@@ -194,7 +211,7 @@ def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: f
         np.concatenate([one, other], axis=-2)
         for one, other in ((theirs, _seen(coarse, beside)), (ours, _seen(fine, beside)), (t, beside))
     )
-    off = np.abs(theirs - ours) + ROUNDING * np.abs(ours).max(axis=(1, 2), keepdims=True)
+    off = np.abs(theirs - ours) + least * np.abs(ours).max(axis=(1, 2), keepdims=True)
     inside = np.where(far(t), off, 0.0)
     at_ends = inside[:, every - 1 : fine.slabs.number : every, -1].max(axis=1, initial=0.0)
     return Difference(at_ends, *(each.max(axis=(1, 2)) for each in (inside, off, np.abs(ours))))

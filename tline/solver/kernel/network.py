@@ -259,6 +259,7 @@ class CircuitWork(NamedTuple):
     kept: Floats2  # (elements, 2) states
     waves: Floats  # (E s,) last waves into all elements, with which the next search begins
     width: Integers  # (1,) of the map
+    largest: Floats  # (1,) wave of the whole run, or 0 where it is not known
 
 
 class GovernWork(NamedTuple):

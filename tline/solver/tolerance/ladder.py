@@ -12,6 +12,7 @@ from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
+from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import compare, with_errors
 
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
@@ -21,7 +22,7 @@ TRIED = 2  # halvings of the slab, from which the next ones are foretold,
 FORETOLD = 2e6  # and line-end samples in all runs together: before, runs may converge slower than they will; so few
 # are cheap where nothing else is computed inside lines
 STALE, CHEAP = 2, 1e5  # halvings of the slab in a row that may bring nothing; line-end samples that are tried anyway
-MOST_SAMPLES, MOST_SECONDS = 3e9, 600  # line-end samples and stepping in all runs together
+MOST_SAMPLES = 3e9  # line-end samples in all runs together
 LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
 COLLAPSE = (
     ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
@@ -79,10 +80,12 @@ class Ladder:
         self.stale = self.stale + 1 if narrowed and not blind and left >= 1.0 else 0
         self.last = finer
 
-    def limit(self, most: float) -> str:
+    def limit(self, most: float, budget: Budget) -> str:
         """What forbids a finer run, of so many line-end samples in all; empty if nothing does."""
         foretell = foretells(self._attempts, self.description)
-        limit = limit_of(self._attempts, foretell * self.stale, self.description.collapses, most)
+        assert self.told.tol is not None
+        limit = budget.limit(self._attempts, self.told.tol)
+        limit = limit or limit_of(self._attempts, foretell * self.stale, self.description.collapses, most)
         if self.description.blurred and self.compared > 1:  # by jumps inside slabs, which no finer run follows
             limit = limit or inside_slabs(self.told)
         return limit or (not self.last.resolution.blind and inside_limit(self._attempts, self.told, foretell)) or ""
@@ -136,8 +139,6 @@ def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: flo
         return f"narrower slabs do not help{COLLAPSE * collapses}"
     if samples + next_ > most:
         return f"a finer run would take the total beyond {most:.0e} line-end samples"
-    if sum(a.seconds for a in attempts) + 2 * attempts[-1].seconds > MOST_SECONDS:
-        return f"a finer run would take the total beyond {MOST_SECONDS} s"
     return ""
 
 

@@ -109,7 +109,8 @@ def _refined(search: Search) -> tuple[Result, Result]:
             result, accuracy = with_errors(finer, seen, by), found
         if found.met and len(attempts) > 2:
             break
-        limit = limit_of(attempts, stale, search.description.collapses, search.most) or inside_limit(attempts, found)
+        limit = search.budget.limit(attempts, search.tol) or inside_limit(attempts, found)
+        limit = limit or limit_of(attempts, stale, search.description.collapses, search.most)
         seen = finer
     limit = limit and (inside_slabs(accuracy) or limit)
     return replace(result, accuracy=replace(accuracy, attempts=tuple(attempts), limit=limit)), last
@@ -144,7 +145,8 @@ def _halved(search: Search) -> tuple[Result, Result]:
             best, accuracy = with_errors(result, above[()], by), found
         if found.worst <= search.tol and len(attempts) > 2 and not chosen.blind:
             break
-        limit = limit_of(attempts, stale, search.description.collapses, search.most) or inside_limit(attempts, found)
+        limit = search.budget.limit(attempts, search.tol) or inside_limit(attempts, found)
+        limit = limit or limit_of(attempts, stale, search.description.collapses, search.most)
         limit = limit or _too_slow(search, attempts, last, found)
     limit = limit and (inside_slabs(accuracy) or limit)
     damped = () if limit else (*best.resolution.notes, *smeared(best.fronts))  # which the error counts

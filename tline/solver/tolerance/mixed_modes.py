@@ -7,6 +7,7 @@ import numpy as np
 
 from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import Result
+from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import added, relative
 from tline.solver.tolerance.difference import Difference
 
@@ -19,7 +20,7 @@ MOST_SAMPLES = 3e7  # line-end samples of all runs
 GROWTH = 6  # times as many samples with each doubling
 
 
-def with_mixed_modes(run: Callable[[int, float], Result], tol: float) -> Result:
+def with_mixed_modes(run: Callable[[int, float], Result], tol: float, budget: Budget) -> Result:
     """Double the places of losses until the estimated error is within a tolerance, or a limit is reached.
 
     Places are of first order behind jumps, and nearly of second behind corners. Where each doubling leaves the share r
@@ -30,6 +31,7 @@ def with_mixed_modes(run: Callable[[int, float], Result], tol: float) -> Result:
     run : callable
         Of a number of doublings and the tolerance of its slabs.
     tol : float
+    budget : Budget
     """
     close, samples, last, attempts, doublings = max(ROUGH, SHARE * tol), 0, 0.0, (), 1
     coarse = run(0, close)
@@ -49,6 +51,8 @@ def with_mixed_modes(run: Callable[[int, float], Result], tol: float) -> Result:
         if not accuracy.limit and accuracy.worst > tol and GROWTH * samples > MOST_SAMPLES:
             limit = f"the losses mix the modes; {doublings} doublings of the places where they stand leave {last:.1g}"
             accuracy = replace(accuracy, limit=limit)
+        elif accuracy.worst > tol and not accuracy.limit:
+            accuracy = replace(accuracy, limit=budget.limit(accuracy.attempts, tol))
         if accuracy.met or accuracy.limit:
             return replace(fine, accuracy=accuracy, unresolved=() if accuracy.met else fine.unresolved)
         coarse, close, doublings = fine, max(min(close, CLOSER * last), SHARE * tol), doublings + 1

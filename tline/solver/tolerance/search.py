@@ -14,6 +14,7 @@ from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
+from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.kinks import Cuts
 from tline.solver.tolerance.ladder import MOST_SAMPLES, Ladder
 
@@ -47,6 +48,7 @@ class Search(NamedTuple):
     tol: float
     record: list[str]
     progress: bool
+    budget: Budget
     most: float = MOST_SAMPLES  # line-end samples that it may take
     settle: float = 0.0  # time in which lumped lines settle after a front, s
     fit: float = FIT  # tolerance of the circuits of lossy lines
@@ -139,7 +141,7 @@ def refined(search: Search, sections: Mapping[str, int]) -> Result:
             doubled = not sections or ladder.last.resolution.sections != sections
             if doubled and _is_enough(search, ladder, bool(cuts.kinked)):
                 break
-            limit = ladder.limit(search.most)
+            limit = ladder.limit(search.most, search.budget)
     return ladder.result(limit)
 
 

@@ -62,7 +62,8 @@ def newton(run, g, q, h, step, at, k, mu):
     vanish.
     """
     laws, work = run.network.laws, run.work.circuit
-    size, faint = (laws.first[g + 1] - laws.first[g]) * q, SPARE * largest(run.work.row, k * q)
+    size = (laws.first[g + 1] - laws.first[g]) * q
+    faint = SPARE * max(largest(run.work.row, k * q), work.largest[0])
     before, share, over, across, close, stops = np.inf, 1.0, False, False, False, 0
     for _ in range(ALONG if mu > 0.0 else AT_ONCE):
         now, worst, off, scale = unbalance(run, g, q, h, step, at, k, mu)
