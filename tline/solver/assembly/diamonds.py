@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from tline.solver.assembly.layout import Junctions, SlabGrid
 
 EXPONENT = 1023  # of 1.0, as numbers hold it
-EXACT, SHARE = 1e-15, 1e-4  # of the largest wave, and of what may be left out: changes that end an iteration
+EXACT, SHARE = 1e-15, 1e-6  # of the largest wave, and of what may be left out: changes that end an iteration
 KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
 
 
