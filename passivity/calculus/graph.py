@@ -43,13 +43,14 @@ class Graph(Nodes):
         super().__init__(dict(names or {}))
         self._number: dict[tuple, int] = {("one", ()): 0}
         self.moves, self.is_rational = [False], [True]  # whether s or an opaque function occurs; nothing but s does
+        self._fractions: tuple[list[int], dict[int, Any]] = [], {}  # known quotients, for the nodes that were cut
         self.marks: list[int] = []  # nodes to be proved one after the other: the ends of a chain
 
     def node(self, kind: str, parts: tuple) -> int:
         """The number of a node, which is made if it is new."""
         found = self._number.get((kind, parts))
         if found is None:
-            self.enter(kind, parts)
+            self.nodes.append((kind, parts))
             found = self._number[kind, parts] = len(self.nodes) - 1
             ids = self.inner(found)
             opaque = kind == "name" and self.names[parts[0]][0] != "real"
@@ -208,6 +209,16 @@ class Graph(Nodes):
         found = Fraction(1), self.node("line", (z0, propagation, load))
         self.mark(found)
         return found
+
+    def fraction(self, c: Fraction, n: int, cut: Iterable[int] = ()) -> Any:
+        """As of the verifier; what occurs twice in an equality is multiplied out once."""
+        if cut != self._fractions[0]:
+            self._fractions = cut, {}
+        known = self._fractions[1]
+        if n not in known:
+            known[n] = super().fraction(UNIT[0], n, cut)
+        top, bottom = known[n]
+        return top if c == 1 else {key: x * c for key, x in top.items() if c}, bottom
 
     def multiplied(self, f: dict, g: dict) -> dict:
         """The product of two polynomials in atoms, if it is affordable."""

@@ -49,7 +49,7 @@ def parse(text: str, lines: bool = False) -> Node:
     parser = _Parser(text, lines)
     node = parser.sum(0)
     parser.fail_unless(parser.token.kind == "end", "an operator such as *")
-    names = symbols(node)
+    names = symbols(node) if parser.units else ()
     for word in parser.units:
         if word.text in names:
             problem = f"{word.text} is a unit or prefix here and a name elsewhere"
