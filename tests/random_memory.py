@@ -15,7 +15,7 @@ from tline.solver.description.description import describe
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 KINDS = "tree", "laws", "bundle", "laws at a bundle"
-STEPS, STEPS_BESIDE_LAWS, WIDE = 2**16, 4000, 41
+STEPS, STEPS_BESIDE_LAWS, WIDE = 2**14, 4000, 41
 TRUE, CLOSER = 3, 30  # times as wrong as told, from which on a run to a tolerance so much closer is asked, too
 BESIDE = 5e-3  # s, and steps, from a jump, where nothing is asked
 BOLTZMANN_OVER_CHARGE = 1.380649e-23 / 1.602176634e-19

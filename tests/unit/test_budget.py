@@ -1,0 +1,46 @@
+"""Runs end in time with the best so far, and say what they expect to take."""
+
+import time
+
+import pytest
+from lossy_scenes import cable
+
+from tline.errors import InputError
+from tline.solver.result.accuracy import Attempt
+from tline.solver.simulate import simulate
+from tline.solver.tolerance.budget import Budget
+
+
+@pytest.mark.parametrize("losses", [{"resistance": 20}, {"skin": {"resistance": 60, "frequency": "10 GHz"}}])
+def test_two_runs_and_what_they_differ_by_are_left_where_there_is_no_time(losses):
+    scene = cable(**losses, t_end="20 ns").table()
+    scene["loads"]["d"] = {"at": "b", "kind": "diode", "saturation": 1e-9}
+    result = simulate(scene, tol=1e-8, seconds=1e-6)
+    accuracy = result.accuracy
+    assert not accuracy.met
+    assert 1e-8 < accuracy.worst < 1
+    assert "beyond 1e-06 s" in accuracy.limit or "inside slabs" in accuracy.limit
+    close = simulate(scene, tol=1e-4)
+    t = result.t[1:]
+    for name, told in accuracy.inside.items():
+        u = close.probes[name].at(t).u
+        assert abs(result.probes[name].at(t).u - u).max() <= (3 * told.u + 1e-4) * abs(u).max()
+
+
+def test_time_is_asked_in_seconds():
+    with pytest.raises(InputError, match="seconds: duration out of range"):
+        simulate(cable(t_end="2 ns"), seconds=-1)
+
+
+def test_what_is_expected_is_said_once_after_two_seconds(monkeypatch, capsys):
+    now = [0.0]
+    monkeypatch.setattr(time, "perf_counter", lambda: now[0])
+    budget = Budget(100, shown=True)
+    runs = [Attempt(5, 0.1, None, 1000, 1.0), Attempt(5, 0.05, 1e-3, 2000, 2.0)]
+    for passed in (1.0, 3.0, 4.0):
+        now[0] = passed
+        assert not budget.limit(runs, 1e-4)
+    said = "some 60 s more are expected\n"  # 2 s times 2, 4, 8 and 16, at half an error a run
+    assert capsys.readouterr().err == said
+    now[0] = 60.0
+    assert budget.limit(runs, 1e-4) == "a finer run would take the total beyond 100 s"
