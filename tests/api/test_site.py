@@ -1,4 +1,4 @@
-"""The site's pages, before Sphinx reads them: entrances lead somewhere, pages are listed once, every name has a page."""
+"""Pages of the site before Sphinx reads them: entrances lead somewhere, pages are listed once, names have pages."""
 
 import importlib
 import re
