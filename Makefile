@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
 
-.PHONY: demo test lint bench docs charts wheel clean
+.PHONY: demo test lint bench docs charts site wheel clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
@@ -27,6 +27,10 @@ docs: $(VENV)/ready-dev
 charts: $(VENV)/ready-dev
 	$(BIN)/python -m docs.generate_charts
 
+site: $(VENV)/ready-site
+	$(BIN)/python docs/site/assemble.py out/site-source
+	$(BIN)/python -m sphinx -q -b html out/site-source out/site
+
 wheel:
 	PYTHON=$(PYTHON) .ci/wheel
 
@@ -37,6 +41,7 @@ $(VENV)/ready-run: EXTRA =
 $(VENV)/ready-test: EXTRA = [test]
 $(VENV)/ready-bench: EXTRA = [test,bench]
 $(VENV)/ready-dev: EXTRA = [dev]
+$(VENV)/ready-site: EXTRA = [site]
 $(VENV)/ready-%: pyproject.toml
 	test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --editable ".$(EXTRA)"

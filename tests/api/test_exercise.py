@@ -117,6 +117,7 @@ def test_answers(command, words):
         ("4a --plot out.png", "exercise 4a: has no figure"),
         ("--plot out.png", "--plot: nothing to write, expected a letter that asks for it"),
         ("3a --modelica out.mo", "--modelica: nothing to write, expected a letter that asks for it"),
+        ("4b --modelica nowhere/out.mo", "nowhere/out.mo: cannot be written"),
         ("1a --plot out.gif", "--plot: unknown kind of file"),
         ("2a --figures file/inside", "--figures: cannot be made"),
     ],

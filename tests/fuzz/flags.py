@@ -18,7 +18,7 @@ WORDS = {  # likely values by what an option stands for
     "runs": ("10", "50"), "seed": ("1", "0"), "vary": ("lines.cable.z0=uniform(40, 60)",
     "lines.cable.delay=normal(3n, 1p)"),
     "low": ("1 MHz",), "high": ("1 GHz",), "t_end": ("1 s", "2 s", "20 ns"), "wave_speed": ("1000 m/s", "1500"),
-    "part": ("a", "b", "z"), "method": ("euler", "bdf-events", "rk4"), "step": ("10 ms", "1 ms"), "end": ("1 s",),
+    "letter": ("2a", "3c", "4b", "4d", "1f"), "method": ("euler", "bdf-events", "rk4"), "step": ("10 ms", "1 ms"),
     "output": ("x_k", "tension", "out.toml", "out.cir"), "models": ("lugre", "dahl", "coulomb", "tanh"),
     "model": ("coulomb", "karnopp", "lugre", "dahl", "elasto-plastic", "tanh"), "parameters": ("F_s=1.2 N",
     "sigma0=1e4"),
@@ -38,6 +38,8 @@ WRITTEN = {
     "plot": ("out.svg", "out.png", "out.pdf"),
     "save": ("out.s1p",),
     "nearest": ("out.json",),
+    "modelica": ("out.mo",),
+    "figures": ("pictures",),
 }
 PARAMETERS = """inertia = ["1e-3 kg m^2", "2e-3 kg m^2"]
 friction = "0.1 N m s"

@@ -13,9 +13,9 @@ from fuzz.scenes import RARE, SMALL
 COMMANDS = (
     ["passivity", "1/(1+s)"], ["passivity", "tanh(s)"], ["passivity", "R + s", "--param", "R>0"], ["passivity",
     "[1, 0; 0, s]"],
-    ["friction", "exercise"], ["friction", "run", "lugre"], ["friction", "run", "dahl"], ["friction", "run",
+    ["exercise", "1a"], ["friction", "run", "lugre"], ["friction", "run", "dahl"], ["friction", "run",
     "elasto-plastic"],
-    ["friction", "run", "karnopp"], ["friction", "run", "tanh"], ["friction", "curve", "lugre"], ["drives", "exercise"],
+    ["friction", "run", "karnopp"], ["friction", "run", "tanh"], ["friction", "curve", "lugre"], ["exercise", "4h"],
     ["drives", "control"], ["drives", "step", "--slack"], ["drives", "bode"], ["line", "hydraulic", "--radius", "1"],
     ["fit", "antenna.s1p"], ["passivity", "antenna.s1p"], ["schema"], ["chart", "growth", "--csv", "x"],
     ["import", "town.inp", "--wave-speed", "1000 m/s"], ["import", "cable_rc.cir"], ["export", "cable_rc.toml"],

@@ -50,7 +50,7 @@ def exercise(letter: str = "", *, figures: str | None = None, files: dict[str, s
     writers = {}
     if letter:
         (answer,) = answers
-        writers["modelica"] = lambda file: Path(file).write_text(answer.modelica, encoding="utf-8")
+        writers["modelica"] = lambda file: _write(answer.modelica, file)
         writers["plot"] = lambda file: _draw(answer, file)
         code = ["", answer.modelica.rstrip()] if answer.modelica else []
         return Output([*answer.text_lines(), *code, *written], answer.to_dict, writers)
@@ -69,6 +69,13 @@ def _figure(answer: Any, folder: str) -> str:
     file = str(Path(folder, f"{answer.letter}.png"))
     _draw(answer, file)
     return f"wrote {file}"
+
+
+def _write(text: str, file: str) -> None:
+    from tline.solver.result.atomic import replacing
+
+    with replacing(file) as temporary:
+        temporary.write_text(text, encoding="utf-8")
 
 
 def _draw(answer: Any, file: str) -> None:

@@ -1,0 +1,120 @@
+"""Gathers the pages of the site in a folder, as Sphinx reads them: ``python docs/site/assemble.py FOLDER``.
+
+Beside the pages of `docs` these are the gallery, a page for each letter of the exercise, the reference of all public
+names and the help of all commands.
+"""
+
+import importlib
+import shutil
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+from click.testing import CliRunner
+
+import tline as tl
+from tline.cli.main import COMMANDS, main
+from tline.exercises.answer import Answer, letters
+from tline.pictures.style import save_figure
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = (
+    "tline", "tline.scene", "tline.frequency", "tline.signal", "tline.loss", "tline.design", "tline.interchange",
+    "tline.pictures", "tline.study", "passivity", "friction", "drives",
+)  # fmt: skip
+FENCE = "```"
+CHECKED = {True: " *(checked)*", False: " **(does not hold)**", None: ""}
+
+
+def letter_page(answer: Answer) -> str:
+    """The page of a letter, in Markdown."""
+    parts = [f"# {answer.letter} {answer.title}", f"> {answer.question}"]
+    if answer.steps:
+        parts.append("\n".join(f"1. `{each.text}`: {each.reason}{CHECKED[each.holds]}" for each in answer.steps))
+    parts += answer.paragraphs
+    if answer.has_figure:
+        parts.append(f"![{answer.title}]({answer.letter}.png)")
+    parts += [f"**A remark on the text.** {remark}" for remark in answer.remarks]
+    if answer.modelica:
+        parts.append(f"{FENCE}modelica\n{answer.modelica.rstrip()}\n{FENCE}")
+    return "\n\n".join(parts) + "\n"
+
+
+def public_names() -> dict[str, list[str]]:
+    """What each package offers, packages within it left out."""
+    found = {}
+    for package in PACKAGES:
+        module = importlib.import_module(package)
+        names = [name for name in module.__all__ if not isinstance(getattr(module, name), type(sys))]
+        found[package] = sorted(names, key=str.lower)
+    return found
+
+
+def reference() -> str:
+    """The page from which Sphinx makes one for each public name."""
+    parts = ["# Python"]
+    for package, names in public_names().items():
+        about = (importlib.import_module(package).__doc__ or "").partition("\n")[0]
+        listed = "\n".join(f"   {package}.{name}" for name in names)
+        directive = f".. autosummary::\n   :toctree: api\n\n{listed}"
+        parts.append(f"## {package}\n\n{about}\n\n{FENCE}{{eval-rst}}\n{directive}\n{FENCE}")
+    return "\n\n".join(parts) + "\n"
+
+
+def commands() -> str:
+    """The help of all commands and of those within them."""
+    return "\n\n".join(["# Commands", *(f"## {name}\n\n{FENCE}text\n{text}{FENCE}" for name, text in _helps())]) + "\n"
+
+
+def _helps() -> Iterator[tuple[str, str]]:
+    for name in COMMANDS:
+        command = main.get_command(None, name)  # pyright: ignore[reportArgumentType]
+        for inner in ("", *getattr(command, "commands", {})):
+            words = [name, inner] if inner else [name]
+            shown = CliRunner().invoke(main, [*words, "--help"], prog_name="tline", terminal_width=100)
+            yield " ".join(["tline", *words]), shown.output
+
+
+def gallery(folder: Path) -> str:
+    """Every scene with its picture and its file."""
+    parts = [
+        "# Gallery",
+        'Each scene comes with tline: `tline examples NAME` writes it, `tl.examples["NAME"]` reads it.',
+    ]
+    for name in tl.examples:
+        scene = tl.examples[name]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # said as notes of the result
+            save_figure(tl.simulate(scene).plot(), folder / f"{name}.png")
+        text = tl.examples.path(name).read_text(encoding="utf-8")
+        parts += [f"## {scene.title or name}", f"![{name}](gallery/{name}.png)", f"`{name}`"]
+        parts.append(f"{FENCE}toml\n{text.rstrip()}\n{FENCE}")
+    return "\n\n".join(parts) + "\n"
+
+
+def assemble(folder: Path) -> None:
+    """Write all pages into a folder, which is emptied first."""
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in ("gallery", "exercise"):
+        (folder / name).mkdir(parents=True)
+    shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns("*.py", "__pycache__", "site"))
+    shutil.copytree(ROOT / "scenes", folder / "scenes")
+    shutil.copytree(ROOT / "docs" / "site" / "templates", folder / "templates")
+    for name in ("CHANGELOG.md", "CONTRIBUTING.md", "docs/site/index.md", "docs/site/conf.py"):
+        shutil.copy(ROOT / name, folder)
+    for letter in letters():
+        answer = tl.exercise(letter)
+        (folder / "exercise" / f"{letter}.md").write_text(letter_page(answer), encoding="utf-8")
+        if answer.has_figure:
+            save_figure(answer.plot(), folder / "exercise" / f"{letter}.png")
+    pages = {"reference": reference(), "commands": commands(), "gallery": gallery(folder / "gallery")}
+    with (folder / "docs" / "exercise.md").open("a", encoding="utf-8") as page:
+        listed = "\n".join(f"../exercise/{letter}" for letter in letters())
+        page.write(f"\n{FENCE}{{toctree}}\n:caption: Letters\n{listed}\n{FENCE}\n")
+    for name, text in pages.items():
+        (folder / f"{name}.md").write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    assemble(Path(sys.argv[1]))

@@ -1,0 +1,32 @@
+"""Settings of Sphinx for the site, which `make site` builds."""
+
+from typing import Any
+
+import tline
+
+project = "tline"
+author = "The tline developers"
+version = release = tline.__version__
+extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary"]
+root_doc = "index"
+templates_path = ["templates"]
+myst_heading_anchors = 4
+suppress_warnings = ["myst.xref_missing", "myst.header"]  # links to folders and to files that are no pages
+autosummary_generate = True
+autodoc_typehints = "none"  # docstrings have types in words
+numpydoc_show_class_members = False
+html_theme = "pydata_sphinx_theme"
+html_title = "tline"
+html_theme_options = {"show_prev_next": False, "navigation_with_keys": False, "header_links_before_dropdown": 3}
+html_show_sourcelink = False
+
+
+def bars_are_magnitudes(_: Any, kind: str, name: str, *rest: Any) -> None:
+    """|H| in a docstring is no substitution of reStructuredText; `rest` ends with the lines, changed in place."""
+    lines: list[str] = rest[-1]
+    lines[:] = [line if line.lstrip().startswith(">>>") else line.replace("|", "\\|") for line in lines]
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", bars_are_magnitudes, priority=900)
