@@ -9,7 +9,10 @@ from scipy.interpolate import BarycentricInterpolator
 
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
+from tline.solver.description.resolution import Resolution
 from tline.solver.result.interior import inside
+from tline.solver.run import run
 from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD, FLOW = 2e7, 0.4, 3e5, 0.03
@@ -141,3 +144,31 @@ def test_local_losses_are_taken_once_however_a_pipe_is_parted(parted, acting):
     result = simulate(Scene(medium="hydraulic", t_end=0.1, start="steady", **given))
     v = np.sqrt(2 * drop / 1000 / (f * acting.get("length", length) / d + K))
     assert np.abs(result.probes["b"].y / (v * np.pi * d**2 / 4) - 1).max() < 1e-9
+
+
+def test_beside_friction_slab_ends_are_as_told():
+    """Diamonds against loss elements on slabs 32 times as narrow, which share neither lines nor nodes' slabs."""
+    pipe = {"nodes": ["tank", "end"], "length": 1000, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    scene = Scene(
+        medium="hydraulic",
+        t_end=6,
+        start="steady",
+        lines={"pipe": pipe | {"friction": {"kind": "darcy", "factor": 0.03}}},
+        loads={
+            "tank": {"at": "tank", "kind": "reservoir", "pressure": 3e5},
+            "end": {"at": "end", "kind": "vapour cavity"},
+        },
+        sources={
+            "out": {"at": "end", "kind": "flow", "value": {"shape": "ramp", "from": -0.08, "to": 0, "duration": 0.5}}
+        },
+        probes={"end": {"at": "end"}},
+    )
+    result = simulate(scene, tol=1e-2)
+    assert result.accuracy
+    assert result.accuracy.at_slab_ends < 1e-2
+    slab = result.probes["end"].slabs.width / 32
+    plain = run(describe(scene), Resolution(3, slab, diamonds=False)).probes["end"]
+    found, wanted = result.probes["end"].at_slab_ends.u, plain.at_slab_ends.u[::32]
+    n = min(len(found), len(wanted))
+    assert wanted.min() < 2339 - 101_325 + 1  # it boils
+    assert np.abs(found[:n] - wanted[:n]).max() < 1e-2 * np.abs(wanted).max()

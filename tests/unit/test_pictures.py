@@ -80,6 +80,7 @@ def test_the_way_of_least_delay_is_taken() -> None:
     ("lines", "nodes", "problem"),
     [
         (FORK, (), "path: the lines form no chain, expected the two nodes between which to look"),
+        (FORK, (("a", "b"),), "path: is no name, expected each node as an argument of its own, got ('a', 'b')"),
         ({"a": ("p", "q", "1 ns"), "b": ("r", "s", "1 ns")}, (), "path: the lines form no chain"),
         ({"a": ("p", "q", "1 ns"), "b": ("q", "p", "1 ns")}, (), "path: the lines form no chain"),
         (
