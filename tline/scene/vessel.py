@@ -16,6 +16,7 @@ from tline.scene.rating import Rated
 
 ATMOSPHERE = Quantity(101_325, "Pa")
 GRAVITY = Quantity(9.80665, "m/s^2")
+GAS_VOLUME = "gas volume"
 Height = Annotated[Quantity, Role("height", "m")]
 Absolute = Annotated[Quantity, Role("pressure", "Pa", above=0)]
 
@@ -108,8 +109,11 @@ class AirVessel(_Vessel):
         default=Quantity("1.2", ""), description="n: 1 if the gas stays at one temperature, 1.4 if it has no time to"
     )
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+    total_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] | None = Field(
+        default=None, description="of gas and liquid; a run says when the gas fills it, and would enter the pipe"
+    )
     shows = (
-        Shown("gas volume", "m^3", lambda vessel, y, i: vessel.law().constants[3] * np.exp(y)),
+        Shown(GAS_VOLUME, "m^3", lambda vessel, y, i: vessel.law().constants[3] * np.exp(y)),
         Shown("gas pressure", "Pa", lambda vessel, y, i: vessel.atmosphere * np.expm1(-vessel.exponent * y)),
         Shown("inflow", "m^3/s", lambda vessel, y, i: i),
     )
@@ -119,6 +123,9 @@ class AirVessel(_Vessel):
         if self.gas_pressure <= -self.atmosphere:
             got = f"{self.gas_pressure:g} Pa"
             raise InputError("gas_pressure", "below vacuum", f"more than {-self.atmosphere:g} Pa", got)
+        if self.total_volume is not None and self.total_volume <= self.gas_volume:
+            got = f"{self.total_volume:g} m^3"
+            raise InputError("total_volume", "no room for liquid", f"more than the gas, {self.gas_volume:g} m^3", got)
         return self
 
     def law(self) -> ElementLaw:  # noqa: D102

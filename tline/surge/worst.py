@@ -7,6 +7,7 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.solver.result.result import Result
+from tline.solver.result.states import emptied
 
 CLASSES = (6e5, 1e6, 1.6e6, 2e6, 2.5e6, 4e6, 6.3e6, 1e7)  # Pa, of EN 1333
 BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
@@ -15,6 +16,7 @@ LAST = 0.01  # of a run: what is highest or lowest so near its end may not be so
 CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column that separates
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
+EMPTIES = "a vessel runs empty, and gas in the pipe is not computed"
 RISES = "the highest pressure comes at the end of the run and may be higher later"
 
 
@@ -82,7 +84,7 @@ def worst(result: Result, most: int = 5, spread: float = 0.0) -> Worst:
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
-    untold = SEPARATES if boiling else RISES if rising else ""
+    untold = SEPARATES if boiling else EMPTIES if emptied(result) else RISES if rising else ""
     needed = None if untold else class_of(highest.highest + spread)
     return Worst(risen[:most], fallen[:most], boiling, highest, needed, untold, spread, [*rising, *falling])
 

@@ -14,10 +14,13 @@ from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
+from tline.scene.vessel import GAS_VOLUME, AirVessel
 
 __all__ = [
+    "GAS_VOLUME",
     "NO_HEIGHT",
     "OPENING",
+    "AirVessel",
     "Bend",
     "Constant",
     "ElementLaw",

@@ -11,6 +11,7 @@ from tline.solver.description.description import Description, describe
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.limits import beyond_limits
 from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.states import emptied
 from tline.solver.result.surge import surges
 from tline.words.wording import place
 
@@ -31,6 +32,10 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *description.plausibility_notes,
         *beyond_limits(description, _extremes(probes, envelope)),
         *tank_limits(description, _extremes(probes, envelope)),
+        *(
+            f"{where}: it is empty after {at:.4g} s: its {total:.4g} m^3 are gas, which would enter the pipe"
+            for where, (at, total) in emptied(result).items()
+        ),
         *(f"{where}: liquid flows back through it at up to {v:.3g} m/s" for where, v in result.slams.items()),
         *surges(description, result.t, result.start, probes, envelope),
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description, describe
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import varies
-from tline.solver.description.given import OPENING, Medium, Shape
+from tline.solver.description.given import GAS_VOLUME, OPENING, AirVessel, Medium, Shape
 from tline.solver.result.result import ElementRecord, Result
 from tline.units import to_si
 from tline.words.wording import place
@@ -82,6 +82,30 @@ def states_of(result: Result) -> list[StateTrace]:
             states, flows = (np.interp(t, ends, values) for values in (record.states, flow_of(element, record)))
             found += [StateTrace(element.where, x.word, x.unit, t, x.of(owner, states, flows)) for x in shows]
     return found
+
+
+def emptied(result: Result) -> dict[str, tuple[float, float]]:
+    """Vessels, by place, that run empty of liquid, with the instant, s, and the volume that gas fills then, m³."""
+    vessels = {
+        place(*at): element.total_volume for at, element in result.scene.placed if isinstance(element, AirVessel)
+    }
+    if all(total is None for total in vessels.values()):
+        return {}
+    found = {}
+    for trace in result.states:
+        total = vessels.get(trace.where)
+        over = np.flatnonzero(trace.values >= total) if total is not None and trace.word == GAS_VOLUME else ()
+        if len(over):
+            found[trace.where] = _reached(trace, int(over[0]), float(total)), float(total)
+    return found
+
+
+def _reached(trace: StateTrace, k: int, value: float) -> float:
+    """When a trace came to a value that it has at slab end k, on a straight line from the one before, s."""
+    if k == 0:
+        return float(trace.t[0])
+    share = (value - trace.values[k - 1]) / (trace.values[k] - trace.values[k - 1])
+    return float(trace.t[k - 1] + share * (trace.t[k] - trace.t[k - 1]))
 
 
 def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
