@@ -275,6 +275,7 @@ def test_help_teaches_with_examples_whose_options_exist() -> None:
         "--ledger",
         "--order",
         "--path",
+        "--seconds",
         "--slab",
         "--tol",
         "--units",
