@@ -43,7 +43,7 @@ class Graph(Nodes):
         super().__init__(dict(names or {}))
         self._number: dict[tuple, int] = {("one", ()): 0}
         self.moves, self.is_rational = [False], [True]  # whether s or an opaque function occurs; nothing but s does
-        self._fractions: tuple[list[int], dict[int, Any]] = [], {}  # known quotients, for the nodes that were cut
+        self._fractions: tuple[Iterable[int], dict[int, Any]] = [], {}  # known quotients, for the nodes that were cut
         self.marks: list[int] = []  # nodes to be proved one after the other: the ends of a chain
 
     def node(self, kind: str, parts: tuple) -> int:

@@ -63,7 +63,7 @@ def _remainder(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
         k = next((up[m] / c for m, c in down.items() if graph.moves[m] and m in up), Fraction(0))
         rest = added(up, {m: -k * c for m, c in down.items()})
         if k and rest and not any(graph.moves[m] for m in rest):
-            r = graph.sum((c, m) for m, c in rest.items())
+            r = graph.sum((Fraction(c), m) for m, c in rest.items())
             below = graph.sum(graph.product([(c, m), r], [1, -1]) for m, c in down.items())
             yield False, graph.sum([(k, 0), graph.inverse(below)]), _atoms(graph, [above, b])
 
@@ -78,7 +78,7 @@ def _parallel(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator
             if powers[a] == 1 and powers[b] == -1 and k > 0 and left and len(left) < len(down):
                 rest = {m: -e for m, e in powers.items() if m not in (a, b)}
                 c = graph.product(((Fraction(1), m) for m in rest), list(rest.values()))
-                r = graph.sum((x, m) for m, x in left.items())
+                r = graph.sum((Fraction(x), m) for m, x in left.items())
                 over = graph.product([r, c, (Fraction(1), a)], [1, 1, -1])
                 yield True, graph.sum([graph.scaled(c, k), over]), _atoms(graph, [a, b])
 

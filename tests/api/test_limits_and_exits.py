@@ -23,7 +23,7 @@ from tline.scene.points import MOST_PULSES
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST_FILE
 from tline.solver.description import resolution
-from tline.solver.tolerance import ladder
+from tline.solver.tolerance import budget, ladder
 from tline.sweeps.design import MOST_RUNS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
@@ -58,7 +58,7 @@ def test_the_limits_on_the_page_are_those_of_the_program():
     assert table["runs of a sweep"] == f"{MOST_RUNS:,}"
     assert table["frequencies of `tline frequency`"] == f"{MOST_POINTS:,}"
     assert table["mistakes of a scene that are told"] == f"{MOST}"
-    assert f"{int(ladder.MOST_SAMPLES):,} line-end samples or {ladder.MOST_SECONDS} s" in PAGE
+    assert f"{int(ladder.MOST_SAMPLES):,} line-end samples or {budget.MOST_SECONDS} s" in PAGE
     assert len(table) == 13  # and the heading
 
 
@@ -92,7 +92,7 @@ def test_an_interrupted_run_says_so(monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tline.scene.file.read_scene", interrupted)
+    monkeypatch.setattr("tline.interchange.any_file.read", interrupted)
     result = call("export", SCENE)
     assert (result.exit_code, result.stderr.strip()) == (130, "interrupted")
 
@@ -101,7 +101,7 @@ def test_too_little_memory_is_said(monkeypatch):
     def too_large(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("tline.scene.file.read_scene", too_large)
+    monkeypatch.setattr("tline.interchange.any_file.read", too_large)
     result = call("export", SCENE)
     assert (result.exit_code, result.stderr) == (
         2,
@@ -110,7 +110,7 @@ def test_too_little_memory_is_said(monkeypatch):
 
 
 def test_a_fault_of_the_program_is_no_answer(monkeypatch):
-    monkeypatch.setattr("tline.scene.file.read_scene", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("tline.interchange.any_file.read", lambda *_, **__: 1 / 0)
     result = call("export", SCENE)
     assert result.exit_code == 70
     assert re.match("tline: a fault of the program, please report it with the command: ZeroDivision", result.stderr)

@@ -48,7 +48,7 @@ def expanded(scene: Scene, doublings: int = 0) -> Scene:
 
 def _lines(scene: Scene, name: str, stretches: Stretches, given: dict[str, Any]) -> dict[str, Any]:
     """Tables of the stretches of a line: as the whole, but for what grows with its length."""
-    line = scene.lines[name]
+    line: Any = scene.lines[name]
     nodes = [line.nodes[0], *stretches.places, line.nodes[1]]
     alike = {key: value for key, value in given.items() if key not in ("cavities", "vertices")}
     friction = alike.get("friction") or {}
