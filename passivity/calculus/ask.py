@@ -211,9 +211,9 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
         lambda: _in_balls(made, kind, question, search),
         lambda: _proved(made, question, prover, DEPTHS[-1:]),
     )
-    for way in ways:
+    for k, way in enumerate(ways):  # a look at a point takes as long as the function is
         try:
-            with budget(_EACH):
+            with budget(_EACH if k else _EACH + _EACH_NODE * len(graph.nodes)):
                 if found := way():
                     return found[0]
         except UndecidedError as error:
