@@ -2,6 +2,7 @@
 
 from friction.fit import Fit
 from friction.identify import Identification, identify
+from friction.maxwell import MaxwellSlip
 from friction.methods import METHODS, Method
 from friction.models import MODELS, Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
 from friction.predict import (
@@ -40,6 +41,7 @@ __all__ = [
     "Ledger",
     "Limits",
     "LuGre",
+    "MaxwellSlip",
     "Method",
     "Model",
     "Prescribed",

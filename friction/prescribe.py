@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from friction.maxwell import MaxwellSlip
 from friction.methods import STATIC
 from friction.models import Karnopp, Model
 from friction.motion import Motion, moved_along, moved_with
@@ -51,7 +52,7 @@ class Prescribed(Presentation):
         Steps of the integration.
     """
 
-    model: Model
+    model: Model | MaxwellSlip
     t: NDArray
     x: NDArray
     v: NDArray
@@ -75,7 +76,7 @@ class Prescribed(Presentation):
             told += f", z {self.z.min():.6g} to {self.z.max():.6g} m"
         if self.held.any():
             at = f"{self.held.sum()} of {self.t.size} samples"
-            told += f"; at rest ({at}) any force up to {self.model.stiction:g} N"
+            told += f"; at rest ({at}) any force up to {self.F_high[self.held].max():g} N"
         yield told + (f"; error {self.errors['F_f']:.0e} of the largest" if self.errors else "; exact to rounding")
 
     def to_dict(self) -> dict[str, Any]:
@@ -91,7 +92,7 @@ class Prescribed(Presentation):
 
 
 def prescribe(
-    model: Model,
+    model: Model | MaxwellSlip,
     *,
     velocity: Force | None = None,
     position: Force | None = None,
@@ -106,8 +107,8 @@ def prescribe(
 
     Parameters
     ----------
-    model : Model
-        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic` or `Tanh`.
+    model : Model or MaxwellSlip
+        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic`, `Tanh` or `MaxwellSlip`.
     velocity : Ramp, Sine, Steps or Table
         Velocity [m/s] over time, from x = 0 on.
     position : Ramp, Sine or Table
@@ -142,9 +143,12 @@ def prescribe(
     check_number("z0", z0)
     at = np.linspace(0.0, t_end, 1001) if times is None else checked_times(times, t_end)
     motion = moved_with(velocity) if velocity is not None else moved_along(position)  # type: ignore[arg-type]
+    if isinstance(model, (*STATIC, MaxwellSlip)) and z0:
+        raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
+    if isinstance(model, MaxwellSlip):
+        force, zeros = model.moved(motion, at, t_end), np.zeros(at.size)
+        return Prescribed(model, at, motion.place(at), motion.velocity(at), zeros, force, force, force, {}, 0)
     if isinstance(model, STATIC):
-        if z0:
-            raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
         return _static(model, motion, at)
     x, v, course = motion.place(at), motion.velocity(at), motion.course(t_end)
     (z, force), steps = deflection(model, course, at, v, z0, FINE)

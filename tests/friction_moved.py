@@ -60,12 +60,13 @@ def force_by_scipy(
         s = float(np.sign(velocity(0.5 * (begin + end))))
         inside = np.flatnonzero((times > begin) & (times <= end)) if begin else np.flatnonzero(times <= end)
         at = np.append(times[inside], end)[: inside.size + (not inside.size or times[inside[-1]] < end)]
-        method = "DOP853" if tol < 1e-10 else "LSODA"
-        longest = min(end - begin, 3e-3 if tol < 1e-10 else np.inf)
+        method = "DOP853" if tol < 1e-9 else "LSODA"
+        longest = min(end - begin, 3e-3 if tol < 1e-10 else 1e-2)
         run = solve_ivp(
             lambda t, y, s=s, end=end: [rate(model, s, velocity(min(t, end - 1e-15)), y[0])],
             (begin, end), [z], method, at, rtol=tol, atol=1e-3 * tol * model.F_c / model.sigma0, max_step=longest,
         )  # fmt: skip
+        assert run.success, run.message
         found[inside, 0], z = run.y[0, : inside.size], run.y[0, -1]
     rates = [rate(model, 1.0 if at >= 0.0 else -1.0, at, z) for at, z in zip(v, found[:, 0], strict=True)]
     viscous = getattr(model, "sigma2", 0.0) * v

@@ -243,6 +243,7 @@ FRICTION = {
     "chatter": lambda: friction.euler_chatter(1.0, 0.5, 0.01),
     "dead zone": lambda: friction.dead_zone(0.001, 1.0, 0.01),
     "prescribed": lambda: friction.prescribe(friction.LuGre(), velocity=friction.Sine(0.1, 1.0)),
+    "elements": lambda: friction.MaxwellSlip([1000.0], [1.0]),
     "identified": lambda: friction.identify(BENT.t, BENT.F_f, velocity=BENT.v, models=("dahl",)),
     "sweep": lambda: friction.sweep(friction.LuGre(), BENCH, sigma0=[500.0], tol=1e-6),
 }

@@ -29,7 +29,7 @@ TIME = 1.0  # s, of a steady velocity
 
 
 @command(
-    names={"parameters": "set", "t_end": "time"},
+    names={"parameters": "set"},
     files={"csv": table("Motion and forces, SI, full precision"), "plot": picture("F_f over x, v and t")},
     group=friction,
     epilog=EXAMPLES,
@@ -74,7 +74,7 @@ def motion(
     for amplitude, moved, end in _motions(kind, str(text), si.get("frequency")):
         for name, model in chosen.items():
             label = f"{name}, {amplitude}" if amplitude else name
-            with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--time"}):
+            with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--t-end"}):
                 runs[label] = prescribe(model, **{kind: moved}, t_end=si.get("t_end", end), z0=si.get("z0", 0.0))  # type: ignore[arg-type]
     several = len(runs) > 1
     columns = {
