@@ -94,7 +94,9 @@ def emptied(result: Result) -> dict[str, tuple[float, float]]:
     found = {}
     for trace in result.states:
         total = vessels.get(trace.where)
-        over = np.flatnonzero(trace.values >= total) if total is not None and trace.word == GAS_VOLUME else ()
+        if total is None or trace.word != GAS_VOLUME:
+            continue
+        over = np.flatnonzero(trace.values >= total)
         if len(over):
             found[trace.where] = _reached(trace, int(over[0]), float(total)), float(total)
     return found
