@@ -50,7 +50,7 @@ def test_volumes_and_collapses_are_told_with_place_and_instant(surge):
 
 def test_the_scene_that_is_given_out_has_the_cavities_and_does_the_same(surge):
     scene = tl.Scene(**surge[0].scene.table())
-    assert scene.lines["pipe"].cavities.places == 7
+    assert scene.table()["lines"]["pipe"]["cavities"]["places"] == 7
     again = tl.simulate(scene, envelope=True).envelope
     assert again is not None
     assert again.of("valve")["highest"] == surge[0].result.envelope.of("valve")["highest"]
