@@ -32,6 +32,7 @@ from tline.sweeps import sweep
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 LARGEST = 350_000  # bytes of a short run of a shipped scene
 LARGEST_LINE = 60_000  # more for each of the stretches of a line that is recorded
+LARGEST_STATE = 20_000  # of each element that has one
 WAYS = {"pickle": lambda x: pickle.loads(pickle.dumps(x)), "copy": copy.copy, "deepcopy": copy.deepcopy}
 LINE = {
     "medium": "electrical",
@@ -81,7 +82,7 @@ def test_results_of_shipped_scenes(path):
         assert probe.u.size > 0  # kept beside the waves once it was asked for
     survives(result)
     stretches = sum(len(getattr(line, "stretches", ())) for line in result.lines.values())
-    assert len(pickle.dumps(result)) < LARGEST + LARGEST_LINE * stretches
+    assert len(pickle.dumps(result)) < LARGEST + LARGEST_LINE * stretches + LARGEST_STATE * len(result.elements)
 
 
 def test_a_result_with_its_estimated_errors():
