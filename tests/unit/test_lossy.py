@@ -180,3 +180,13 @@ def test_quasi_steady_friction_is_laminar_below_and_colebrook_above():
     )
     scene = pipe("1 bar", friction=friction)
     assert simulate(scene, tol=1e-4).accuracy.met
+
+
+@pytest.mark.parametrize(("length", "along"), [(1.0, True), (0.1, False)])
+def test_pipes_too_short_for_diamonds_have_places(length, along):
+    """Diamonds are as narrow as the shortest delay, and so many that a run would take minutes."""
+    pipe = {"diameter": 0.2, "wave_speed": 1000, "density": 1000, "friction": {"kind": "darcy", "factor": 0.02}}
+    ends = {"long": (["a", "b"], 1000), "stub": (["b", "c"], length)}
+    lines = {name: {"nodes": nodes, "length": own, **pipe} for name, (nodes, own) in ends.items()}
+    scene = Scene(medium="hydraulic", t_end=20, lines=lines, probes={"c": {"at": "c"}})
+    assert describe(scene).diamonds == along
