@@ -16,7 +16,7 @@ from passivity.delayed.boxes import BallProof
 from passivity.delayed.poles import Pole
 from passivity.expression.number import complex_text, digits, written
 from passivity.one_port.verdict import Verdict
-from passivity.status import Decided, Kind, Status
+from passivity.status import Decided, Kind, Status, first_of
 from tline.presentation import SCREEN
 
 CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
@@ -110,11 +110,7 @@ class Conclusion(Decided):
             bound = ", sampled" if margin.bound is None else f", proved not to pass {digits(margin.bound)}"
             value = f"{float(margin.attained):.6g}"
             told.append(f"  {name:<20} {sign} {value:<12} at ω = {margin.frequency:.6g} rad/s{bound}")
-        steps = list(lines(self.proof)) if self.proof else []
-        room = SCREEN - len(told)
-        shown = len(steps) if len(steps) <= room else room - 1
-        told += [f"    {line}" for line in steps[:shown]]
-        return told + ([f"    … and {len(steps) - shown} more steps"] if len(steps) > shown else [])
+        return told + first_of(list(lines(self.proof)) if self.proof else [], SCREEN - len(told), "    ")
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it, with the proof, and whether it was verified."""

@@ -8,6 +8,7 @@ from passivity.expression.number import complex_text, digits, written
 from passivity.multiport.certificate import verify
 from passivity.multiport.margin import MatrixMargin
 from passivity.multiport.verdict import Certificate, MatrixVerdict, StorageCertificate, StrictCertificate
+from passivity.one_port.report import coefficients
 from passivity.status import Kind
 
 
@@ -27,7 +28,7 @@ def as_dict(verdict: MatrixVerdict, margin: MatrixMargin | None) -> dict[str, An
         "status": verdict.status.value,
         "why": verdict.why,
         "lossless": verdict.lossless,
-        "hidden_factor": _list(verdict.hidden) if verdict.hidden else None,
+        "hidden_factor": coefficients(verdict.hidden) if verdict.hidden else None,
         "margin": margin and {name: _number(x) for name, x in margin._asdict().items()},
     }
     if witness := verdict.witness:
@@ -59,24 +60,20 @@ def _certificate(certificate: Certificate) -> dict[str, Any]:
     return {
         "minor_sums": [
             {
-                "sum": _list(x.a),
+                "sum": coefficients(x.a),
                 "power": x.power,
-                "sign_factors": [{"factor": _list(f), "power": power} for f, power in x.sign.factors],
+                "sign_factors": [{"factor": coefficients(f), "power": power} for f, power in x.sign.factors],
                 "sign_breaks": [written(b) for b in x.sign.breaks],
             }
             for x in certificate.sums
         ],
-        "closing": _list(certificate.closing),
+        "closing": coefficients(certificate.closing),
         "routh_column": [pivot.str(12) for pivot in certificate.column],
     }
 
 
 def _number(x: float) -> float | str:
     return x if math.isfinite(x) else str(x)
-
-
-def _list(polynomial: Any) -> list[str]:
-    return [str(c) for c in reversed(polynomial.coeffs())] or ["0"]
 
 
 def in_lines(verdict: MatrixVerdict, margin: MatrixMargin | None) -> list[str]:

@@ -21,9 +21,9 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         "status": verdict.status.value,
         "why": verdict.why,
         "lossless": verdict.lossless,
-        "hidden_factor": _list(verdict.hidden) if verdict.hidden else None,
-        "numerator": _list(verdict.function.p),
-        "denominator": _list(verdict.function.q),
+        "hidden_factor": coefficients(verdict.hidden) if verdict.hidden else None,
+        "numerator": coefficients(verdict.function.p),
+        "denominator": coefficients(verdict.function.q),
         "margins": {name: _margin(margin) for name, margin in margins._asdict().items()},
     }
     if verdict.witness:
@@ -31,8 +31,8 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
     if verdict.certificate:
         c = verdict.certificate
         told["certificate"] = {
-            "cancelled": _list(c.common),
-            "sign_factors": [{"factor": _list(f), "power": power} for f, power in c.sign.factors],
+            "cancelled": coefficients(c.common),
+            "sign_factors": [{"factor": coefficients(f), "power": power} for f, power in c.sign.factors],
             "sign_breaks": [written(x) for x in c.sign.breaks],
             "routh_column": [pivot.str(12) for pivot in c.column],
             "verified": if_affordable(VERDICT, verify, c),
@@ -42,7 +42,8 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         told["robustness"] = {
             "tolerance": written(robust.tolerance),
             "same": robust.same,
-            "exception": exception and {"numerator": _list(exception.p), "denominator": _list(exception.q)},
+            "exception": exception
+            and {"numerator": coefficients(exception.p), "denominator": coefficients(exception.q)},
         }
     return told
 
@@ -52,7 +53,8 @@ def point(witness: Witness) -> dict[str, str | None]:
     return {key: None if part is None else written(part) for key, part in vars(witness).items()}
 
 
-def _list(polynomial: Any) -> list[str]:
+def coefficients(polynomial: Any) -> list[str]:
+    """Of a polynomial, highest power first, as texts."""
     return [str(c) for c in reversed(polynomial.coeffs())] or ["0"]
 
 

@@ -13,7 +13,7 @@ from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import complex_text, written
 from passivity.one_port.report import point
 from passivity.rational.evaluate import Exact, exact
-from passivity.status import Decided, Kind, Status
+from passivity.status import Decided, Kind, Status, first_of
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.domain import coefficients
@@ -107,11 +107,7 @@ class SymbolicVerdict(Decided):
             told += [f"  {name} = {written(value)}" for name, value in found.values.items()]
             told.append(f"  witness s = {complex_text(found.witness.re, found.witness.im)}")
         note = [f"  note: {self.note}"] if self.note else []
-        room = SCREEN - len(told) - len(note)
-        shown = len(self.proof) if len(self.proof) <= room else room - 1
-        told += [f"  {line}" for line in self.proof[:shown]]
-        more = [f"  … and {len(self.proof) - shown} more steps"] if len(self.proof) > shown else []
-        return told + more + note
+        return told + first_of(self.proof, SCREEN - len(told) - len(note), "  ") + note
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it."""

@@ -180,9 +180,9 @@ def as_table(result: Result, accuracy: Accuracy | None) -> str:
             texts.append(f"{seen['error_inside_slabs'] / size:.1g}" if "error" in seen else "?")
             rows.append(["" if k else name, f"{word} [{unit}]", *texts])
     for trace in result.states[:SHOWN]:
-        size, unit = trace.read_in(result.medium)
-        low, low_at, high, high_at = trace.extremes()
-        numbers = low / size, low_at / second, high / size, high_at / second, float(trace.values[-1]) / size
+        size, unit = result.medium.unit(trace.unit)
+        _, low, low_at, high, high_at, last = trace.row(size)
+        numbers = low, low_at / second, high, high_at / second, last
         word = f"{trace.word} [{unit}]" if unit else trace.word
         rows.append([trace.where.partition(".")[2], word, *(f"{number:.4g}" for number in numbers), "?"])
     measured = ["", *aligned([["measure", "value"], *_measured(result)], 1)] if result.measures else []

@@ -49,8 +49,8 @@ class Limits(NamedTuple):
     @property
     def unit(self) -> tuple[float, str]:
         """Size, Pa, and name of the unit in which they are read."""
-        unit = words(self.scene).shown.get("m", "m") if self.per_metre else words(self.scene).shown["effort"]
-        return to_si(f"1 {unit}", None) * (self.per_metre or 1.0), unit
+        size, unit = words(self.scene).unit("m" if self.per_metre else "effort")
+        return size * (self.per_metre or 1.0), unit
 
     def shown(self, pressure: float) -> str:
         """A pressure, or its head, with a unit."""

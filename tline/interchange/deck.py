@@ -24,6 +24,7 @@ OTHERS_LIBRARY = re.compile(r"[A-Za-z]:[\\/]")  # such as LTspice names for each
 INCLUDES = (".include", ".inc", ".incl", ".lib")
 OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
 LUMPED = "YTRANSLINE"  # in Xyce, in place of the first letter of its name
+OVER_FREQUENCY = ".ac", ".sp"
 WITHIN_CONTROL = {
     "tran": ".tran",
     "ac": ".ac",
@@ -205,5 +206,5 @@ def _without_control(cards: list[Card], found: Findings) -> list[Card]:
             plain.append(card)
         elif name in WITHIN_CONTROL:
             asked.append(card._replace(kind=".", name=WITHIN_CONTROL[name]))
-    given = {card.name.lower() for card in plain} & {".tran", ".ac", ".sp"}
+    given = {card.name.lower() for card in plain} & {".tran", *OVER_FREQUENCY}
     return plain + [card for card in asked if card.name not in given]

@@ -10,7 +10,6 @@ from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import GROUND
 from tline.units import engineering
 
-OVER_FREQUENCY = (".ac", ".sp")
 SHOWN = (".print", ".plot", ".save", ".probe", ".probe64")
 VOLTAGE = re.compile(r"(?<![\w.])v\(\s*([^\s,()]+)\s*(?:,\s*([^\s,()]+)\s*)?\)", re.IGNORECASE)
 ALL = ("*", "nodes")  # as names of all nodes

@@ -26,6 +26,19 @@ class Medium(NamedTuple):
     switch: str  # kind of load that opens or closes
     written: dict[str, str]  # role, or SI unit -> unit in tables, where that is not SI
 
+    def unit(self, quantity: str, written: bool = False) -> tuple[float, str]:
+        """Size and name of the unit in which a role, or what has that SI unit, is read, or stands in files.
+
+        Examples
+        --------
+        >>> HYDRAULIC.unit("effort"), HYDRAULIC.unit("m^3/s"), HYDRAULIC.unit("effort", written=True)
+        ((100000.0, 'bar'), (0.001, 'L/s'), (1.0, 'Pa'))
+        """
+        si = self.units.get(quantity, quantity)
+        role = next((role for role, unit in self.units.items() if unit == si), si)
+        name = (self.written if written else self.shown).get(role, si)
+        return (to_si(f"1 {name}", None) if name else 1.0), name
+
     @property
     def hydraulic(self) -> bool:
         """Whether efforts are pressures."""

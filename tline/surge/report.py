@@ -57,8 +57,7 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
         *([_accuracy(accuracy)] if columns is None else _separate(result, columns)),
     ]
     lines.append(f"worst within {result.t[-1]:.4g} s, gauge pressures")
-    unit = result.medium.shown["effort"]
-    size = to_si(f"1 {unit}", "Pa")
+    size, unit = result.medium.unit("effort")
     head = ["node", f"before [{unit}]", "highest", "±", "at [s]", "rise", "lowest", "±", "at [s]", f"fall [{unit}]"]
     for word, rows in (("rise", found.risen), ("fall", found.fallen)):
         table = (
@@ -114,8 +113,7 @@ def _separate(result: Result, columns: Columns) -> list[str]:
 
 def band_text(result: Result, band: Band) -> Iterator[str]:
     """What guesses leave of the highest and the lowest pressure, which governs, and the classes between."""
-    unit = result.medium.shown["effort"]
-    size = to_si(f"1 {unit}", "Pa")
+    size, unit = result.medium.unit("effort")
     told = worst(result)
     yield ""
     for key, at in (("highest", told.highest.highest), ("lowest", min(one.lowest for one in extremes(result)))):
@@ -133,10 +131,8 @@ def band_text(result: Result, band: Band) -> Iterator[str]:
 
 def _state(result: Result, trace: StateTrace) -> list[str]:
     """A row: what an element shows, in the units of people."""
-    size, unit = trace.read_in(result.medium)
-    low, low_at, high, high_at = trace.extremes()
-    numbers = trace.values[0] / size, low / size, low_at, high / size, high_at, trace.values[-1] / size
-    return [trace.name, unit, *(f"{float(x):.4g}" for x in numbers)]
+    size, unit = result.medium.unit(trace.unit)
+    return [trace.name, unit, *(f"{x:.4g}" for x in trace.row(size))]
 
 
 def _cells(one: Extreme, size: float) -> list[str]:

@@ -6,14 +6,11 @@ from math import nan
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from tline.errors import InputError
 from tline.scene.line import Pipe
 from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
-from tline.solver.result.states import StateTrace
 from tline.surge.workbook import is_known, write_workbook
 from tline.surge.worst import extremes
 
@@ -70,13 +67,8 @@ def save_tables(result: Result, path: str | Path) -> None:
         write_workbook(temporary, {table.name: [table.head, *table.rows] for table in found})
 
 
-def _unit(result: Result, si: str) -> tuple[float, str]:
-    """Size and name of a unit in files."""
-    return StateTrace("", "", si, np.empty(0), np.empty(0)).read_in(result.medium, written=True)
-
-
 def _nodes(result: Result) -> Table:
-    (size, unit), (metre, length) = _unit(result, result.medium.units["effort"]), _unit(result, "m")
+    (size, unit), (metre, length) = (result.medium.unit(each, written=True) for each in ("effort", "m"))
     low, high = ([f"{word} [{unit}]", f"{word} at [s]", f"{word} ± [{unit}]"] for word in ("lowest", "highest"))
     head = ["node", "x", "y", f"elevation [{length}]", f"before [{unit}]", *low, *high]
     rows = []
@@ -91,9 +83,8 @@ def _nodes(result: Result) -> Table:
 
 
 def _pipes(result: Result) -> Table:
-    metre, length = _unit(result, "m")
-    size, flow = _unit(result, result.medium.units["flow"])
-    pace, speed = _unit(result, "m/s")
+    units = (result.medium.unit(each, written=True) for each in ("m", "flow", "m/s"))
+    (metre, length), (size, flow), (pace, speed) = units
     rows, words = [], [f"{what} at end {end}" for end in (1, 2) for what in ("before", "lowest", "highest")]
     words += ["lowest along it", "highest along it"]
     heads = [f"{what} {word} [{unit}]" for what, unit in (("flow", flow), ("velocity", speed)) for word in words]
@@ -119,10 +110,8 @@ def _flow(waves: Callable[..., Any], result: Result, z0: float, share: float) ->
 def _states(result: Result) -> Table:
     rows = []
     for trace in result.states:
-        size, unit = trace.read_in(result.medium, written=True)
-        low, low_at, high, high_at = trace.extremes()
-        numbers = [trace.values[0] / size, low / size, low_at, high / size, high_at, trace.values[-1] / size]
-        rows.append([trace.where.partition(".")[2], trace.word, unit or "1", *map(float, numbers)])
+        size, unit = result.medium.unit(trace.unit, written=True)
+        rows.append([trace.where.partition(".")[2], trace.word, unit or "1", *trace.row(size)])
     head = [
         "element",
         "quantity",

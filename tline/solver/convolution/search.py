@@ -29,7 +29,7 @@ ORDER = 5
 CLOSEST = 1e-8  # tolerance; transforms are as good as some 1e-10
 ROUNDED = 1e-12  # slabs, by which the end of one lies in it
 LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
-FIRST, FIRST_LAYERED = 8, 8  # slabs, at least, in the shortest delay, and where others are narrower beside fronts
+FIRST = 8  # slabs, at least, in the shortest delay
 SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside fronts change no more; and later
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
@@ -114,7 +114,7 @@ def _first_slab(description: Description, s: int, scene: Convolved) -> float:
             apart /= ceil(apart / h)
             return apart if apart > h / 2 and len(leads(scene.instants / apart)) == 1 else h
         return h
-    h, ringing = shortest / FIRST_LAYERED, min((period for _, period in description.time_scales.values()), default=inf)
+    h, ringing = shortest / FIRST, min((period for _, period in description.time_scales.values()), default=inf)
     return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
 
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, NamedTuple
 from numpy.typing import NDArray
 
 from tline.solver.description.given import Scene, readable
-from tline.units import to_si
 
 if TYPE_CHECKING:
     from tline.solver.result.result import ProbeResult, Samples
@@ -74,8 +73,7 @@ class Quantity(NamedTuple):
 
     def written(self, scene: Scene) -> tuple[float, str]:
         """Size and name of the unit in which tables in files have it."""
-        unit = readable(scene).written.get(self.unit)
-        return (to_si(f"1 {unit}", None), unit) if unit else (1.0, self.si(scene))
+        return readable(scene).unit(self.unit, written=True)
 
     def seen_by(self, probe: "ProbeResult") -> bool:
         """Whether a probe has it."""

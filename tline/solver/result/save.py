@@ -105,7 +105,7 @@ def save_states(result: Result, path: str | Path) -> None:
     """
     if not result.states:
         raise InputError(str(path), "nothing has a state", "a pump that trips, a vessel, a tank, a cavity, a valve")
-    units = [trace.read_in(result.medium, written=True) for trace in result.states]
+    units = [result.medium.unit(trace.unit, written=True) for trace in result.states]
     head = [f"{trace.name} [{unit or '1'}]" for trace, (_, unit) in zip(result.states, units, strict=True)]
     columns = [trace.values / size for trace, (size, _) in zip(result.states, units, strict=True)]
     write_table(path, ["time [s]", *head], np.stack([result.states[0].t, *columns], axis=1).tolist())

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description, describe
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import varies
-from tline.solver.description.given import GAS_VOLUME, OPENING, AirVessel, Medium, Shape
+from tline.solver.description.given import GAS_VOLUME, OPENING, AirVessel, Shape
 from tline.solver.result.result import ElementRecord, Result
-from tline.units import to_si
 from tline.words.wording import place
 
 MOST_SAMPLES = 2e7  # of states that a run keeps without being asked
@@ -52,12 +51,10 @@ class StateTrace(NamedTuple):
         low, high = int(np.argmin(self.values)), int(np.argmax(self.values))
         return float(self.values[low]), float(self.t[low]), float(self.values[high]), float(self.t[high])
 
-    def read_in(self, medium: Medium, written: bool = False) -> tuple[float, str]:
-        """Size and name of the unit in which people read it, or in which tables in files have it."""
-        units = medium.written if written else medium.shown
-        role = next((role for role, unit in medium.units.items() if unit == self.unit), self.unit)
-        name = units.get(role, self.unit)
-        return (to_si(f"1 {name}", None) if name else 1.0), name
+    def row(self, size: float) -> tuple[float, ...]:
+        """Value before t = 0, lowest and its instant, highest and its instant, and last, in a unit of this size."""
+        low, low_at, high, high_at = self.extremes()
+        return float(self.values[0]) / size, low / size, low_at, high / size, high_at, float(self.values[-1]) / size
 
 
 def watched(description: Description, samples: float) -> Collection[str]:

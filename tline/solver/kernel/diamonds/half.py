@@ -83,6 +83,13 @@ def arrive(diamonds, taken, e, coming, work, k, out, o):
 
 
 @function
+def has_ended(diamonds, change, last, turn, size):
+    """Whether an iteration leaves no more than is asked, as its last two changes foretell, or rounding alone."""
+    left = change * min(change / last, 1.0) if turn > 0 else change
+    return left <= diamonds.exact * size or (change >= 0.5 * last and change <= ROUNDED * size)
+
+
+@function
 def lose_half(diamonds, row, taken, e, sent, work, k, turn, size):
     """Let friction be what the flow asks for that comes of what is sent. Returns the largest change.
 
@@ -211,8 +218,7 @@ def settle(run, g, here, column, n):
                     change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
-        left = change * min(change / last, 1.0) if turn > 0 else change
-        if left <= diamonds.exact * size or (change >= 0.5 * last and change <= ROUNDED * size):
+        if has_ended(diamonds, change, last, turn, size):
             return True
         last = change
     return False

@@ -3,8 +3,8 @@
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, meet_apart
-from tline.solver.kernel.diamonds.half import arrive, begin_half, keep_states, leave, lose_half, makes_energy
+from tline.solver.kernel.diamonds.full import ROUNDS, meet_apart
+from tline.solver.kernel.diamonds.half import arrive, begin_half, has_ended, keep_states, leave, lose_half, makes_energy
 from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
 from tline.solver.kernel.fronts.events import happen_until
 from tline.solver.kernel.fronts.respond import respond_piece
@@ -62,8 +62,7 @@ def settle_piece(job, g, piece, m):
                     change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
-        left = change * min(change / last, 1.0) if turn > 0 else change
-        if left <= diamonds.exact * size or (change >= 0.5 * last and change <= ROUNDED * size):
+        if has_ended(diamonds, change, last, turn, size):
             return True
         last = change
     return False
