@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 Log = Callable[[NDArray], NDArray]
 TURN = 1.0  # rad, and e-foldings, at most between two samples
+PARTS = np.array([0.25, 0.5, 0.75])  # where samples come between two
 MOST_SAMPLES = 400_000
 SMALL = 1e-9  # of the first rectangle; zeros this near to each other are one
 
@@ -61,28 +62,29 @@ def count(log: Log, box: Box, step: float) -> int:
     UncountableError
     """
     left, right, low, high = box
-    corners = [complex(left, low), complex(right, low), complex(right, high), complex(left, high)]
-    turns = sum(_turned(log, a, b, step) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)) / (2 * np.pi)
-    return round(turns)
-
-
-def _turned(log: Log, a: complex, b: complex, step: float) -> float:
-    """By how much the argument grows from a to b."""
-    if abs(b - a) / step > MOST_SAMPLES:
+    corners = np.array([complex(left, low), complex(right, low), complex(right, high), complex(left, high)])
+    sides = np.roll(corners, -1) - corners
+    if (np.abs(sides) > step * MOST_SAMPLES).any():
         raise UncountableError
-    t = np.linspace(0.0, 1.0, int(abs(b - a) / step) + 9)
-    values = log(a + t * (b - a))
+    places = [np.linspace(0.0, 1.0, int(length / step) + 8, endpoint=False) for length in np.abs(sides)]
+    points = [corner + t * side for corner, side, t in zip(corners, sides, places, strict=True)]
+    return round(_turned(log, np.concatenate([*points, corners[:1]])) / (2 * np.pi))
+
+
+def _turned(log: Log, s: NDArray) -> float:
+    """By how much the argument grows along straight lines from point to point."""
+    values = log(s)
     while True:
         rise = values[1:] - values[:-1]
         turn = (np.imag(rise) + np.pi) % (2 * np.pi) - np.pi
         coarse = np.flatnonzero((np.abs(turn) > TURN) | (np.abs(np.real(rise)) > TURN))
         if not len(coarse):
             return float(turn.sum())
-        middle = (t[coarse] + t[coarse + 1]) / 2
-        if len(t) + len(middle) > MOST_SAMPLES or (middle == t[coarse]).any() or not np.isfinite(values).all():
+        between = (s[coarse, None] + PARTS * (s[coarse + 1] - s[coarse])[:, None]).ravel()
+        after = np.repeat(coarse + 1, len(PARTS))
+        if len(s) + len(between) > MOST_SAMPLES or (between == s[after - 1]).any() or not np.isfinite(values).all():
             raise UncountableError
-        t = np.insert(t, coarse + 1, middle)
-        values = np.insert(values, coarse + 1, log(a + middle * (b - a)))
+        s, values = np.insert(s, after, between), np.insert(values, after, log(between))
 
 
 def all_zeros(log: Log, box: Box, step: float) -> list[complex]:
