@@ -11,7 +11,7 @@ from tline.solver.simulate import simulate
 from tline.solver.tolerance.budget import Budget
 
 
-@pytest.mark.parametrize("losses", [{"resistance": 20}, {"skin": {"resistance": 60, "frequency": "10 GHz"}}])
+@pytest.mark.parametrize("losses", [{"resistance": 20, "conductance": 1e-3}, {"skin": {"resistance": 60, "frequency": "10 GHz"}}])
 def test_two_runs_and_what_they_differ_by_are_left_where_there_is_no_time(losses):
     scene = cable(**losses, t_end="20 ns").table()
     scene["loads"]["d"] = {"at": "b", "kind": "diode", "saturation": 1e-9}

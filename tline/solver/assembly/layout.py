@@ -163,9 +163,9 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     delay, shift_row, rests = _delays(lines, h)
     losses = _losses(description, chosen)
     circuits = circuits_of(lines, losses[1]) if losses else {}
-    segmented = segmented_lines(lines, circuits, order, h) if chosen.segments else {}
-    delay[list(segmented)] = 1
     diamonds = [k for k, line in enumerate(lines.values()) if losses and losses[-1] and line.in_diamonds]
+    segmented = segmented_lines(lines, circuits, order, h) if chosen.segments and not diamonds else {}
+    delay[list(segmented)] = 1
     without = {*segmented, *diamonds}
     elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, without)
     z0 = np.array([line.z0 for line in lines.values()])

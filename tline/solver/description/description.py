@@ -125,11 +125,12 @@ class Description:
     def diamonds(self) -> bool:
         """Whether lines lose all along, in diamonds: what all of them lose depends on their flow alone, at once.
 
-        Not with order 1 by hand: constants do not hold what a steady flow loses along a line. And not where the
+        Not where all is linear, and waves are convolutions. Not with order 1 by hand: constants do not hold what a steady flow loses along a line. And not where the
         shortest line makes slabs so narrow that there would be too many; places on long lines are far fewer then.
         """
         lossy = [line for line in self.lines.values() if line.dispersive and self.scene.solver.order != 1]
-        if not lossy or not all(line.in_diamonds for line in lossy):
+        linear = all(line.losses is None or line.losses.linear for line in lossy)
+        if not lossy or not all(line.in_diamonds for line in lossy) or (linear and not self.elements):
             return False
         shortest, whole = min(line.delay for line in lossy), sum(line.delay for line in lossy)
         return (self.t_end / shortest) * (whole / shortest) <= MOST_DIAMONDS
