@@ -113,9 +113,11 @@ def _friction(line: Line, h: float) -> tuple[int, list[float]]:
     """Kind and constants of the friction of half a slab of a line."""
     losses, y = line.losses, 1 / (2 * line.z0)  # flow over d
     assert losses is not None
-    assert losses.flow_law is not None
     law, length = losses.flow_law, losses.exact.length * h / (2 * line.delay)
-    r, k = losses.exact.series.loss * length * y, law.square * length * y**2
+    r = losses.exact.series.loss * length * y
+    if law is None:
+        return SQUARE, [r, 0.0, 0.0, 0.0, 0.0]
+    k = law.square * length * y**2
     if isinstance(law, PowerLaw):
         c = law.strength * length * y**law.exponent
         return (SQUARE, [r, k + c, 0.0, 0.0, 0.0]) if law.exponent == 2 else (POWER, [r, k, c, law.exponent - 1, 0.0])

@@ -20,7 +20,6 @@ from tline.solver.description.active import active_parts, impedances
 from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
-from tline.solver.description.families import Changes, changes_of
 from tline.solver.description.given import End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
 from tline.solver.description.lines import Line, lines_of
@@ -206,20 +205,6 @@ class Description:
     def breaks(self) -> list[NDArray]:
         """Instants at which each waveform jumps or bends until the end of the run, s."""
         return [waveform.breaks(self.t_end) for waveform in self.waveforms.values()]
-
-    @cached_property
-    def changes(self) -> list[Changes]:
-        """Of each waveform its fronts until the end of the run; what is no source is at t < 0 as immediately before."""
-        return [
-            changes_of(waveform, self.steady or part != "sources", self.t_end)
-            for (part, _, _), waveform in self.scene.waveforms.items()
-        ]
-
-    @property
-    def separable(self) -> bool:
-        """Whether waves are sums over fronts, each at its own time the same."""
-        curved = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
-        return not (self.elements or self.switched or curved)
 
     @cached_property
     def switched(self) -> dict[str, float]:

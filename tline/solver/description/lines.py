@@ -23,7 +23,7 @@ class Line(NamedTuple):
     @property
     def in_diamonds(self) -> bool:
         """Whether it loses effort by its flow alone, at once, and otherwise only delays."""
-        if self.losses is None or self.losses.linear:
+        if self.losses is None:
             return False
         series, shunt = self.losses.exact.series, self.losses.exact.shunt
         return isinstance(series, ConstantLoss) and isinstance(shunt, ConstantLoss) and not shunt.loss
