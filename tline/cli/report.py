@@ -97,7 +97,7 @@ def _losses(result: Result) -> dict[str, Any]:
     told: dict[str, Any] = {}
     description = describe((result.parts or result).scene)
     lines = description.lines
-    if result.resolution.convolved:
+    if not result.circuits:
         return {name: {"convolved": True, "terms": 0, "error": 0.0} for name, line in lines.items() if line.losses}
     diamonds = result.resolution.diamonds and description.diamonds
     loss_elements = loss_elements_in(lines, result.resolution.h, result.resolution.loss_elements)

@@ -85,7 +85,8 @@ def _convolved(description: Description, chosen: Resolution, record: Iterable[st
     try:
         scene = Convolved(description, record, envelope=envelope)
         if affordable(scene, chosen.s, chosen.h):
-            return replace(scene.run(chosen._replace(layers=FOLLOWED)), accounts=accounts_of(description))
+            result = scene.run(chosen._replace(layers=FOLLOWED))
+            return replace(result, resolution=chosen, accounts=accounts_of(description))  # as it was asked for
     except InputError:  # there is no answer in s, or no flow was found through laws
         pass
     return None

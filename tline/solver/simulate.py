@@ -21,7 +21,7 @@ from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.ladder import Search, inside_slabs, refined
-from tline.solver.tolerance.mixed_modes import with_mixed_modes
+from tline.solver.tolerance.mixed_modes import Doublings
 from tline.solver.tolerance.places import Places
 from tline.solver.tolerance.search import Start, within
 from tline.solver.witness.witness import Witness
@@ -188,7 +188,9 @@ def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
         return merged(result, description, doublings)
 
     tol = asked(description.scene, tol)
-    return with_mixed_modes(parted, tol, how.budget) if tol and description.mixing else parted(0, tol)
+    if tol is None or not description.mixing:
+        return parted(0, tol)
+    return refined(Doublings(Search(description, tol, how.record, how.progress, how.budget), parted))
 
 
 def _convolved(description: Description, how: _How, tol: float | None) -> Result | None:

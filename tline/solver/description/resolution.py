@@ -31,7 +31,7 @@ class Resolution(NamedTuple):
     same: float = 0.0  # of the largest wave: pieces that continue each other so well are one, and always by rounding
     diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
     exact: bool = True  # whether waves are convolutions, where a scene is one for that; else lines have loss elements
-    convolved: bool = False  # whether they are, and laws of lines what they are
+    convolved: bool = False  # whether slabs are chosen for convolutions; by hand they may be any
     near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
 

@@ -13,9 +13,11 @@ from typing import NamedTuple
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
+from tline.solver.description.resolution import Resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
+from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import compare, with_errors
 
@@ -53,6 +55,13 @@ class Search(NamedTuple):
     budget: Budget
     most: float = MOST_SAMPLES  # line-end samples that it may take
     envelope: bool = False
+
+    def run(
+        self, chosen: Resolution, kinks: Kinks = NO_KINKS, laws: Sequence[str] = (), slabs: int | None = None
+    ) -> Result:
+        """One run to the scene's end time, or for so many slabs."""
+        asked = self.description, chosen, self.record
+        return run(*asked, envelope=self.envelope, progress=self.progress, kinks=kinks, laws=laws, slabs=slabs)
 
 
 class Grids(ABC):

@@ -9,7 +9,6 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import Result
-from tline.solver.run import run
 from tline.solver.tolerance.compare import differences, magnified
 from tline.solver.tolerance.extrapolate import alike, extrapolated
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, rank
@@ -27,6 +26,7 @@ FEW_PASSES, MOST_PASSES = 5e8, 1e10  # the same of one run: a second; of all run
 INSIDE_PASSES = 1e9  # the same for the sake of instants inside slabs alone: some two seconds
 
 Powers = tuple[int, ...]
+NONE: Powers = ()
 Row = dict[Powers, Result]
 
 
@@ -47,7 +47,7 @@ class Places(Grids):
     def first(self) -> Result:
         """The run on slabs that suit the scene."""
         result = self._run(resolution(self.search.description, self.order))
-        self.row = {(): result}
+        self.row = {NONE: result}
         return result
 
     def next(self, ladder: Ladder) -> Result:
@@ -58,14 +58,12 @@ class Places(Grids):
         return self._run(finer._replace(loss_elements=2 * last.loss_elements), ladder.last.slabs)
 
     def _run(self, chosen: Resolution, on: Slabs | None = None) -> Result:
-        search, chosen = self.search, chosen._replace(fit=self.fit, exact=False)
         slabs = None if on is None else on.number * round(on.width / chosen.h)
-        asked = {"envelope": search.envelope, "progress": search.progress}
-        return run(search.description, chosen, search.record, slabs=slabs, **asked)
+        return self.search.run(chosen._replace(fit=self.fit, exact=False), slabs=slabs)
 
     def step(self, ladder: Ladder, finer: Result) -> Step:
         """The best entry of the row that a run adds."""
-        above, self.row = self.row, {(): finer}
+        above, self.row = self.row, {NONE: finer}
         for powers in TABLE:
             coarse, fine = above.get(powers[:-1]), self.row.get(powers[:-1])
             if coarse and fine and (better := extrapolated(coarse, fine, powers[-1])):
@@ -108,7 +106,7 @@ class Places(Grids):
         return ladder.compared > 1 and ladder.told.worst <= self.search.tol and not ladder.last.resolution.blind
 
     def limit(self, ladder: Ladder) -> str:
-        """What forbids a finer run, or long ones: that none that is affordable would meet the tolerance, at this pace."""
+        """What forbids a finer run, or long ones: at this pace none that is affordable would meet the tolerance."""
         return ladder.limit() or self._too_slow(ladder)
 
     def _too_slow(self, ladder: Ladder) -> str:

@@ -12,7 +12,6 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.description.short_lines import short_lines
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
-from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.kinks import Cuts
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, refined
 
@@ -107,16 +106,11 @@ class Orders(Grids):
         for halved in range(0, HALVED + 1, 2):
             self.grids = self._finer(self.start.halved + halved)
             try:
-                return self._run(next(self.grids))
+                return self.search.run(next(self.grids), laws=self.cuts.places)
             except NoFlowError:
                 if fixed or halved == HALVED:
                     raise
         raise AssertionError
-
-    def _run(self, chosen: Resolution, kinks: Kinks = NO_KINKS) -> Result:
-        search = self.search
-        asked = {"envelope": search.envelope, "progress": search.progress, "laws": self.cuts.places}
-        return run(search.description, chosen, search.record, kinks=kinks, **asked)
 
     def next(self, ladder: Ladder) -> Result:
         """The run on the next finer grid."""
@@ -127,7 +121,7 @@ class Orders(Grids):
         helped, differ = (ladder.helps or layered) and not cuts.governed, parts.differ or cuts.governed
         chosen = self.grids.send((helped, layered, ladder.told.met, differ))
         layers = FOLLOWED * self.search.tol if follow else 0.0
-        return self._run(chosen._replace(layers=layers), cuts.ahead(last, parts, chosen))
+        return self.search.run(chosen._replace(layers=layers), cuts.ahead(last, parts, chosen), cuts.places)
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met, as far as is known how fast runs converge.
