@@ -67,7 +67,7 @@ def run(
     """
     if envelope:
         description.refuse_coupled("an envelope")
-    if not (ledger or laws) and (found := _convolved(description, chosen, record, envelope)):
+    if not (ledger or laws or chosen.plain) and (found := _convolved(description, chosen, record, envelope)):
         return found
     extent = Slabs.until(description.t_end, chosen.h, slabs)
     given = {"envelope": envelope, "ledger": ledger, "progress": progress, "laws": laws}

@@ -1,4 +1,4 @@
-"""Conductors whose losses mix the modes and that are no convolution: with twice as many places of losses in each run."""
+"""Conductors whose losses mix the modes and that are no convolution: with twice as many places in each run."""
 
 from collections.abc import Callable
 from dataclasses import replace
