@@ -32,6 +32,7 @@ from tline.solver.result.conductor import record_of
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
+SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
 MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 
 
@@ -185,9 +186,11 @@ class Convolved:
             for row, waveforms in enumerate(rows):
                 for waveform, share in waveforms:
                     values[:, :, row] += share * projected(waveform, order, h, rule.n)
-            return rule.forward(values)
+            return values
 
-        held, flows = map(driven, parts)
+        given = [driven(each) for each in parts]
+        least = SILENT * max(np.abs(each).max(initial=0.0) for each in (given[0], given[1] * self.network.z0.max()))
+        held, flows = map(rule.forward, given)
         s = rule.points * self.network.second
         lines = self.network.admittances(s, late)
         found = self.network.efforts(s, held, flows, lines)
@@ -201,7 +204,10 @@ class Convolved:
         probed = [self.network.names.index(node) for node in self.description.probed_nodes]
         arrives = rule.backward(np.hstack([self.network.arriving(efforts, lines, ends), efforts[:, probed]]))
         u = rule.backward(efforts[:, [*(at[end] for end in ends.tolist()), *probed]])
-        return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
+        record = np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
+        if self.laws is None:  # which may be what drives
+            record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
+        return record
 
     def _whole(self, order: Basis, h: float) -> NDArray:
         """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy.
