@@ -54,8 +54,10 @@ class Doublings(Grids):
         self.samples += sum(attempt.samples for attempt in own.attempts)
         share = min(found.worst / self.changed, SLOWEST) if self.changed > 0 else SLOWEST
         self.changed, left = found.worst, found.times(share / (1 - share), share / (1 - share))
-        sums = map(added, (own.estimates, own.inside, own.blurred), (left.estimates, left.inside, left.blurred))
-        told = Accuracy(self.search.tol, *sums)
+        estimates, inside, blurred = (
+            added(getattr(own, name), getattr(left, name)) for name in ("estimates", "inside", "blurred")
+        )
+        told = Accuracy(self.search.tol, estimates, inside, blurred)
         return Step(replace(finer, unresolved=()) if told.met else finer, told, 1.0)
 
     def is_enough(self, ladder: Ladder) -> bool:
