@@ -55,11 +55,11 @@ def simulate(
     LC sections as the tolerance needs: the next finer run has twice as many. A scene that fixes order or slab by hand
     and asks for no tolerance is run once.
 
-    Losses are lumped inside lines, a loss element every two slabs. With them, slabs are halved and the runs
-    extrapolated; the error is the difference to the entry before in Richardson's table
-    (`tline.solver.tolerance.lossy`). Linear scenes with lines that have a memory, such as a skin effect, are
-    convolutions instead (`tline.solver.convolution`), and those with a probe inside a lossy line where no slab
-    divides the delays from it to both ends.
+    What lines lose at once by their flow, such as a resistance or turbulent friction, is lost all along. Where all
+    losses are linear and lines remember or leak, as by a skin effect, scenes are convolutions
+    (`tline.solver.convolution`). Else losses stand at places, a loss element every two slabs; slabs are halved and the
+    runs extrapolated, and the error is the difference to the entry before in Richardson's table
+    (`tline.solver.tolerance.places`).
 
     Parameters
     ----------
