@@ -11,14 +11,16 @@ from tline.solver.simulate import simulate
 from tline.solver.tolerance.budget import Budget
 
 
-@pytest.mark.parametrize("losses", [{"resistance": 20, "conductance": 1e-3}, {"skin": {"resistance": 60, "frequency": "10 GHz"}}])
-def test_two_runs_and_what_they_differ_by_are_left_where_there_is_no_time(losses):
+@pytest.mark.parametrize(
+    ("losses", "tol"), [({"resistance": 20}, 1e-13), ({"skin": {"resistance": 60, "frequency": "10 GHz"}}, 1e-8)]
+)
+def test_two_runs_and_what_they_differ_by_are_left_where_there_is_no_time(losses, tol):
     scene = cable(**losses, t_end="20 ns").table()
     scene["loads"]["d"] = {"at": "b", "kind": "diode", "saturation": 1e-9}
-    result = simulate(scene, tol=1e-8, seconds=1e-6)
+    result = simulate(scene, tol=tol, seconds=1e-6)
     accuracy = result.accuracy
     assert not accuracy.met
-    assert 1e-8 < accuracy.worst < 1
+    assert tol < accuracy.worst < 1
     assert "beyond 1e-06 s" in accuracy.limit or "inside slabs" in accuracy.limit
     close = simulate(scene, tol=1e-4)
     t = result.t[1:]

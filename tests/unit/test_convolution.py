@@ -7,13 +7,13 @@ from lossy_scenes import cable, pipe
 from tline.scene.scene import Scene
 from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.run import Convolved
-from tline.solver.convolution.search import convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.interior import inside
 from tline.solver.simulate import simulate
 from tline.solver.tolerance.budget import Budget
-from tline.solver.tolerance.search import Search
+from tline.solver.tolerance.convolved import convolved
+from tline.solver.tolerance.ladder import Search
 from tline.study.reference.lossy import lossy_response
 
 SKIN = {"skin": {"resistance": "10 ohm/m", "frequency": "100 MHz"}}
@@ -28,8 +28,8 @@ def with_loads(loads) -> Scene:
 @pytest.mark.parametrize(
     ("scene", "tol"),
     [
-        (cable(resistance=20), 1e-4),  # no memory: segments are exact
-        (cable(**SKIN), 1e-9),  # finer than transforms are
+        (cable(resistance=20), 1e-4),  # no memory: in diamonds
+        (cable(**SKIN), 1e-12),  # finer than transforms are
         (pipe(friction={"kind": "darcy", "factor": 0.02}), 1e-4),
     ],
 )
@@ -96,7 +96,7 @@ def test_the_inside_of_a_line_follows_from_its_ends():
     assert seen == pytest.approx([float(u) for u in exact], abs=5e-3)  # of second order in a sixteenth of the line
 
 
-def test_energies_are_accounted_for_in_segments():
+def test_energies_are_accounted_for_in_slabs():
     result = simulate(cable(t_end="4 ns", **SKIN), tol=1e-3, ledger=True)
     assert result.resolution.convolved
     source = next(entry for entry in result.ledger.entries if entry.where == "sources.s")

@@ -12,9 +12,7 @@ from tline.pictures.handy import handy
 from tline.scene.ibis.element import Ibis
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.solver.assembly.loss_elements import loss_elements_in
-from tline.solver.assembly.lossy_segments import fits
 from tline.solver.description.description import describe
-from tline.solver.description.lines import lines_of
 from tline.solver.description.resolution import grid_choice
 from tline.solver.ledger.ledger import COLUMNS, TOLERANCE, Entry, Ledger
 from tline.solver.result.accuracy import Accuracy, Estimate
@@ -95,12 +93,13 @@ def _measured_in_words(result: Result) -> list[str]:
 
 
 def _losses(result: Result) -> dict[str, Any]:
-    """Of each lossy line, or of its stretches between cavities, its segments or loss elements, and its circuits."""
+    """Of each lossy line, or of its stretches between cavities, its diamonds or loss elements, and its circuits."""
     told: dict[str, Any] = {}
-    lines = lines_of((result.parts or result).scene)
-    if result.resolution.convolved:
+    description = describe((result.parts or result).scene)
+    lines = description.lines
+    if not result.circuits:
         return {name: {"convolved": True, "terms": 0, "error": 0.0} for name, line in lines.items() if line.losses}
-    segmented = result.resolution.segments and fits(lines, result.resolution.h)
+    diamonds = result.resolution.diamonds and description.diamonds
     loss_elements = loss_elements_in(lines, result.resolution.h, result.resolution.loss_elements)
     for name, circuits in result.circuits.items():
         line = lines[name]
@@ -108,8 +107,8 @@ def _losses(result: Result) -> dict[str, Any]:
         parts = (
             {"loss_elements": 1}
             if line.losses and line.losses.distortionless
-            else {"segments": slabs}
-            if segmented
+            else {"diamonds": slabs}
+            if diamonds and line.in_diamonds
             else {"loss_elements": loss_elements[name]}
         )
         terms = len(circuits.series.rates) + len(circuits.shunt.rates)
@@ -123,7 +122,7 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
         return []
     parts = ["convolved with what they answer in s"] * any("convolved" in each for each in losses.values()) + [
         f"up to {most} {kind.replace('_', ' ')}"
-        for kind in ("segments", "loss_elements")
+        for kind in ("diamonds", "loss_elements")
         if (most := max(each.get(kind, 0) for each in losses.values()))
     ]
     terms, error = (max(each[key] for each in losses.values()) for key in ("terms", "error"))

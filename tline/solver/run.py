@@ -1,6 +1,6 @@
 """One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import NamedTuple
@@ -12,16 +12,16 @@ from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.assembly.events import Event
+from tline.solver.convolution.run import Convolved
+from tline.solver.convolution.suited import affordable, suits
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
-from tline.solver.description.resolution import Resolution
+from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
-from tline.solver.loop.march import March, Observer, march
+from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
-from tline.solver.loop.superposed import Family, families_of, superposed
-from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -36,6 +36,8 @@ NOWHERE = np.empty(0)
 PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
 MOST_ALONE = 100  # cuts, beyond which all slabs are in parts and not a piece alone
 EACH_NODE = 4000  # samples that take a ledger as long as a node
+DEAR = 10  # the same as one of a lossy line
+FOLLOWED = 1e-6  # of the largest wave: what narrower slabs beside fronts change no more, of a convolution by hand
 
 
 def run(
@@ -56,6 +58,7 @@ def run(
     read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand. `laws` are
     places of elements whose waves are kept. Where no flow is found through elements that see each other, the run is
     made again with that piece of a slab in 4 parts, and if that does not help soon, with all slabs in 4, then 16.
+    Scenes whose lines lose linearly are convolutions, but with a ledger or waves of elements.
 
     Raises
     ------
@@ -64,6 +67,8 @@ def run(
     """
     if envelope:
         description.refuse_coupled("an envelope")
+    if not (ledger or laws or chosen.plain) and (found := _convolved(description, chosen, record, envelope)):
+        return found
     extent = Slabs.until(description.t_end, chosen.h, slabs)
     given = {"envelope": envelope, "ledger": ledger, "progress": progress, "laws": laws}
     while True:
@@ -71,6 +76,30 @@ def run(
             return _run(description, chosen, {*record, *description.probed}, extent, kinks, **given)
         except NoFlowError as error:
             kinks = _divided(kinks, error, extent.number, chosen.h)
+
+
+def _convolved(description: Description, chosen: Resolution, record: Iterable[str], envelope: bool) -> Result | None:
+    """The run as a convolution; None if the scene is not one for that, on these slabs."""
+    if not chosen.exact or not suits(description):
+        return None
+    try:
+        scene = Convolved(description, record, envelope=envelope)
+        if affordable(scene, chosen.s, chosen.h):
+            result = scene.run(chosen._replace(layers=FOLLOWED))
+            return replace(result, resolution=chosen, accounts=accounts_of(description))  # as it was asked for
+    except InputError:  # there is no answer in s, or no flow was found through laws
+        pass
+    return None
+
+
+def accounts_of(description: Description) -> "Again | None":
+    """A run in slabs in place of a convolution, to account for energies."""
+    if description.mixing:
+        return None
+    chosen = resolution(description)
+    slabs = Slabs.until(description.t_end, chosen.h).number
+    passed = sum(line.delay / chosen.h for line in description.lines.values() if line.losses is not None)
+    return Again(description.scene, chosen, slabs, {}, DEAR * chosen.s * slabs * passed, False)
 
 
 def _run(
@@ -89,14 +118,13 @@ def _run(
     laws = {*laws, *watched(description, n * chosen.s)}
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
-    families = [] if ledger else families_of(assembly)
-    if not families:
-        assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
+    assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
     _check_record(len(kept), n, chosen.s)
     recorder = Recorder(assembly, slabs) if ledger else None
     extremes = watch(assembly, slabs) if envelope else None
-    waves, done = _stepped(assembly, families, n, [each for each in (extremes, recorder) if each], progress)
-    result = given_out(description, assembly, slabs, waves, done, kinks, families=max(len(families), 1))
+    watching = [each for each in (extremes, recorder) if each]
+    waves, done = march(assembly, n, observers=watching, progress=progress)
+    result = given_out(description, assembly, slabs, waves, done, kinks)
     if extremes:
         result = replace(result, envelope=extremes.envelope(description.heights))
     return replace(result, accounts=recorder.ledger(done.final_fronts)) if recorder else result
@@ -109,13 +137,10 @@ def given_out(
     waves: NDArray,
     done: March,
     kinks: Kinks = NO_KINKS,
-    *,
-    families: int = 1,
-    accuracy: Accuracy | None = None,
 ) -> Result:
     """What a run is to its user, of an assembled scene and the record of its march.
 
-    `kinks` are those at which it was cut in pieces, `families` those of fronts that were added up.
+    `kinks` are those at which it was cut in pieces.
     """
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
@@ -125,8 +150,8 @@ def given_out(
         name: ProbeResult(name, at.line, at.share, seen[name], slabs, at.height)
         for name, at in description.probes.items()
     }
-    chosen, segments = assembly.resolution, int((assembly.network.segments.number - 1).sum())  # beyond one a line
-    samples = (len(assembly.network.ends) + 2 * segments) * slabs.number * chosen.s * families
+    chosen = assembly.resolution
+    samples = len(assembly.network.ends) * slabs.number * chosen.s
     work = samples + EACH_NODE * len(assembly.nodes)
     return Result(
         description.scene,
@@ -139,24 +164,11 @@ def given_out(
         samples,
         done.seconds,
         done.fronts,
-        accuracy,
         accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work, bool(description.coupled)),
         circuits=assembly.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )
-
-
-def _stepped(
-    assembly: Assembly, families: list[Family], n: int, watching: Sequence[Observer], progress: bool
-) -> tuple[NDArray, March]:
-    """Record of n slabs, and what there is to say of them: of families of fronts, if there are any, their sum."""
-    if not families:
-        return march(assembly, n, observers=watching, progress=progress)
-    waves, done = superposed(families, n, progress=progress)
-    for observer in watching:
-        observer.see(waves, 0, n, done.pieces)
-    return waves[: assembly.kept], done._replace(pieces=done.pieces.of_rows(assembly.kept))
 
 
 def _check_record(lines: int, n: int, s: int) -> None:

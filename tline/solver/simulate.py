@@ -10,7 +10,6 @@ from tline.errors import ActiveError, InputError
 from tline.scene.file import as_scene
 from tline.scene.quantity import SECONDS, TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
-from tline.solver.convolution.search import convolved
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
@@ -20,10 +19,11 @@ from tline.solver.result.result import Result
 from tline.solver.run import Again, run, with_ledger
 from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import caution, differences, magnified
-from tline.solver.tolerance.ladder import inside_slabs
-from tline.solver.tolerance.lossy import with_losses
-from tline.solver.tolerance.mixed_modes import with_mixed_modes
-from tline.solver.tolerance.search import Search, Start, within
+from tline.solver.tolerance.convolved import convolved
+from tline.solver.tolerance.ladder import Search, inside_slabs, refined
+from tline.solver.tolerance.mixed_modes import Doublings
+from tline.solver.tolerance.places import Places
+from tline.solver.tolerance.search import Start, within
 from tline.solver.witness.witness import Witness
 
 TOL = 1e-6  # where nothing is asked or fixed
@@ -55,11 +55,11 @@ def simulate(
     LC sections as the tolerance needs: the next finer run has twice as many. A scene that fixes order or slab by hand
     and asks for no tolerance is run once.
 
-    Losses are lumped inside lines, a loss element every two slabs. With them, slabs are halved and the runs
-    extrapolated; the error is the difference to the entry before in Richardson's table
-    (`tline.solver.tolerance.lossy`). Linear scenes with lines that have a memory, such as a skin effect, are
-    convolutions instead (`tline.solver.convolution`), and those with a probe inside a lossy line where no slab
-    divides the delays from it to both ends.
+    What lines lose at once by their flow, such as a resistance or turbulent friction, is lost all along. Where all
+    losses are linear and lines remember or leak, as by a skin effect, scenes are convolutions
+    (`tline.solver.convolution`). Else losses stand at places, a loss element every two slabs; slabs are halved and the
+    runs extrapolated, and the error is the difference to the entry before in Richardson's table
+    (`tline.solver.tolerance.places`).
 
     Parameters
     ----------
@@ -184,11 +184,13 @@ def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
     how = how._replace(record=recorded(description, how.record), start=None)
 
     def parted(doublings: int, tol: float | None) -> Result:
-        result = _searched(description.parted(doublings), how, tol, description)
+        result = _searched(description.parted(doublings), how, tol)
         return merged(result, description, doublings)
 
     tol = asked(description.scene, tol)
-    return with_mixed_modes(parted, tol, how.budget) if tol and description.mixing else parted(0, tol)
+    if tol is None or not description.mixing:
+        return parted(0, tol)
+    return refined(Doublings(Search(description, tol, how.record, how.progress, how.budget), parted))
 
 
 def _convolved(description: Description, how: _How, tol: float | None) -> Result | None:
@@ -199,8 +201,7 @@ def _convolved(description: Description, how: _How, tol: float | None) -> Result
     return convolved(Search(description, tol, how.record, how.progress, how.budget, envelope=how.envelope))
 
 
-def _searched(description: Description, how: _How, tol: float | None, whole: Description | None = None) -> Result:
-    """`whole` is of the scene whose lines are in stretches here."""
+def _searched(description: Description, how: _How, tol: float | None) -> Result:
     scene, ledger = description.scene, how.ledger
     if ledger:
         description.refuse_coupled("a ledger")
@@ -213,7 +214,7 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
     else:
         key = tol, frozenset(how.record)
         known = None if how.envelope or how.start else description.known.get(key)
-        result = known.result(description, how) if known else _found(description, how, tol, whole)
+        result = known.result(description, how) if known else _found(description, how, tol)
         stopped = how.budget.asked and not (result.accuracy and result.accuracy.met)
         if not (known or stopped or how.envelope or how.start or description.dispersive or result.resolution.convolved):
             description.known.update(_known(key, result))
@@ -221,13 +222,12 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
     return replace(result, warned=tuple(warned)) if warned else result
 
 
-def _found(description: Description, how: _How, tol: float, whole: Description | None) -> Result:
+def _found(description: Description, how: _How, tol: float) -> Result:
     """What a search for order and slab finds, as a second look by other means leaves it."""
     witness = None if how.start else Witness(description, how.record)
     record = [*how.record, *(witness.lines if witness else ())]
     search = Search(description, tol, record, how.progress, how.budget, envelope=how.envelope)
-    search = search._replace(start=how.start, whole=whole)
-    result = convolved(search) or (with_losses if description.dispersive else within)(search)
+    result = convolved(search) or (refined(Places(search)) if description.dispersive else within(search, how.start))
     if witness is None:
         return result
     kept = {*how.record, *description.probed}

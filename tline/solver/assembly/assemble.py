@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from tline.solver.assembly.diamonds import diamonds_of
 from tline.solver.assembly.events import Event
 from tline.solver.assembly.layout import Excitation, Layout, layout_of, of_last
-from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.assembly.node_maps import maps_of
-from tline.solver.assembly.start import fill_diamonds, fill_losses, fill_segments
+from tline.solver.assembly.start import fill_diamonds, fill_losses
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
@@ -49,7 +48,6 @@ class Assembly:
     efforts: Mapping[str, float]  # of nodes, likewise
     groups: list[Group]
     circuits: dict[str, Circuits]  # of lossy lines
-    echoes: dict[str, NDArray]  # of lines in segments, what an end sends into itself (s, s)
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
     spare: dict[Hashable, Any]  # what runs on the same grid leave to the next
     graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
@@ -85,7 +83,7 @@ def assemble(
     follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     chosen = chosen if graded.any() else chosen._replace(layers=0.0)
-    grid, order, groups, segmented = layout.grid, basis(chosen.s), layout.groups, layout.grid.segmented
+    grid, order, groups = layout.grid, basis(chosen.s), layout.groups
     rows = _rows_of(layout, order, record, laws, description.probed_nodes)
     network, s = _network(layout, order, rows, chosen.same), order.s
     state = State(
@@ -94,7 +92,6 @@ def assemble(
         side=np.zeros(len(grid.delay), np.int64),
         before=np.repeat(layout.arriving[:, None], s, axis=1),
         load=np.concatenate([layout.systems.states, layout.states]),
-        segments=np.zeros(grid.held),
         loss_states=np.zeros(grid.memory),
         halves=np.zeros((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
     )
@@ -102,7 +99,6 @@ def assemble(
         ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_losses(network, state, flows, order)
-        fill_segments(network, state, segmented, flows, order)
         fill_diamonds(network, state, flows, order)
     return Assembly(
         description,
@@ -122,7 +118,6 @@ def assemble(
         layout.efforts,
         groups,
         grid.circuits,
-        echoes={list(grid.lines)[k]: line.echo for k, line in segmented.items()},
         settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
         spare=grid.spare,
         graded=graded,
@@ -170,8 +165,7 @@ def _rows_of(layout: Layout, order: Basis, record: set[str], laws: Collection[st
 def _network(layout: Layout, order: Basis, rows: Rows, same: float) -> Network:
     """The constant arrays of a layout at an order."""
     grid, systems = layout.grid, layout.systems
-    echoes = [_echoes(group, grid.z0, grid.segmented) for group in layout.groups]
-    step, step_at = maps_of(systems, order, grid.h, echoes)
+    step, step_at = maps_of(systems, order, grid.h)
     return Network(
         grid.delay,
         offset=rows.offset,
@@ -191,7 +185,6 @@ def _network(layout: Layout, order: Basis, rows: Rows, same: float) -> Network:
         record_row=rows.ends.copy(),  # which ledgers and envelopes add to
         effort_row=rows.nodes,
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
-        segments=grid.segments,
         losses=grid.losses,
         diamonds=diamonds_of(grid, order, layout.junctions, same),
         blocks=layout.junctions.blocks,
@@ -205,25 +198,6 @@ def _has_layers(description: Description, group: Group, chosen: Resolution) -> b
     scales = description.time_scales
     fast = any(where in scales and scales[where][0] < chosen.resolved for where in states)
     return not group.lumped_lines and (fills or fast or bool(states and group.elements))
-
-
-def _echoes(group: Group, z0: NDArray, segmented: Mapping[int, SegmentedLine]) -> list[NDArray | None]:
-    """Of each node of a group at lines in segments: from its effort to what comes back of it at once."""
-    if not segmented:
-        return _none(group)
-    echoes: list[NDArray | None] = []
-    for node in group.nodes:
-        felt = [
-            2 * weight * segmented[end // 2].echo
-            for end, weight in zip(node.ends, node.weights(z0), strict=True)
-            if end // 2 in segmented
-        ]
-        echoes.append(np.sum(felt, axis=0) if felt else None)
-    return echoes
-
-
-def _none(group: Group) -> list[NDArray | None]:
-    return [None] * len(group.nodes)
 
 
 def _recorded(lines: list[str], names: set[str]) -> tuple[dict[str, int], NDArray]:

@@ -90,7 +90,6 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
         at_node,
         h,
         int(assembly.follows_edges),
-        _at_segments(network),
         assembly.settle / h,
         np.full(len(assembly.settle), -np.inf),
         assembly.graded,
@@ -123,13 +122,6 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
         np.zeros(9, int),
         np.zeros(5),
     )
-
-
-def _at_segments(network: Network) -> NDArray:
-    """Whether a line in segments ends at a group, shape (G,)."""
-    here = np.isin(network.ends // 2, network.segments.line)
-    ends = network.first[network.group]
-    return np.diff(np.concatenate([[0], np.cumsum(here)])[ends]) > 0
 
 
 def _excitation_rows(network: Network) -> ExcitationRows:

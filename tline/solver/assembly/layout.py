@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.blocks import blocks_of
 from tline.solver.assembly.loss_elements import loss_elements_of
-from tline.solver.assembly.lossy_segments import SegmentedLine, segmented_lines, segments_of
 from tline.solver.assembly.node_maps import GroupSystems, systems_of
 from tline.solver.assembly.start import tables_of
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
@@ -23,7 +22,7 @@ from tline.solver.description.lines import Line
 from tline.solver.description.nodes import NONE, Node
 from tline.solver.description.resolution import Resolution
 from tline.solver.description.slab import WHOLE
-from tline.solver.kernel.network import Blocks, Laws, LossElements, Segments
+from tline.solver.kernel.network import Blocks, Laws, LossElements
 from tline.solver.radau import basis
 from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.steady_state import Before, above_level, rest
@@ -57,9 +56,6 @@ class SlabGrid:
     shift_row: NDArray  # (L,) row of the fractional rest of the delay, -1 if there is none
     rests: list[float]  # those that differ, in slabs
     circuits: dict[str, Circuits]  # of lossy lines
-    segmented: dict[int, SegmentedLine]  # lossy lines in segments
-    segments: Segments
-    held: int  # values that segments hold
     losses: LossElements
     diamonds: Collection[int]  # numbers of lines that lose all along
     memory: int  # states of the loss elements
@@ -142,8 +138,8 @@ def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
     if not description.lossy:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
-    fit = fit_of(description.t_end, chosen.h, chosen.fit, chosen.band, fastest)
-    return chosen.s, fit, chosen.loss_elements, chosen.segments, chosen.diamonds and description.diamonds
+    fit = fit_of(description.t_end, chosen.h, chosen.fit, fastest)
+    return chosen.s, fit, chosen.loss_elements, chosen.diamonds and description.diamonds
 
 
 def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
@@ -164,15 +160,9 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     losses = _losses(description, chosen)
     circuits = circuits_of(lines, losses[1]) if losses else {}
     diamonds = [k for k, line in enumerate(lines.values()) if losses and losses[-1] and line.in_diamonds]
-    segmented = segmented_lines(lines, circuits, order, h) if chosen.segments and not diamonds else {}
-    delay[list(segmented)] = 1
-    without = {*segmented, *diamonds}
-    elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, without)
+    elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, diamonds)
     z0 = np.array([line.z0 for line in lines.values()])
-    segments, held = segments_of(segmented)
-    return SlabGrid(
-        h, lines, z0, delay, shift_row, rests, circuits, segmented, segments, held, elements, diamonds, memory
-    )
+    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, elements, diamonds, memory)
 
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:
@@ -192,7 +182,7 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
     if description.steady:
         waves = _thevenin(u, z0[:, None] * y, junctions, weight, excitations)
         before = dict(zip(nodes, waves.tolist(), strict=True)), effort, through
-    systems = systems_of(groups, grid.h, before, grid.segmented)
+    systems = systems_of(groups, grid.h, before)
     driven = np.array([bool(parts) for parts in excitations])
     excitations = list(filter(None, excitations))
     laws, controls = laws_of(groups, systems.impedances, len(excitations), len(systems.states))

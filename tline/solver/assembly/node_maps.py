@@ -1,6 +1,5 @@
 """Circuits at the nodes: each group's map over a slab, and the instants from which on it is another."""
 
-from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +26,7 @@ class GroupSystems(NamedTuple):
     impedances: list[float]  # behind which all elements are seen
 
 
-def systems_of(
-    groups: list[Group], h: float, before: tuple[dict[str, float], ...] | None, segmented: Collection[int]
-) -> GroupSystems:
+def systems_of(groups: list[Group], h: float, before: tuple[dict[str, float], ...] | None) -> GroupSystems:
     """State spaces of groups.
 
     Parameters
@@ -37,8 +34,6 @@ def systems_of(
     before : tuple of dict of str to float, or None
         Thévenin waves and efforts by node, and flows by element, in the steady state at the start; without them the
         liquid stands still.
-    segmented : collection of int
-        Numbers of lines in segments, which groups answer by a map even without states.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
     found = GroupSystems(load_at, step_row, np.empty(0), np.empty(0), [], [], [], [], [])
@@ -47,13 +42,12 @@ def systems_of(
     for g, group in enumerate(groups):
         impedances = group.matched(1 / h)
         found.impedances.extend(impedances)
-        echoed = bool(segmented) and _at_segments(group, segmented)
-        if group.dynamic or echoed or (group.elements and not group.simple):
+        if group.dynamic or (group.elements and not group.simple):
             load_at[g], step_row[g] = filled, len(found.systems)
             states.append(group.at_rest() if before is None else group.at_rest_under(*before))
             filled += len(states[-1])
             stores = any(element.kind.states for element in group.elements)
-            _add(found, g, group, impedances, h, echoed or stores)
+            _add(found, g, group, impedances, h, stores)
     step_states = np.array([len(system.A) for system in found.systems], int)
     return found._replace(step_states=step_states, states=np.concatenate(states), events=sorted(found.events))
 
@@ -71,33 +65,14 @@ def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: 
     found.whole.extend([coupled or bool(len(systems[0].A))] * len(systems))
 
 
-def _at_segments(group: Group, segmented: Collection[int]) -> bool:
-    return any(end // 2 in segmented for node in group.nodes for end in node.ends)
-
-
-def maps_of(found: GroupSystems, order: Basis, h: float, echoes: list[list[NDArray | None]]) -> tuple[NDArray, NDArray]:
+def maps_of(found: GroupSystems, order: Basis, h: float) -> tuple[NDArray, NDArray]:
     """Maps over a slab from (waves, state) to (efforts, next state), one after the other; and their places.
 
     Waves and efforts are those of nodes, then of laws, each at the points of the slab, or at any one instant if these
-    do not see each other. `echoes` has for each node of each group a matrix (s, s) from its effort to what lines in
-    segments send back at once, or None.
+    do not see each other.
     """
     maps = [
-        echoed(load_step(system, order, h), echoes[g]).ravel() if whole else system.d.ravel()
-        for system, g, whole in zip(found.systems, found.group, found.whole, strict=True)
+        load_step(system, order, h).ravel() if whole else system.d.ravel()
+        for system, whole in zip(found.systems, found.whole, strict=True)
     ]
     return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]
-
-
-def echoed(step: NDArray, felt: list[NDArray | None]) -> NDArray:
-    """A group's map over a slab, where to the Thévenin waves w of nodes some shares P u of their efforts are added."""
-    if all(echo is None for echo in felt):
-        return step
-    s = next(len(echo) for echo in felt if echo is not None)
-    n = len(felt) * s
-    P = np.zeros((n, n))
-    for k, echo in enumerate(felt):
-        if echo is not None:
-            P[k * s : (k + 1) * s, k * s : (k + 1) * s] = echo
-    u = np.linalg.solve(np.eye(n) - step[:n, :n] @ P, step[:n])
-    return np.vstack([u, step[n:] + step[n:, :n] @ P @ u])

@@ -1,4 +1,4 @@
-"""Lossy lines in a steady flow as arrays: waves and memories of loss elements and segments before t = 0."""
+"""Lossy lines in a steady flow as arrays: waves and memories of loss elements before t = 0."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.loss_elements import shares
-from tline.solver.assembly.lossy_segments import SegmentedLine
 from tline.solver.kernel.diamonds.friction import lost
 from tline.solver.kernel.network import REMEMBERED, TABLED, LossElements, Network, State
 from tline.solver.radau import Basis
@@ -57,25 +56,6 @@ def fill_losses(network: Network, state: State, flows: Mapping[int, Ends], order
 def _maps(entries: NDArray, s: int, n: int) -> list[NDArray]:
     D, C, B, decay = np.split(entries[: s * s + 2 * s * n + n], np.cumsum([s * s, s * n, s * n]))
     return [D.reshape(s, s), C.reshape(s, n), B.reshape(n, s), decay]
-
-
-def fill_segments(
-    network: Network, state: State, lines: Mapping[int, SegmentedLine], flows: Mapping[int, Ends], order: Basis
-):
-    """Write what segments hold, what leaves them next, and what arrives at the nodes."""
-    s = order.s
-    for (k, line), x0 in zip(lines.items(), network.segments.state, strict=True):
-        segment, D = line.segment, line.number
-        here = (np.arange(D)[:, None] + order.c) / D
-        u, q = flows[k].at(here)
-        series, shunt = line.memories
-        fields = np.stack([u + q, u - q, *[q] * series, *[u] * shunt], axis=1).reshape(D, -1)
-        leaving = fields @ segment.left.T
-        state.segments[x0:][: D * (fields.shape[1] + 2 * s)] = np.hstack([fields, leaving]).ravel()
-        R = np.linalg.inv(np.eye(s) + segment.back)
-        arriving = np.concatenate([R @ leaving[0, s:], R @ leaving[-1, :s]])
-        state.segments[x0 + D * (fields.shape[1] + 2 * s) :][: 2 * s] = arriving
-        state.waves[network.offset[k] :][: 2 * s] = arriving
 
 
 def fill_diamonds(network: Network, state: State, flows: Mapping[int, Ends], order: Basis) -> None:

@@ -54,10 +54,9 @@ def largest_group(network: Network) -> tuple[int, int, int]:
 
 def work_for(network: Network, state: State) -> Work:
     """Workspace of the loop over blocks, and of all units that it calls."""
-    s, laws, segments = state.before.shape[1], network.laws, network.segments
+    s, laws = state.before.shape[1], network.laws
     nodes, states, elements = largest_group(network)
     tile, ports = max(SAMPLES // s, 1), nodes + elements
-    held = int((segments.held + 2 * s).max(initial=0))
     crossing, store, circuit = _of_elements(laws, state, elements, tile) if elements else _without_elements()
     return Work(
         tile=tile,
@@ -74,8 +73,6 @@ def work_for(network: Network, state: State) -> Work:
         map=np.empty((ports * s + states) ** 2 if elements and states else 0),
         pair=np.empty(s * ABREAST),
         out=np.empty(s * ABREAST),
-        enter=np.empty(2 * s * int(segments.number.max(initial=0))),
-        leave=np.empty(held),
         diamonds=_of_diamonds(network, s, states, elements),
     )
 

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.convolution.families import changes_of
 from tline.solver.description.description import Description
-from tline.solver.description.families import changes_of
 from tline.solver.description.switches import switches_of
 
 MOST = 10_000  # arrivals

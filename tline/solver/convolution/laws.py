@@ -91,7 +91,7 @@ class LawsAtPorts:
         chosen = np.argsort(part, kind="stable")
         points = (chosen[:, None] * order.s + np.arange(order.s)).ravel()
         weights = np.ascontiguousarray(weights[:, points[:, None], points])
-        given = given[:, :, chosen].transpose(0, 2, 1).reshape(rule.n, -1)
+        given = np.ascontiguousarray(given[:, :, chosen].transpose(0, 2, 1).reshape(rule.n, -1))
         first = np.append(np.searchsorted(part[chosen], np.arange(part.max() + 1)), K)
         sent = self._marched(weights, given, (chosen, first), order, h, ahead)
         back = np.empty((rule.n, order.s, K))

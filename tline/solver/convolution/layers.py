@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.convolution.families import Changes, Straight
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.convolution.rays import Ray, Rays
 from tline.solver.description.excitation import EDGE, projected
-from tline.solver.description.families import Changes, Straight
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.radau import Basis
 

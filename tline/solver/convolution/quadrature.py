@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from tline.solver.radau import Basis
 
-PADDED = 2, 3  # times the slabs that a transform has
+PADDED = 2, 3, 7, 15  # times the slabs that a transform has
 LEAST = 0.2  # of a tolerance: what wraps around and rounding may be
 ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps of Newton's method
 WRONG = 1e-12  # of a product of eigenvectors and their inverses
@@ -91,7 +91,6 @@ class Quadrature:
     Parameters
     ----------
     basis : Basis
-        Its order is above 1.
     h : float
         s.
     n : int

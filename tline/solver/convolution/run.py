@@ -5,6 +5,8 @@ with what its sources add to theirs, and laws of lines are what they are in s: n
 """
 
 import time
+from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +14,8 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
+from tline.solver.convolution.envelope import envelope_of
+from tline.solver.convolution.families import Changes, changes_of, family_of, leads, summed
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
@@ -19,26 +23,44 @@ from tline.solver.convolution.passive import gain, gain_of_bundle
 from tline.solver.convolution.quadrature import PADDED, Quadrature
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
-from tline.solver.description.families import Changes, changes_of, family_of, leads
 from tline.solver.description.given import Shape
 from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.loop.march import Noted
 from tline.solver.loop.slabs import Slabs
-from tline.solver.loop.superposed import summed
 from tline.solver.radau import Basis, basis
 from tline.solver.result.conductor import record_of
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
+SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
 MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 
 
 class Convolved:
-    """A linear scene in s, and what its sources add to what they are before t = 0; `padded` as in `Quadrature`."""
+    """A linear scene in s, and what its sources add to what they are before t = 0.
 
-    def __init__(self, description: Description, record: list[str], padded: int = PADDED[-1]):
-        self.description, self.padded = description, padded
-        self.lines = [name for name in description.lines if name in {*record, *description.probed}]
+    Parameters
+    ----------
+    description : Description
+    record : iterable of str
+        Lines whose waves are kept beside those of the probes.
+    padded : int
+        As in `Quadrature`.
+    envelope : bool
+        Whether results have one, without errors.
+
+    Raises
+    ------
+    InputError
+        There is no answer in s.
+    """
+
+    def __init__(
+        self, description: Description, record: Iterable[str], padded: int = PADDED[-1], *, envelope: bool = False
+    ):
+        self.description, self.padded, self.envelope = description, padded, envelope
+        self.kept = {*record, *description.probed}
+        self.lines = [name for name in description.lines if envelope or name in self.kept]
         self.before: Before = above_level(description) if description.steady else rest(description)
         nodes = description.grouped()[1].values()
         self.network = LinearRest(description)
@@ -115,7 +137,12 @@ class Convolved:
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
-        return Result(description.scene, slabs, probes, lines, chosen, chosen.notes, start, samples, seconds, Tally())
+        done = chosen._replace(convolved=True)
+        result = Result(description.scene, slabs, probes, lines, done, done.notes, start, samples, seconds, Tally())
+        if self.envelope:
+            kept = {name: line for name, line in lines.items() if name in self.kept}
+            result = replace(result, lines=kept, envelope=envelope_of(description, result))
+        return result
 
     def _layers(self, order: Basis, h: float, whole: NDArray, near: int) -> Layers:
         """Rays to all rows of the record."""
@@ -135,7 +162,7 @@ class Convolved:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""
 
         def part(changes: Changes) -> Waveform:
-            return changes.part(family_of(changes.at / h, ahead) == k, float(ahead[k]) * h, first=False)
+            return changes.part(family_of(changes.at / h, ahead) == k, float(ahead[k]) * h)
 
         held, flows = ([[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows))
         return held, flows
@@ -159,9 +186,11 @@ class Convolved:
             for row, waveforms in enumerate(rows):
                 for waveform, share in waveforms:
                     values[:, :, row] += share * projected(waveform, order, h, rule.n)
-            return rule.forward(values)
+            return values
 
-        held, flows = map(driven, parts)
+        given = [driven(each) for each in parts]
+        least = SILENT * max(np.abs(each).max(initial=0.0) for each in (given[0], given[1] * self.network.z0.max()))
+        held, flows = map(rule.forward, given)
         s = rule.points * self.network.second
         lines = self.network.admittances(s, late)
         found = self.network.efforts(s, held, flows, lines)
@@ -175,7 +204,10 @@ class Convolved:
         probed = [self.network.names.index(node) for node in self.description.probed_nodes]
         arrives = rule.backward(np.hstack([self.network.arriving(efforts, lines, ends), efforts[:, probed]]))
         u = rule.backward(efforts[:, [*(at[end] for end in ends.tolist()), *probed]])
-        return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
+        record = np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
+        if self.laws is None:  # which may be what drives
+            record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
+        return record
 
     def _whole(self, order: Basis, h: float) -> NDArray:
         """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy.

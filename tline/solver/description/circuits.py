@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from tline.loss import ConstantLoss, Foster, Law, Sum, realise
 from tline.solver.description.lines import Line
-from tline.solver.description.resolution import BAND
 from tline.solver.radau import Basis
 
+HELD, BAND = 0.5, 2.0  # cycles per slab: up to which circuits hold, and beyond which they are not asked to
 CYCLES_PER_RUN = 0.1  # at which the band of a circuit begins, at most
 STEP = 2.0  # its upper end is a power of this over its lower end, so that many runs share a circuit
 NONE = np.empty(0)
@@ -45,13 +45,14 @@ class Circuits(NamedTuple):
     error: float
 
 
-def fit_of(t_end: float, h: float, tolerance: float, band: float = BAND, drive: float = inf) -> Fit:
+def fit_of(t_end: float, h: float, tolerance: float, drive: float = 0.0) -> Fit:
     """What a run of slabs of width h needs.
 
     Parameters
     ----------
-    band : float
-        Cycles per slab at which the band ends, at least.
+    t_end, h : float
+        s.
+    tolerance : float
     drive : float
         Shortest time scale of what drives, s, which the band is to hold up to `BAND` cycles per slab.
 
@@ -61,7 +62,7 @@ def fit_of(t_end: float, h: float, tolerance: float, band: float = BAND, drive: 
     Fit(low=0.01, high=2621.44, tolerance=1e-06, fastest=12566.370614359172)
     """
     low, widest = CYCLES_PER_RUN / t_end, BAND / h
-    high = min(max(band / h, 1 / drive), widest)
+    high = min(max(HELD / h, 1 / drive if drive else inf), widest)
     return Fit(low, low * STEP ** max(ceil(log(high / low, STEP)), 2), tolerance, 2 * pi * widest)
 
 

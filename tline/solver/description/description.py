@@ -20,7 +20,6 @@ from tline.solver.description.active import active_parts, impedances
 from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
-from tline.solver.description.families import Changes, changes_of
 from tline.solver.description.given import End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
 from tline.solver.description.lines import Line, lines_of
@@ -125,12 +124,11 @@ class Description:
     def diamonds(self) -> bool:
         """Whether lines lose all along, in diamonds: what all of them lose depends on their flow alone, at once.
 
-        Not where all is linear, and waves are convolutions. Not with order 1 by hand: constants do not hold what a steady flow loses along a line. And not where the
+        Not with order 1 by hand: constants do not hold what a steady flow loses along a line. And not where the
         shortest line makes slabs so narrow that there would be too many; places on long lines are far fewer then.
         """
         lossy = [line for line in self.lines.values() if line.dispersive and self.scene.solver.order != 1]
-        linear = all(line.losses is None or line.losses.linear for line in lossy)
-        if not lossy or not all(line.in_diamonds for line in lossy) or (linear and not self.elements):
+        if not lossy or not all(line.in_diamonds for line in lossy):
             return False
         shortest, whole = min(line.delay for line in lossy), sum(line.delay for line in lossy)
         return (self.t_end / shortest) * (whole / shortest) <= MOST_DIAMONDS
@@ -207,20 +205,6 @@ class Description:
     def breaks(self) -> list[NDArray]:
         """Instants at which each waveform jumps or bends until the end of the run, s."""
         return [waveform.breaks(self.t_end) for waveform in self.waveforms.values()]
-
-    @cached_property
-    def changes(self) -> list[Changes]:
-        """Of each waveform its fronts until the end of the run; what is no source is at t < 0 as immediately before."""
-        return [
-            changes_of(waveform, self.steady or part != "sources", self.t_end)
-            for (part, _, _), waveform in self.scene.waveforms.items()
-        ]
-
-    @property
-    def separable(self) -> bool:
-        """Whether waves are sums over fronts, each at its own time the same."""
-        curved = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
-        return not (self.elements or self.switched or curved)
 
     @cached_property
     def switched(self) -> dict[str, float]:

@@ -10,8 +10,6 @@ from tline.solver.description.slab import ORDER, WHOLE, breaks_of, relative_work
 from tline.words.wording import place
 
 FIT = 1e-7
-HELD = 0.5  # cycles per slab up to which circuits hold
-BAND = 2.0  # cycles per slab beyond which they are not asked to
 LOSS_ELEMENTS, ALL_LOSS_ELEMENTS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 LARGEST = 4e8  # samples on the lines at once
@@ -28,13 +26,12 @@ class Resolution(NamedTuple):
     sections: Mapping[str, int] = NONE  # of each lumped line
     settle: float = 0.0  # time in which these settle after a front, or that a convolution blurs beside a jump, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
-    band: float = HELD  # of these, cycles per slab at which it ends, at least
     layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
     same: float = 0.0  # of the largest wave: pieces that continue each other so well are one, and always by rounding
     diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
-    segments: bool = True  # whether lossy lines are cut into segments if they fit; else they have loss elements
-    convolved: bool = False  # whether waves are convolutions, and laws of lines what they are
+    exact: bool = True  # whether waves are convolutions, where a scene is one for that; else lines have loss elements
+    convolved: bool = False  # whether slabs are chosen for convolutions; by hand they may be any
     near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
 

@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.families import MOST as MOST_FAMILIES
-from tline.solver.description.families import leads
 
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
@@ -112,10 +110,8 @@ def _divided(shortest: float, parts: int, wanted: float) -> float:
 def _slab_beside_losses(
     description: Description, delays: list[float], lossy: list[float], resolved: float, least: float
 ) -> float:
-    """A slab for segments or loss elements."""
+    """A slab for loss elements, or for convolutions."""
     cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, breaks_of(description)
-    if h := _slab_for_segments(description, delays, max(resolved, least), cheap):
-        return h
     few = len(breaks) <= MOST_MARKS
     fronts = [max(gap, t_end / SLABS_FOR_FRONTS) for gap in _gaps(description)]
     wanted = max(min([resolved, *fronts]), least)
@@ -124,25 +120,6 @@ def _slab_beside_losses(
     if not parts and len(breaks) and few:  # fronts inside slabs, exact in any slab, and slabs with fronts cost
         wanted = max(resolved, least)
     return _divided(min(delays), parts or 1, wanted)
-
-
-def _slab_for_segments(description: Description, delays: list[float], wanted: float, affordable: float) -> float:
-    """A slab that divides all delays, where lossy lines are in segments wherever fronts lie; 0 if there is none.
-
-    If waves are sums over fronts, each family of these may have slabs of its own. Else fronts have to lie whole slabs
-    apart.
-    """
-    if not all(line.losses is None or line.losses.linear for line in description.lines.values()):
-        return 0.0
-    at = np.unique(np.concatenate([[*description.switched.values()], *(changes.at for changes in description.changes)]))
-    apart = [] if description.separable else (at[1:] - at[:1]).tolist()
-    if len(apart) > MOST_MARKS:
-        return 0.0
-    shortest = min(delays)
-    most = int(shortest / max(wanted / FINER, affordable)) or 1
-    parts = common_parts((*delays, *apart), shortest, most)
-    h = _divided(shortest, parts, wanted) if parts else 0.0
-    return h if h and len(leads(at / h)) <= MOST_FAMILIES else 0.0
 
 
 def _affordable(description: Description, delays: list[float], cheap: float) -> float:

@@ -58,8 +58,6 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
                 return node
             if not far:
                 lose(run, blocks.near_rows, count)
-                if units.segments != 0:
-                    invoke(units.segments, (run,))
                 if units.diamonds != 0:
                     line = invoke(units.diamonds, (run,))
                     if line >= 0:

@@ -56,22 +56,6 @@ class Laws(NamedTuple):
     step: float  # slab width, s
 
 
-class Segments(NamedTuple):
-    """Lossy lines in segments one slab long, advanced slab by slab; to the nodes such a line has a delay of one slab.
-
-    A node sees what would arrive if nothing left it, ŷ, with its own share of what comes back at once left to the
-    node's map; so a buffer holds ŷ and then 2u - ŷ.
-    """
-
-    line: Integers  # (rows,)
-    number: Integers  # (rows,) segments of the line
-    held: Integers  # (rows,) values that a segment holds, m
-    at: Integers  # (rows,) place of the row's maps
-    maps: Floats  # by columns: from a segment's values (m + 2 s, m), and from what enters (m + 2 s, 2 s), to its next
-    # values and what leaves it then; X, Y, R, Q of `advance_segments`, (s, s)
-    state: Integers  # (rows,) place of the row's state: m values and 2 s that leave next, of each segment; 2 s of ends
-
-
 class LossElements(NamedTuple):
     """Loss elements at places inside lines; a row is those of one line and one kind.
 
@@ -154,7 +138,6 @@ class Network(NamedTuple):
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
     effort_row: Integers  # (N,) row in the record of a node's effort, or -1
     laws: Laws
-    segments: Segments
     losses: LossElements
     diamonds: Diamonds
     blocks: Blocks
@@ -168,7 +151,6 @@ class State(NamedTuple):
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats2  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
-    segments: Floats  # of all lossy lines in segments
     loss_states: Floats  # of all circuits in loss elements
     halves: Floats2  # (2 L, M) what friction takes at the points of the half diamonds at line ends
 
@@ -185,7 +167,6 @@ class Units(NamedTuple):
     govern: int  # groups whose elements move their openings themselves
     law: Integers  # (E,) of each element: its law, or its store
     loss: Integers  # (rows,) of each row of loss elements
-    segments: int  # lossy lines in segments
     diamonds: int  # lines that lose all along
     halves: int  # groups at which such lines end
     diamonds_in_pieces: int  # the same where slabs are in pieces
@@ -197,7 +178,6 @@ class Units(NamedTuple):
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both
     collapse_at_losses: int  # slabs in pieces that pass loss elements
-    collapse_group: int  # fronts that meet at a group
 
 
 class Crossing(NamedTuple):
@@ -315,8 +295,6 @@ class Work(NamedTuple):
     map: Floats  # of a circuit over a piece of a slab
     pair: Floats  # (s * ABREAST,) waves at neighbouring loss elements
     out: Floats  # (s * ABREAST,)
-    enter: Floats  # what enters the segments of a line
-    leave: Floats  # what one holds and what leaves it
     diamonds: DiamondWork
 
 

@@ -33,7 +33,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
     def address(path: str, needed: Any) -> int:
         return unit_at(path).address if needed else 0
 
-    losses, segments, diamonds = network.losses.kind, len(network.segments.line), len(network.diamonds.line)
+    losses, diamonds = network.losses.kind, len(network.diamonds.line)
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
@@ -47,7 +47,6 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         govern=address("laws.govern.govern", network.laws.governed.any()),
         law=law_addresses(kinds),
         loss=np.where(losses == REMEMBERED, remembered, constant),
-        segments=address("losses.segments.pass_segments", segments),
         diamonds=address("diamonds.full.pass_diamonds", diamonds),
         halves=address("diamonds.half.pass_halves", diamonds),
         diamonds_in_pieces=address("diamonds.pieces.pass_diamonds_in_pieces", fronts and diamonds),
@@ -59,5 +58,4 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
         collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),
-        collapse_group=address("fronts.collapse.collapse_group", fronts and segments),
     )

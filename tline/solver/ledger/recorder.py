@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
 from tline.solver.description.inventory import inventory_of
-from tline.solver.ledger.accounts import Accounts, Columns, accounts_of
+from tline.solver.ledger.accounts import Columns, accounts_of
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.loop.march import Noted
 from tline.solver.loop.slabs import Slabs, cut_at_end
@@ -48,8 +48,6 @@ class Recorder:
         self.taken, self.least, self.behind = np.zeros((3, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
         self.lowest = [np.zeros(len(group.where)) for group in self.groups]
-        echoes = {list(assembly.lines).index(name): echo for name, echo in assembly.echoes.items()}
-        self.echo = {2 * k + side: echo for k, echo in echoes.items() for side in range(2)}
         self.group_of_end = np.empty(2 * len(lines), int)
         for g, group in enumerate(self.groups):
             self.group_of_end[group.ends] = g
@@ -66,7 +64,6 @@ class Recorder:
                 high = min(low + step, n)
                 waves = record[rows, :, low * s : high * s].reshape(len(rows), 2, high - low, s)
                 slabs = first + np.arange(low, high)
-                self._take_echoes(group, waves)
                 self._post(g, waves, slabs, found.get(g), through[:, low:high])
         so_far = self.taken[:, None] + np.cumsum(through, axis=1)
         self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
@@ -79,21 +76,11 @@ class Recorder:
             return pieces
         basis, last = self.assembly.basis, self.slabs.whole - first
         waves = record[self.assembly.network.record_row, :, last * basis.s : (last + 1) * basis.s]
-        for end, echo in self.echo.items():
-            back = waves[end].sum(axis=0) @ echo.T
-            waves[end] += [back, -back]
         pieces, behind = cut_at_end(self.slabs, waves, pieces, basis)
         (w, o), line = behind.values.swapaxes(0, 1), behind.row // 2
         columns = Columns(basis, self.h, behind.slab, behind.span)
         np.subtract.at(self.behind, line, columns.integral(w - o, w + o) / (4 * self.z0[line]))
         return pieces
-
-    def _take_echoes(self, group: Accounts, waves: NDArray) -> None:
-        """Turn what is recorded into what arrived and left: lines in segments send back some of what enters at once."""
-        for k, end in enumerate(group.ends):
-            if end in self.echo:
-                back = waves[k].sum(axis=0) @ self.echo[end].T
-                waves[k] += [back, -back]
 
     def _post(self, g: int, waves: NDArray, slabs: NDArray, found: Found | None, through: NDArray) -> None:
         """Enter some slabs of a group."""

@@ -64,11 +64,11 @@ class March(NamedTuple):
 
 
 def march(
-    assembly: Assembly, n: int, *, observers: Sequence[Observer] = (), every_row: bool = False, progress: bool = False
+    assembly: Assembly, n: int, *, observers: Sequence[Observer] = (), progress: bool = False
 ) -> tuple[NDArray, March]:
     """Advance an assembled scene by n slabs.
 
-    For observers the kernel records into a window of one chunk, and only recorded lines are kept, or every row.
+    For observers the kernel records into a window of one chunk, and only recorded lines are kept.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def march(
     samples = LOOK if windowed else CHUNK
     chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
     rows = max(assembly.kept, int(assembly.network.record_row.max(initial=-1)) + 1)
-    kept = rows if every_row else assembly.kept
+    kept = assembly.kept
     record = np.empty((kept, 2, n * s))
     window = np.empty((rows, 2, chunk * s)) if windowed else record
     steps = Stepper(assembly, n, window, rows if windowed else kept)
@@ -108,7 +108,6 @@ def march(
                 steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
-    _take_echoes(assembly, record)
     steps.leave()
     return record, steps.run(seconds)
 
@@ -142,16 +141,6 @@ class Signals:
             for waveform, share in parts:
                 row += share * (averaged if self.plain else sampled)(waveform, self.basis, self.h, first, n)
         return excitation.reshape(len(self.of), n * self.basis.s)
-
-
-def _take_echoes(assembly: Assembly, record: NDArray) -> None:
-    """Turn what arrives at ends of lines in segments, and what is sent, into what it is outside the segments."""
-    s = assembly.basis.s
-    for name, echo in assembly.echoes.items():
-        row = assembly.recorded.get(name)
-        for end in record[row : row + 2] if row is not None else ():
-            back = (end.sum(axis=0).reshape(-1, s) @ echo.T).ravel()  # arrives as well, and so was not sent
-            end += [back, -back]
 
 
 class Stepper:

@@ -290,7 +290,7 @@ class Result(Display, Export):
     start : mapping of str to ndarray
         By line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
     samples : int
-        Line-end samples computed; a line in segments has as many lines.
+        Line-end samples computed.
     seconds : float
         Time spent stepping.
     fronts : Tally
@@ -370,11 +370,6 @@ class Result(Display, Export):
     def notes(self) -> tuple[str, ...]:
         """All there is to remark."""
         return (*self.remarks, *(self.ledger.notes if self.ledger else ()), *self.unresolved)
-
-    @property
-    def circuits_error(self) -> float:
-        """Largest error of circuits that stand for laws, relative; 0 if all laws are circuits."""
-        return max((circuits.error for circuits in self.circuits.values()), default=0.0)
 
     @property
     def medium(self) -> Medium:

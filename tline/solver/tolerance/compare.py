@@ -133,7 +133,7 @@ def magnified(description: Description, coarse: Result, fine: Result, steps: Seq
     """
     if steps[-1] <= ROUNDED:
         return 1.0
-    most = BY_SLAB if _slab(fine) < _slab(coarse) else BY_ORDER
+    most = BY_SLAB if fine.resolution.h < coarse.resolution.h else BY_ORDER
     last = steps[-STEPS - 1 :]
     if len(last) > 1 and all(after <= most * before for before, after in pairwise(last)):
         return 1.0
@@ -160,8 +160,7 @@ def unseen(description: Description, result: Result, followed: bool) -> float:
 
 def _over(result: Result, decays: Sequence[float]) -> float:
     """What a run resolves over the fastest of some decays."""
-    resolved = result.resolution._replace(h=_slab(result)).resolved
-    return max((resolved / decay for decay in decays if decay > 0), default=0.0)
+    return max((result.resolution.resolved / decay for decay in decays if decay > 0), default=0.0)
 
 
 def with_errors(result: Result, other: Result, by: float) -> Result:
@@ -174,8 +173,3 @@ def with_errors(result: Result, other: Result, by: float) -> Result:
 def added(one: Mapping[str, Estimate], other: Mapping[str, Estimate]) -> dict[str, Estimate]:
     """Sums by probe."""
     return {name: Estimate(e.u + other[name].u, e.y + other[name].y) for name, e in one.items()}
-
-
-def _slab(result: Result) -> float:
-    """Width of the slabs in which a run was computed, whatever samples are kept of it, s."""
-    return min((probe.record.a1.h for probe in result.probes.values()), default=result.resolution.h)

@@ -41,12 +41,6 @@ def extrapolated(coarse: Result, fine: Result, power: int) -> Result | None:
     return replace(coarse, lines=records, probes=probes, **of_fine)
 
 
-def seen_at_ends(coarse: Result, fine: Result) -> Result:
-    """A run with the slab ends of a coarser one for its samples; between them it is as it is."""
-    probes = {name: replace(probe, slabs=coarse.slabs) for name, probe in fine.probes.items()}
-    return replace(fine, slabs=coarse.slabs, resolution=coarse.resolution, probes=probes)
-
-
 def _record(coarse: LineRecord, fine: LineRecord, weight: float) -> LineRecord:
     return replace(coarse, **{wave: _wave(getattr(coarse, wave), getattr(fine, wave), weight) for wave in WAVES})
 

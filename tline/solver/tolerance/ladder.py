@@ -1,21 +1,28 @@
-"""Runs on ever finer grids, each compared with the one before: how accurate each is, and what forbids a finer one.
+"""One loop for all tolerances: runs on ever finer grids, each compared with the one before.
 
-Whoever asks for a tolerance brings the grids and makes the runs; what these attempts are worth is told here alone.
+What the grids are is the business of whoever brings them (`Grids`): orders and slabs, places of losses, slabs of
+convolutions. What a run is worth, what is given out, and what forbids a finer run is told here alone.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import inf, log
+from typing import NamedTuple
 
+from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
+from tline.solver.description.resolution import Resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
+from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import compare, with_errors
 
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+MISSED = 4  # grids in a row on which no flow was found, at most
 MOST_INSIDE = 2e7  # line-end samples in all runs together, for the sake of instants inside slabs alone,
 WORTH = 64  # or so many times those of the first run, if that is more
 TRIED = 2  # halvings of the slab, from which the next ones are foretold,
@@ -29,91 +36,174 @@ COLLAPSE = (
 )
 
 
+class Step(NamedTuple):
+    """What a finer run adds to those before it."""
+
+    result: Result  # that run, or what it and others extrapolate to
+    told: Accuracy  # estimated errors: of the run before it, which bound its own, or of what is extrapolated
+    by: float  # errors over differences to the run before it
+    differences: Accuracy | None = None  # from the run before it, if they are taken for errors
+
+
+class Search(NamedTuple):
+    """What is looked for."""
+
+    description: Description
+    tol: float
+    record: list[str]
+    progress: bool
+    budget: Budget
+    most: float = MOST_SAMPLES  # line-end samples that it may take
+    envelope: bool = False
+
+    def run(
+        self, chosen: Resolution, kinks: Kinks = NO_KINKS, laws: Sequence[str] = (), slabs: int | None = None
+    ) -> Result:
+        """One run to the scene's end time, or for so many slabs."""
+        asked = self.description, chosen, self.record
+        return run(*asked, envelope=self.envelope, progress=self.progress, kinks=kinks, laws=laws, slabs=slabs)
+
+
+class Grids(ABC):
+    """Ever finer grids for one way to compute a scene."""
+
+    unknown = SLOWEST  # share of a difference that a step leaves, as long as there is one difference
+
+    def __init__(self, search: Search):
+        self.search = search
+
+    @abstractmethod
+    def first(self) -> Result:
+        """The run on the first grid."""
+
+    @abstractmethod
+    def next(self, ladder: "Ladder") -> Result:
+        """The run on the next finer grid.
+
+        Raises
+        ------
+        StopIteration
+            There is none.
+        NoFlowError
+            No flow was found there; the next may do.
+        InputError
+            It cannot be computed, and no finer one.
+        """
+
+    def step(self, ladder: "Ladder", finer: Result) -> Step:
+        """What a run is worth beside those before it: its difference to the last one, for the error of that."""
+        pair = ladder.last, finer, self.search.tol, ladder.differences, self.unknown
+        comparison = compare(self.search.description, *pair)
+        return Step(finer, comparison.errors, comparison.by, comparison.differences)
+
+    @abstractmethod
+    def is_enough(self, ladder: "Ladder") -> bool:
+        """Whether the tolerance is met, as far as is known how fast runs converge."""
+
+    def limit(self, ladder: "Ladder") -> str:
+        """What forbids a finer run beside the budget; empty if nothing does."""
+        return ladder.limit()
+
+
 class Ladder:
     """The runs so far, and the best of them.
-
-    Parameters
-    ----------
-    description : Description
-    first : Result
-    tol : float
-    unknown : float
-        Share of a difference that a step leaves, as long as there is one difference.
 
     Attributes
     ----------
     last : Result
         The finest run.
     told : Accuracy
-        Estimated errors of the run before it, which bound its own.
+        Estimated errors after the last step.
     helps : bool
-        Whether the last step converged.
+        Whether that step converged.
     stale : int
         Halvings of the slab in a row that brought nothing.
+    differences : list of Accuracy
+        From each run to the next, where they are taken for errors.
     """
 
-    def __init__(self, description: Description, first: Result, tol: float, unknown: float = SLOWEST):
-        self.description, self.unknown = description, unknown
-        self.last, self.helps, self.stale = first, True, 0
-        self.told = Accuracy(tol)
-        self._attempts, self._differences = [Attempt.of(first)], [self.told]
-        self._best, self._accuracy, self._pair = first, self.told, None
+    def __init__(self, grids: Grids, first: Result):
+        self._grids, self.search = grids, grids.search
+        self.last, self.helps, self.stale, self.attempts = first, True, 0, [Attempt.of(first)]
+        self.told, self.differences = Accuracy(self.search.tol), []
+        self._best, self._accuracy, self._steps = first, self.told, [self.told]
+        self._pair = None
 
     @property
     def compared(self) -> int:
         """Pairs of runs so far."""
-        return len(self._differences) - 1
+        return len(self.attempts) - 1
 
     def climb(self, finer: Result) -> None:
-        """Take a finer run, and compare the last one with it."""
-        pair = self.description, self.last, finer, self.told.tol, self._differences[1:], self.unknown
-        comparison = compare(*pair)
-        self.told = comparison.errors
-        self._differences.append(comparison.differences)
-        self._attempts[-1] = replace(self._attempts[-1], estimate=self.told.worst)
-        self._attempts.append(Attempt.of(finer))
-        if better(self.told, self._accuracy):
-            self._best, self._accuracy, self._pair = with_errors(finer, self.last, comparison.by), self.told, pair
-        blind, left = finer.resolution.blind, gained(*self._differences[-2:])
+        """Take a finer run."""
+        step = self._grids.step(self, finer)
+        self.told, steps = step.told, step.differences or step.told
+        self.attempts[-1] = replace(self.attempts[-1], estimate=self.told.worst)
+        self.attempts.append(Attempt.of(finer))
+        if rank(self.told) <= rank(self._accuracy):
+            self._best, self._accuracy = with_errors(step.result, self.last, step.by), self.told
+            self._pair = step.differences and (self.last, finer, self.search.tol, [*self.differences])
+        self._steps.append(steps)
+        self.differences += [step.differences] if step.differences else []
+        blind, left = finer.resolution.blind, gained(*self._steps[-2:])
         self.helps = not blind and left <= HELPS
         narrowed = finer.resolution.h < self.last.resolution.h
         self.stale = self.stale + 1 if narrowed and not blind and left >= 1.0 else 0
         self.last = finer
 
-    def limit(self, most: float, budget: Budget) -> str:
-        """What forbids a finer run, of so many line-end samples in all; empty if nothing does."""
-        foretell = foretells(self._attempts, self.description)
-        assert self.told.tol is not None
-        limit = budget.limit(self._attempts, self.told.tol)
-        limit = limit or limit_of(self._attempts, foretell * self.stale, self.description.collapses, most)
-        if self.description.blurred and self.compared > 1:  # by jumps inside slabs, which no finer run follows
+    def limit(self) -> str:
+        """What forbids a finer run, as far as the runs so far foretell; empty if nothing does."""
+        description, attempts = self.search.description, self.attempts
+        foretell = description.dispersive or description.collapses or sum(a.samples for a in attempts) >= FORETOLD
+        limit = limit_of(attempts, foretell * self.stale, description.collapses, self.search.most)
+        if description.blurred and self.compared > 1:  # by jumps inside slabs, which no finer run follows
             limit = limit or inside_slabs(self.told)
-        return limit or (not self.last.resolution.blind and inside_limit(self._attempts, self.told, foretell)) or ""
+        return limit or (not self.last.resolution.blind and inside_limit(attempts, self.told, foretell)) or ""
 
     def result(self, limit: str) -> Result:
         """The best run, and how accurate it is; `limit` is what forbade to go on, if anything did."""
-        best, accuracy, tol = self._best, self._accuracy, self.told.tol
-        assert tol is not None
+        best, accuracy, tol = self._best, self._accuracy, self.search.tol
         if self._pair and accuracy.at_slab_ends > tol:
-            accuracy = compare(*self._pair, whole=True).errors
+            accuracy = compare(self.search.description, *self._pair, self._grids.unknown, whole=True).errors
         damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
         damped += tuple(smeared(best.fronts)) if best.fronts.lost <= tol and not limit else ()
         unresolved = tuple(note for note in best.unresolved if note not in damped)
         limit = limit and (inside_slabs(accuracy) or limit)
-        accuracy = replace(accuracy, attempts=tuple(self._attempts), limit=limit)
+        accuracy = replace(accuracy, attempts=tuple(self.attempts), limit=limit)
         elements = {where: each for where, each in best.elements.items() if len(each.states)}
         return replace(best, elements=elements, unresolved=unresolved, accuracy=accuracy)
+
+
+def refined(grids: Grids) -> Result:
+    """Run on ever finer grids until the estimated error is within the tolerance, or a limit is reached.
+
+    Raises
+    ------
+    InputError
+        The first run cannot be made; no flow is found, say.
+    """
+    ladder, missed, limit = Ladder(grids, grids.first()), 0, ""
+    while not limit:
+        try:
+            ladder.climb(grids.next(ladder))
+        except StopIteration:
+            limit = "order and slab are as fine as they may be"
+        except NoFlowError as error:
+            missed, ladder.helps = missed + 1, False
+            limit = f"{error.where}: {error.problem}" if missed > MISSED else ""
+        except InputError as error:
+            limit = f"{error.where}: {error.problem}"
+        else:
+            if grids.is_enough(ladder):
+                break
+            limit = grids.search.budget.limit(ladder.attempts, grids.search.tol) or grids.limit(ladder)
+    return ladder.result(limit)
 
 
 def rank(found: Accuracy) -> tuple[float, float]:
     """What orders runs by their accuracy: slab ends first, as long as these are not as asked; then any instant."""
     assert found.tol is not None
     return max(found.at_slab_ends, found.tol), found.worst
-
-
-def better(found: Accuracy, best: Accuracy) -> bool:
-    """Whether a run is at least as accurate as another."""
-    return rank(found) <= rank(best)
 
 
 def gained(before: Accuracy, found: Accuracy) -> float:
@@ -123,11 +213,6 @@ def gained(before: Accuracy, found: Accuracy) -> float:
         (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
     )
     return here / there if there > 0 else inf
-
-
-def foretells(attempts: Sequence[Attempt], description: Description) -> bool:
-    """Whether the runs so far tell how the next ones would converge."""
-    return description.dispersive or description.collapses or sum(a.samples for a in attempts) >= FORETOLD
 
 
 def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: float) -> str:
@@ -161,7 +246,7 @@ def inside_limit(attempts: Sequence[Attempt], found: Accuracy, foretell: bool = 
 
 
 def _growth(attempts: Sequence[Attempt]) -> float:
-    """By how much a halved slab multiplies samples: by two, and by four in segments, of which there are more."""
+    """By how much a halved slab multiplies samples: by two, or as it did."""
     halved = [fine.samples / rough.samples for rough, fine in pairwise(attempts) if fine.slab < rough.slab]
     return max([2.0, *halved[-1:]])
 

@@ -1,4 +1,4 @@
-"""Runs of conductors whose losses mix the modes: with twice as many places of losses until that changes little."""
+"""Conductors whose losses mix the modes and that are no convolution: with twice as many places in each run."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,9 +7,9 @@ import numpy as np
 
 from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import Result
-from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import added, relative
 from tline.solver.tolerance.difference import Difference
+from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step
 
 CLOSER = 0.1  # tolerance of the next over what the last doubling changed
 SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
@@ -20,46 +20,59 @@ MOST_SAMPLES = 3e7  # line-end samples of all runs
 GROWTH = 6  # times as many samples with each doubling
 
 
-def with_mixed_modes(run: Callable[[int, float], Result], tol: float, budget: Budget) -> Result:
-    """Double the places of losses until the estimated error is within a tolerance, or a limit is reached.
+class Doublings(Grids):
+    """Twice as many places, and slabs as close as these are.
 
     Places are of first order behind jumps, and nearly of second behind corners. Where each doubling leaves the share r
     of the change before, the next ones leave r + r² + …; r counts as a half at most, and as that after the first.
 
     Parameters
     ----------
+    search : Search
     run : callable
         Of a number of doublings and the tolerance of its slabs.
-    tol : float
-    budget : Budget
     """
-    close, samples, last, attempts, doublings = max(ROUGH, SHARE * tol), 0, 0.0, (), 1
-    coarse = run(0, close)
-    while True:
-        fine = run(doublings, close)
-        assert coarse.accuracy
-        assert fine.accuracy
-        attempts += coarse.accuracy.attempts
-        samples += sum(attempt.samples for attempt in fine.accuracy.attempts)
-        changed = _changes(coarse, fine)
-        share = min(changed.worst / last, SLOWEST) if last > 0 else SLOWEST
-        last = changed.worst
-        left = changed.times(share / (1 - share), share / (1 - share))
-        own = fine.accuracy
-        sums = (added(one, other) for one, other in zip(_parts(own), _parts(left), strict=True))
-        accuracy = Accuracy(tol, *sums, attempts=(*attempts, *own.attempts), limit=own.limit)
-        if not accuracy.limit and accuracy.worst > tol and GROWTH * samples > MOST_SAMPLES:
-            limit = f"the losses mix the modes; {doublings} doublings of the places where they stand leave {last:.1g}"
-            accuracy = replace(accuracy, limit=limit)
-        elif accuracy.worst > tol and not accuracy.limit:
-            accuracy = replace(accuracy, limit=budget.limit(accuracy.attempts, tol))
-        if accuracy.met or accuracy.limit:
-            return replace(fine, accuracy=accuracy, unresolved=() if accuracy.met else fine.unresolved)
-        coarse, close, doublings = fine, max(min(close, CLOSER * last), SHARE * tol), doublings + 1
 
+    def __init__(self, search: Search, run: Callable[[int, float], Result]):
+        super().__init__(search)
+        self.run, self.close, self.samples, self.changed = run, max(ROUGH, SHARE * search.tol), 0, 0.0
 
-def _parts(accuracy: Accuracy) -> tuple:
-    return accuracy.estimates, accuracy.inside, accuracy.blurred
+    def first(self) -> Result:
+        """The run with the fewest places."""
+        return self.run(0, self.close)
+
+    def next(self, ladder: Ladder) -> Result:
+        """The run with twice as many."""
+        if ladder.compared:
+            self.close = max(min(self.close, CLOSER * self.changed), SHARE * self.search.tol)
+        return self.run(ladder.compared + 1, self.close)
+
+    def step(self, ladder: Ladder, finer: Result) -> Step:
+        """What places may leave, beside what slabs do."""
+        own, found = finer.accuracy, _changes(ladder.last, finer)
+        assert own is not None
+        self.samples += sum(attempt.samples for attempt in own.attempts)
+        share = min(found.worst / self.changed, SLOWEST) if self.changed > 0 else SLOWEST
+        self.changed, left = found.worst, found.times(share / (1 - share), share / (1 - share))
+        estimates, inside, blurred = (
+            added(getattr(own, name), getattr(left, name)) for name in ("estimates", "inside", "blurred")
+        )
+        told = Accuracy(self.search.tol, estimates, inside, blurred)
+        return Step(replace(finer, unresolved=()) if told.met else finer, told, 1.0)
+
+    def is_enough(self, ladder: Ladder) -> bool:
+        """Whether the tolerance is met, by slabs, too."""
+        return ladder.told.met and not self._own(ladder)
+
+    def limit(self, ladder: Ladder) -> str:
+        """What forbids more places: what slabs could not, or time."""
+        if self._own(ladder) or GROWTH * self.samples <= MOST_SAMPLES:
+            return self._own(ladder)
+        problem = f"the losses mix the modes; {ladder.compared} doublings of the places where they stand leave"
+        return f"{problem} {self.changed:.1g}"
+
+    def _own(self, ladder: Ladder) -> str:
+        return ladder.last.accuracy.limit if ladder.last.accuracy else ""
 
 
 def _changes(coarse: Result, fine: Result) -> Accuracy:

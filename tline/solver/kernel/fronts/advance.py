@@ -93,9 +93,6 @@ def scatter_all(job, slab, k):
     run, fronts, sources, network, units = job.run, job.fronts, job.sources, job.run.network, job.run.units
     for g in range(network.group.size - 1):
         met = meets_front(run, fronts, sources, g, slab)
-        if met and fronts.levels[g]:
-            invoke(units.collapse_group, (job, np.int64(g), slab, k))
-            met = False
         if met:
             halves = units.diamonds != 0 and network.diamonds.at_group[g]
             if invoke(units.halves_in_pieces if halves else units.pieces, (job, np.int64(g), slab, k)) == 0:
@@ -139,8 +136,6 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
             invoke(units.collapse_at_losses, (job,))
             lose(run, network.blocks.far_rows, np.int64(1))
             lose(run, network.blocks.near_rows, np.int64(1))
-        if units.segments != 0:
-            invoke(units.segments, (run,))
         if units.diamonds != 0:
             line = invoke(units.diamonds_in_pieces, (job,))
             if line >= 0:

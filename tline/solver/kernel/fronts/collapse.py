@@ -2,8 +2,6 @@
 
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, times
-from tline.solver.kernel.fronts.events import happen
-from tline.solver.kernel.fronts.gather import drives_front
 from tline.solver.kernel.fronts.send import release
 from tline.solver.kernel.fronts.structures import DROPPED, LOST, FrontRun
 from tline.solver.kernel.losses.passing import passing
@@ -21,45 +19,6 @@ def collapse(pieces, row, tools, counts, sizes, whole):
             counts[DROPPED] += 1
             sizes[LOST] = max(sizes[LOST], pieces.size[row, j])
     release(pieces, row, counts)
-
-
-@function
-def collapse_source(sources, r, tools, whole, out):
-    """Project a source with fronts in a slab on the whole slab."""
-    clear(whole)
-    for j in range(sources.begin[sources.due[r]], sources.begin[sources.due[r] + 1]):
-        project(sources.coef[j], sources.start[j], sources.stop[j], 0.0, 1.0, tools.gauss, whole)
-    times(tools.to_points, whole, 0, out)
-
-
-@unit
-def collapse_group(job: FrontRun, g: int, slab: int, k: int) -> int:
-    """Leave out all fronts inside a slab that meet at a group; switches move at the nearest edge."""
-    run, fronts, sources = job.run, job.fronts, job.sources
-    network, state, excitation = run.network, run.state, run.excitation
-    pieces, tools, counts, sizes, events = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.events
-    waves, before, s = state.waves, state.before, fronts.tools.c.size
-    position, whole = run.work.position, fronts.work.whole
-    while events.due[g] < events.first[g + 1] and events.at[events.due[g]] - slab < 0.5:
-        counts[DROPPED] += 1
-        happen(network, events, g)
-    for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
-        r = fronts.excitations.row[i]
-        if drives_front(sources, r, slab):
-            collapse_source(sources, r, tools, whole, excitation[r, k * s : (k + 1) * s])
-    for node in range(network.group[g], network.group[g + 1]):
-        for i in range(network.first[node], network.first[node + 1]):
-            e = network.ends[i]
-            row = pieces.of_slab[position[e] // s]
-            if row >= 0:
-                collapse(pieces, row, tools, counts, sizes, whole)
-                times(tools.to_points, whole, 0, waves[position[e] : position[e] + s])
-                pieces.of_slab[position[e] // s] = -1
-            if pieces.before[e] >= 0:
-                collapse(pieces, pieces.before[e], tools, counts, sizes, whole)
-                times(tools.to_points, whole, 0, before[e])
-                pieces.before[e] = -1
-    return 0
 
 
 @function

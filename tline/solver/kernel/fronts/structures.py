@@ -110,7 +110,6 @@ class Fronts(NamedTuple):
     at_node: int
     step: float  # slab width h
     fractional: int  # whether a front at the start of a slab needs to be followed
-    levels: Flags  # (G,) whether a group leaves out fronts inside slabs, for it is at a line in segments
     settle: Floats  # (G,) slabs that a group with lumped lines takes to settle after a front, else 0
     settled: Floats  # (G,) instant at which it will have, in slabs; one slab after a front where cuts are graded
     graded: Flags  # (G,) whether slabs are cut behind fronts ever farther away, for what decays there at any rate

@@ -1,15 +1,18 @@
-"""Fronts of waveforms in families: those that lie at one place of their slabs.
+"""Fronts of waveforms in families: those that lie at one place of their slabs; and the sum of what each family does.
 
 A waveform is what it is before t = 0 and, from each of its fronts on, what changes there. So it is a sum of waveforms
 with a family of fronts each; and on a clock that began earlier these lie on the edges of slabs.
 """
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.excitation import EDGE, Waveform, just_before
+from tline.solver.loop.march import Noted
+from tline.solver.radau import Basis
 
 MOST = 128  # families that are worth a run each
 NEAR = EDGE / 2  # slabs; fronts whose places are nearer than this are of one family
@@ -38,19 +41,14 @@ class Changes(NamedTuple):
     bend: NDArray
     curved: bool
 
-    def part(self, chosen: NDArray, ahead: float, first: bool) -> Waveform:
-        """The part due to chosen fronts, of one that is curved all; on a clock so far ahead of the scene's, s.
-
-        Only the first part has the value before t = 0, others begin at zero.
-        """
-        at, before = self.at[chosen], self.before if first else 0.0
+    def part(self, chosen: NDArray, ahead: float) -> Waveform:
+        """What chosen fronts change, of one that is curved all; on a clock so far ahead of the scene's, s."""
+        at = self.at[chosen]
         if self.curved:
-            late = Late(self.waveform, at + ahead, ahead, self.before, self.before - before)
-            return late if len(at) else Straight.constant(before)
-        slope = np.cumsum(self.bend[chosen])
-        level = before + np.cumsum(self.jump[chosen])
+            return Late(self.waveform, at + ahead, ahead, self.before) if len(at) else Straight.constant(0.0)
+        slope, level = np.cumsum(self.bend[chosen]), np.cumsum(self.jump[chosen])
         level[1:] += np.cumsum(slope[:-1] * np.diff(at))
-        return Straight(at + ahead, np.append(before, level), np.append(0.0, slope))
+        return Straight(at + ahead, np.append(0.0, level), np.append(0.0, slope))
 
 
 def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
@@ -123,13 +121,12 @@ class Straight(NamedTuple):
 
 
 class Late(NamedTuple):
-    """A waveform on a clock that is ahead of the scene's, less a constant."""
+    """A waveform on a clock that is ahead of the scene's, less its value before t = 0."""
 
     waveform: Waveform
     at: NDArray  # (fronts,) s
     ahead: float  # s
-    before: float  # value before t = 0
-    less: float
+    before: float
 
     def breaks(self, t_end: float) -> NDArray:
         """Instants of the fronts, s."""
@@ -138,8 +135,59 @@ class Late(NamedTuple):
     def value(self, t: NDArray, inside: NDArray) -> NDArray:
         """Value at t of the smooth piece that contains `inside`, continued."""
         seen = self.waveform.value(t - self.ahead, inside - self.ahead)
-        return np.where(inside < self.ahead, self.before, seen) - self.less
+        return np.where(inside < self.ahead, 0.0, seen - self.before)
 
     def fastest(self) -> float:
         """Shortest time scale, s."""
         return self.waveform.fastest()
+
+
+def summed(records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis) -> tuple[NDArray, Noted]:
+    """The sum of records on slabs that begin so many slabs earlier each, on n slabs from t = 0 on.
+
+    Parameters
+    ----------
+    records : iterable of ndarray, shape (rows, 2, slabs * s)
+        One for each of `ahead`.
+    ahead : ndarray
+    n : int
+    order : Basis
+
+    Returns
+    -------
+    ndarray, shape (rows, 2, n * s)
+        In whole slabs.
+    Noted
+        In pieces between the places at which slabs begin.
+    """
+    edges = np.append(np.unique([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
+    values = np.zeros((1, 1, 1, 1, 1))
+    for record, slabs in zip(records, ahead.tolist(), strict=True):
+        values = values + _pieces(record, slabs, edges, n, order)
+    rows, _, _, m, s = values.shape
+    places = np.minimum(np.searchsorted(edges[1:], order.c), m - 1)
+    local = (order.c - edges[places]) / np.diff(edges)[places]
+    whole = np.einsum("rdnis,is->rdni", values[:, :, :, places], order.evaluation(local))
+    row, slab, span = np.arange(rows), np.arange(n), np.column_stack([edges[:-1], edges[1:]])
+    pieces = Noted(
+        np.repeat(row, n * m),
+        np.tile(np.repeat(slab, m), rows),
+        np.tile(span, (rows * n, 1)),
+        values.transpose(0, 2, 3, 1, 4).reshape(rows * n * m, 2, s),
+    )
+    return np.ascontiguousarray(whole).reshape(rows, 2, n * s), pieces
+
+
+def _pieces(record: NDArray, ahead: float, edges: NDArray, n: int, order: Basis) -> NDArray:
+    """The scene's slabs in pieces, of a record on slabs that begin so many of them earlier; (rows, 2, n, pieces, s)."""
+    rows, s = len(record), order.s
+    waves = record.reshape(rows, 2, -1, s)
+    start, stop = edges[:-1] + ahead, edges[1:] + ahead
+    later = ((start + stop) / 2 >= 1.0).astype(int)
+    return np.stack(
+        [
+            waves[:, :, k : k + n] @ order.restriction(a - k, b - k).T
+            for a, b, k in zip(start, stop, later.tolist(), strict=True)
+        ],
+        axis=3,
+    )

@@ -1,0 +1,193 @@
+"""Convolutions on ever narrower slabs, to a tolerance."""
+
+from dataclasses import replace
+from math import ceil, inf, log2, log10
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.solver.convolution.families import leads
+from tline.solver.convolution.jumps import arrivals
+from tline.solver.convolution.quadrature import padding, rounding
+from tline.solver.convolution.run import Convolved
+from tline.solver.convolution.suited import affordable, suits
+from tline.solver.description.given import Scene
+from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.result.accuracy import SLOWEST, Accuracy
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.run import accounts_of
+from tline.solver.tolerance.compare import BETWEEN, relative
+from tline.solver.tolerance.difference import Difference, on_slabs, ways
+from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
+from tline.words.wording import place
+
+ORDER = 5
+CLOSEST = 1e-11  # tolerance; transforms are as good as some 1e-13
+ROUNDED = 1e-12  # slabs, by which the end of one lies in it
+LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
+FIRST = 8  # slabs, at least, in the shortest delay
+SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside fronts change no more; and later
+ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
+BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
+MOST_BLURRED = 0.25  # of a run
+
+
+def convolved(search: Search) -> Result | None:
+    """Run a scene by convolution quadrature to a tolerance; None if it is not one for that."""
+    description = search.description
+    if search.tol < CLOSEST or not suits(description):
+        return None
+    if search.envelope:
+        description.refuse_coupled("an envelope")
+    try:
+        grids = Convolutions(search)
+        if not affordable(grids.scene, grids.order, grids.h / 2) and not grids.alone:
+            return None
+        result = refined(grids)
+    except InputError:  # there is no answer in s, or no flow through laws
+        return None
+    bundles = grids.scene.network.bundles
+    notes = tuple(f"{place('lines', name)}: its losses mix the modes: it is computed by matrices" for name in bundles)
+    return replace(result, accounts=accounts_of(description), warned=(*notes, *result.warned))
+
+
+class Convolutions(Grids):
+    """Slabs halved, and ever narrower ones beside fronts.
+
+    The error of a run is told by its difference to the one before: where each step leaves the share r of the
+    difference, the next ones leave r + r² + …. Beside a jump, nearer than a hundredth of the delay, polynomials cannot
+    follow it; there no tolerance is asked, but what is off is told.
+    """
+
+    def __init__(self, search: Search):
+        super().__init__(search)
+        description = search.description
+        self.scene = Convolved(description, search.record, padding(search.tol), envelope=search.envelope)
+        self.order = description.scene.solver.order or ORDER
+        self.h = self._first_slab()
+        self.jumps = arrivals(description)
+        bundles = self.scene.network.bundles.values()
+        lossy = [line.delay for line in description.lines.values() if line.losses is not None]
+        jumping = any(len(each) for each in self.jumps.values())
+        self.settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles)]) if jumping else 0.0
+        self.alone = any(bundle.skin.any() for bundle in bundles)  # other runs do not know that
+        self.share, self.off = SLOWEST, inf
+
+    def first(self) -> Result:
+        """The run on the widest slabs."""
+        tol = self.search.tol
+        layers, near = (SETTLED * tol, max(round(-1.5 * log10(tol)) - 2, 4)) if self.scene.layered else (0.0, 0)
+        return self.scene.run(Resolution(self.order, self.h, settle=self.settle, layers=layers, near=near))
+
+    def next(self, ladder: Ladder) -> Result:
+        """The run on slabs half as wide; each more that follows a front makes it two or three times as exact."""
+        last = ladder.last.resolution
+        return self.scene.run(last._replace(h=last.h / 2, near=last.near + 2, layers=FINER * last.layers))
+
+    def step(self, ladder: Ladder, finer: Result) -> Step:
+        """What the run is off, if the next ones leave as large a share of the difference as the last two."""
+        scene, least = self.search.description.scene, rounding(self.scene.padded)
+        found = _errors(ladder.last, finer, scene, self.jumps, self.settle, least)
+        share = max(found.worst / self.off, LEAST_SHARE) if self.off < inf else self.share
+        self.share, self.off = min(share, SLOWEST), found.worst
+        by = BETWEEN * self.share / (1 - self.share)
+        blurred = found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred
+        return Step(finer, replace(found.times(by, by), tol=self.search.tol, blurred=blurred), by)
+
+    def is_enough(self, ladder: Ladder) -> bool:
+        """Whether the tolerance is met."""
+        return ladder.told.met
+
+    def limit(self, ladder: Ladder) -> str:
+        """What forbids a finer run: that it takes too long."""
+        finer = affordable(self.scene, self.order, ladder.last.resolution.h / 2)
+        return "" if finer else "narrower slabs would take too long"
+
+    def _first_slab(self) -> float:
+        """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.
+
+        Beside laws it divides what is between two fronts, if that is enough for all of them to be at edges of slabs.
+        """
+        description, scene, s = self.search.description, self.scene, self.order
+        shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
+        if not scene.layered:
+            h = resolution(description, s).h
+            h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+            if scene.laws and len(leads(scene.instants / h)) > 1:
+                apart = float(np.diff(scene.instants).min())
+                apart /= ceil(apart / h)
+                return apart if apart > h / 2 and len(leads(scene.instants / apart)) == 1 else h
+            return h
+        h, ringing = shortest / FIRST, min((period for _, period in description.time_scales.values()), default=inf)
+        return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
+
+
+def _errors(
+    coarse: Result, fine: Result, scene: Scene, jumps: dict[str, NDArray], settle: float, least: float
+) -> Accuracy:
+    """Differences of all probes at slab ends, and at places in all slabs of the finer run."""
+    found = {}
+    for name, probe in fine.probes.items():
+        near = _near(name, scene, jumps, settle)
+        found[name] = _difference(coarse.probes[name], probe, near, settle, least)
+    return Accuracy(None, *relative(found))
+
+
+def _near(name: str, scene: Scene, jumps: dict[str, NDArray], settle: float) -> NDArray:
+    """Instants at which jumps pass a probe; none if what is blurred would be much of the run."""
+    probe, line = scene.probes[name], scene.single_lines.get(scene.probed_line(name) or "")
+    if line is None:
+        near = jumps[probe.at or ""]
+    else:
+        share, delay = probe.fraction(line), line.parameters.delay or 0.0
+        ways = zip(line.nodes, (share * delay, (1 - share) * delay), strict=True)
+        near = np.sort(np.concatenate([jumps[node] + way for node, way in ways]))
+    return near if 2 * settle * len(near) <= MOST_BLURRED * float(scene.t_end) else np.empty(0)
+
+
+def _seen(probe: ProbeResult, t: NDArray) -> NDArray:
+    """Gauge effort and z0 times flow at instants, shape (2, *t.shape)."""
+    seen = probe.at(t)
+    return np.stack([seen.gauge_pressure, probe.record.z0 * seen.y])
+
+
+def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float, least: float) -> Difference:
+    """Of two runs at a probe, at slab ends of the coarser and at places in slabs of the finer."""
+    edges = np.concatenate([[-np.inf], near, [np.inf]])
+
+    def far(t: NDArray) -> NDArray:
+        k = np.searchsorted(near, t)
+        return np.minimum(t - edges[k], edges[k + 1] - t) > settle
+
+    end, every = fine.slabs.end, round(coarse.slabs.width / fine.slabs.width)
+    x = np.minimum(fine.waves[0].basis.c, 1 - ROUNDED)
+    t = np.minimum((np.arange(fine.slabs.number)[:, None] + x) * fine.slabs.width, end)
+    n = 0 if any(len(wave.pieces.slab) for wave in fine.waves) else coarse.slabs.whole * every
+    in_coarse = (np.arange(every)[:, None] + x).ravel() / every
+    theirs, ours = (
+        np.concatenate([values.reshape(2, n, x.size), _seen(probe, t[n:])], axis=1)
+        for probe, values in (
+            (coarse, on_slabs(coarse, in_coarse, 0, n // every)),
+            (fine, on_slabs(fine, x, 0, n)),
+        )
+    )
+    beside = _in_pieces(fine, x, end)
+    theirs, ours, t = (
+        np.concatenate([one, other], axis=-2)
+        for one, other in ((theirs, _seen(coarse, beside)), (ours, _seen(fine, beside)), (t, beside))
+    )
+    off = np.abs(theirs - ours) + least * np.abs(ours).max(axis=(1, 2), keepdims=True)
+    inside = np.where(far(t), off, 0.0)
+    at_ends = inside[:, every - 1 : fine.slabs.number : every, -1].max(axis=1, initial=0.0)
+    return Difference(at_ends, *(each.max(axis=(1, 2)) for each in (inside, off, np.abs(ours))))
+
+
+def _in_pieces(probe: ProbeResult, x: NDArray, end: float) -> NDArray:
+    """Instants at places of all pieces that a probe sees, s."""
+    found = [np.empty((0, x.size))]
+    for wave, late in zip(probe.waves, ways(probe), strict=True):
+        start, stop = (wave.pieces.slab[:, None] + wave.pieces.span).T[:, :, None] * wave.h + late
+        found.append(start + (stop - start) * x)
+    same = probe.share in (0.0, 1.0)  # pieces of both waves
+    return np.minimum(np.concatenate(found[: 2 if same else 3]), end)
