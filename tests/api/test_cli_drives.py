@@ -78,7 +78,7 @@ def test_answers(command, words):
         ("bode --parameters broken.toml", "broken.toml: is not valid TOML"),
         ("step --table late.csv", "late.csv: line 4: time does not rise, expected more than 2 s, got 1"),
         ("step --table short.csv", "short.csv: line 3 is not 3 numbers, expected t, T1, T2"),
-        ("step --table bare.csv", "bare.csv: no heading, expected names of columns in the first line, such as t [s], T1"),
+        ("step --table bare.csv", "bare.csv: no heading, expected names of columns in the first line, such as t [s]"),
         ("step --table empty.csv", "empty.csv: no rows"),
         ("step --table part.csv", "part.csv: a column is missing, expected t, T1, T2, got t, T1"),
         (f"step --table late.csv --t1 {BOTH}", "--table: the torques are given twice"),

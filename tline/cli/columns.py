@@ -35,7 +35,10 @@ def read_columns(
     if not lines:
         raise InputError(where, "no rows", "lines of numbers", f"'{one_line(file)}'")
     between = max(";\t,", key=lambda mark: mark in lines[0][1])
-    found = [(number, next(csv.reader([text], delimiter=between))) for number, text in lines]
+    try:
+        found = [(number, next(csv.reader([text], delimiter=between))) for number, text in lines]
+    except csv.Error as error:
+        raise InputError(where, f"cannot be read: {error}", "columns of numbers") from None
     head, rows = (found[0][1], found[1:]) if any(map(_is_word, found[0][1])) else (None, found)
     names, factors = _headed(head, where, units) if head else (list(assumed), [1.0] * len(assumed))
     if not names:
