@@ -12,7 +12,6 @@ from drives import (
     Torque,
     design,
     draw_bode,
-    draw_closed_loop,
     draw_poles,
     draw_run,
     forward_difference,
@@ -55,7 +54,7 @@ def step() -> Figure:
     """Both torques up, then one of them up more."""
     torques = Torque.step(0.1), Torque.table([0.0, 1.0, 1.2], [0.1, 0.1, 0.3])
     run = simulate(EXERCISE, *torques, t_end=2.5, step=0.005)
-    return draw_run(run.t, run.outputs, ("x_k", "tension", "belt_speed"))
+    return draw_run(run)
 
 
 @styled
@@ -63,8 +62,7 @@ def control() -> Figure:
     """Set points, a disturbance at 1 s, and torques at their limit."""
     made, points = design(EXERCISE), (Torque.step(1.0), Torque.step(5.0))
     run = simulate_control(made, *points, d1=Torque.step(0.3, 1.0), limit=2.0, t_end=2.0, step=0.005)
-    lines = {"belt_speed": np.full(len(run.t), 1.0), "tension": np.full(len(run.t), 5.0)}
-    return draw_closed_loop(run.t, run.outputs, lines, 2.0)
+    return draw_run(run)
 
 
 @styled

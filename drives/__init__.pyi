@@ -29,7 +29,6 @@ from drives.parts import Belt as Belt
 from drives.parts import Pulley as Pulley
 from drives.parts import Spool as Spool
 from drives.picture import draw_bode as draw_bode
-from drives.picture import draw_closed_loop as draw_closed_loop
 from drives.picture import draw_poles as draw_poles
 from drives.picture import draw_run as draw_run
 from drives.resonance import Peak as Peak

@@ -1,10 +1,10 @@
-"""The mechanism, moving: as a web page of its own, or as a GIF."""
+"""The mechanism, moving, as a web page of its own."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
-from math import atan2, cos, hypot, sin, tan
+from math import hypot, tan
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from drives.coupled import CoupledDrives
 from tline.errors import InputError
 
-FRAMES, FRAMES_PER_SECOND = 150, 25
-SUFFIXES = (".html", ".gif")
+FRAMES = 150
 NEEDED = ("phi1", "phi2", "x_k", "tension", "belt_speed")
 HALF_WIDTH, SPOOL, PULLEY = 2.0, 0.7, 0.35  # of the drawing: from the middle to a spool, and radii
 TRAVEL = 0.55  # of the pulley, at its largest deflection
@@ -45,24 +44,24 @@ def animate(drives: CoupledDrives, t: NDArray, outputs: Mapping[str, NDArray], f
     outputs : mapping of str to numpy.ndarray
         Of a run, linear or controlled: phi1, phi2, x_k, tension, belt_speed, each of shape (n,).
     filename : str or Path
-        ``.html`` for a page that needs nothing else, ``.gif`` for a picture that plays for ever.
+        Of a page that needs nothing else.
 
     Raises
     ------
     InputError
-        Another suffix, or an output is missing.
+        An output is missing.
+
+    Examples
+    --------
+    >>> import os
+    >>> from drives import CoupledDrives, Torque, animate, simulate
+    >>> run = simulate(CoupledDrives(), T2=Torque.step(0.1), t_end=2.0, step=0.01)
+    >>> animate(CoupledDrives(), run.t, run.outputs, os.devnull)
     """
-    suffix = Path(filename).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError("animation", "unknown kind of file", " or ".join(SUFFIXES), f"'{suffix}'")
     for name in NEEDED:
         if name not in outputs:
             raise InputError("outputs", "not enough to draw", ", ".join(NEEDED), f"no {name}")
-    motion = _motion(drives, t, outputs)
-    if suffix == ".html":
-        Path(filename).write_text(_page(motion), encoding="utf-8")
-    else:
-        _write_gif(motion, Path(filename))
+    Path(filename).write_text(_page(_motion(drives, t, outputs)), encoding="utf-8")
 
 
 def _motion(drives: CoupledDrives, t: NDArray, outputs: Mapping[str, NDArray]) -> Motion:
@@ -111,51 +110,3 @@ def _page(motion: Motion) -> str:
     text = json.dumps({**vars(motion), "width": HALF_WIDTH, "pulley": PULLEY}, separators=(",", ":"))
     template = files("drives").joinpath("animation.html").read_text(encoding="utf-8")
     return template.replace("DATA", text.replace("<", "\\u003c"), 1)
-
-
-def _write_gif(motion: Motion, path: Path) -> None:
-    from PIL import Image
-
-    images = list(_images(motion))
-    palette = images[-1].quantize(64, method=Image.Quantize.MAXCOVERAGE)
-    first, *rest = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
-    first.save(path, format="GIF", save_all=True, append_images=rest, duration=1000 // FRAMES_PER_SECOND, loop=0)
-
-
-def _images(motion: Motion) -> Iterator[Any]:
-    """Each frame as a picture of Pillow."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Circle
-    from PIL import Image
-
-    top = motion.height + 1.1
-    figure = Figure(figsize=(6.4, 6.4 * (top + 1.2) / (2 * HALF_WIDTH + 2)), dpi=80)
-    canvas = FigureCanvasAgg(figure)
-    axes = figure.add_axes((0, 0, 1, 1))
-    axes.set(xlim=(-HALF_WIDTH - 1, HALF_WIDTH + 1), ylim=(-1.2, top), aspect="equal")
-    axes.axis("off")
-    axes.plot([-0.5, 0.5], [top - 0.1] * 2, color="#222222", linewidth=3)
-    centres = [(-HALF_WIDTH, 0.0), (0.0, motion.height), (HALF_WIDTH, 0.0)]
-    radii = (motion.radii[0], PULLEY, motion.radii[1])
-    wheels = [Circle(c, r, fill=False, linewidth=2) for c, r in zip(centres, radii, strict=True)]
-    for wheel in wheels:
-        axes.add_patch(wheel)
-    spokes = [axes.plot([], [], color="#222222", linewidth=1.5)[0] for _ in centres]
-    (belt,) = axes.plot([], [], linewidth=4, solid_joinstyle="round")
-    (spring,) = axes.plot([], [], color="#222222", linewidth=1.5)
-    words = axes.text(0, -1.1, "", ha="center", family="DejaVu Sans")
-    for frame in motion.frames:
-        wheels[1].center = (0.0, frame["y"])
-        middles = [centres[0], (0.0, frame["y"]), centres[2]]
-        for spoke, (x, y), r, turn in zip(spokes, middles, radii, frame["turns"], strict=True):
-            spoke.set_data([x - r * cos(turn), x + r * cos(turn)], [y + r * sin(turn), y - r * sin(turn)])
-        (x1, y1, x2, y2), (x4, y4, x3, y3) = frame["belt"]
-        over = np.linspace(atan2(y2 - frame["y"], x2), atan2(y3 - frame["y"], x3), 12)
-        arc_x, arc_y = PULLEY * np.cos(over), frame["y"] + PULLEY * np.sin(over)
-        belt.set(data=([x1, *arc_x, x4], [y1, *arc_y, y4]), color=frame["colour"])
-        rise = np.linspace(frame["y"], top - 0.1, 13)
-        spring.set_data([0, *([0.12, -0.12] * 6)[:11], 0], rise)
-        words.set_text(f"t = {frame['t']:.2f} s   tension {frame['tension']:.3g} N   belt {frame['speed']:.3g} m/s")
-        canvas.draw()
-        yield Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())

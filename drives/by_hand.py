@@ -12,11 +12,9 @@ a sequence of floats, or, where no torque is limited, of arrays with an entry fo
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import cos, inf
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
-
-from drives.parts import Belt, Pulley, Spool
 
 Row = Sequence[Any] | NDArray[Any]
 Product = tuple[float, Any, Any]  # coefficient*a*b, a power
@@ -31,41 +29,13 @@ class Control(NamedTuple):
     antiwindup: bool = True
 
 
-class Parts(Protocol):
-    """What a mechanism is made of."""
-
-    @property
-    def left(self) -> Spool:
-        """Spool 1."""
-        ...
-
-    @property
-    def right(self) -> Spool:
-        """Spool 2."""
-        ...
-
-    @property
-    def left_belt(self) -> Belt:
-        """Between spool 1 and pulley."""
-        ...
-
-    @property
-    def right_belt(self) -> Belt:
-        """Between pulley and spool 2."""
-        ...
-
-    @property
-    def pulley(self) -> Pulley:
-        """In the middle."""
-        ...
-
-
 class Equations:
     """What the mechanism does at an instant.
 
     Parameters
     ----------
-    parts : Parts
+    parts : CoupledDrives
+        Or whatever has its parts.
     control : Control, optional
         Without it the inputs are torques.
     slack : bool
@@ -74,7 +44,7 @@ class Equations:
         What to compute in.
     """
 
-    def __init__(self, parts: Parts, control: Control | None = None, slack: bool = False, number: Callable = float):
+    def __init__(self, parts: Any, control: Control | None = None, slack: bool = False, number: Callable = float):
         belts = {"e1": parts.left_belt, "e2": parts.right_belt}
         given = {name: (number(one.stiffness), number(one.damping)) for name, one in belts.items()}
         spools = parts.left, parts.right

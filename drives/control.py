@@ -17,7 +17,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import fmpq_poly
@@ -31,10 +31,6 @@ from drives.symbolic import INPUTS
 from drives.transfer import TransferFunction, frequencies
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,6 @@ def margins(controller: "PI", plant: TransferFunction) -> Margins:
 LEAST_PHASE_MARGIN, LEAST_GAIN_MARGIN = math.radians(60), 2.0
 CERTAIN = 1e-9  # rad, more than rounding takes from a margin
 LOWERED, TRIES, HALVINGS = 0.9, 300, 20  # the bandwidth, each time, how often at most, and then between the last two
-SETTLED, DRAWN = 6.0, 400  # time constants of the slowest pole in a picture, and its samples
 FASTER = 5.0  # bandwidth over the slowest pole of the tension, unless given
 
 
@@ -165,6 +160,7 @@ class Design(Presentation):
     speed_plant: TransferFunction
     tension_plant: TransferFunction
     bandwidths: Mapping[str, Bandwidth] = field(default_factory=dict)
+    picture = "drives.picture:draw_design"
 
     @property
     def verdicts(self) -> tuple[str, ...]:
@@ -184,10 +180,9 @@ class Design(Presentation):
 
     def text_lines(self) -> Iterator[str]:
         """Plant, controller, margins and poles of each loop."""
-        plants = {"speed": self.speed_plant, "tension": self.tension_plant}
-        for name, controller in (("speed", self.speed), ("tension", self.tension)):
+        for name, (controller, plant) in self.loops.items():
             margin, poles = self.margins[name], ", ".join(written(z) for z in self.poles[name])
-            yield f"{name}: {plants[name]}"
+            yield f"{name}: {plant}"
             yield f"  gain {float(controller.gain):.5g}, integral time {float(controller.integral_time):.5g} s"
             yield (
                 f"  phase margin {math.degrees(margin.phase):.4g}° at {margin.crossover:.4g} rad/s, "
@@ -198,7 +193,7 @@ class Design(Presentation):
     def to_dict(self) -> dict[str, Any]:
         """Gain, integral time, margins, poles and bandwidth of each loop."""
         found = {}
-        for name, controller in (("speed", self.speed), ("tension", self.tension)):
+        for name, (controller, _) in self.loops.items():
             margin = self.margins[name]
             found[name] = {
                 "gain": controller.gain,
@@ -212,28 +207,20 @@ class Design(Presentation):
             }
         return plain(found)
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw both loops, set points stepping to 1 m/s and 1 N, or the tension on axes of your own."""
-        import drives
-
-        slowest = min(-z.real for poles in self.poles.values() for z in poles)
-        if slowest <= 0:
-            raise InputError("design", "an unstable loop settles nowhere", "a stable one")
-        one, t_end = drives.Torque.step(1.0), SETTLED / slowest
-        return drives.simulate_control(self, one, one, t_end=t_end, step=t_end / DRAWN).plot(ax)
+    @property
+    def loops(self) -> dict[str, tuple[PI, TransferFunction]]:
+        """Controller and plant of the loops ``speed`` and ``tension``."""
+        return {"speed": (self.speed, self.speed_plant), "tension": (self.tension, self.tension_plant)}
 
     @property
     def margins(self) -> dict[str, Margins]:
-        """Of the loops ``speed`` and ``tension``."""
-        return {"speed": margins(self.speed, self.speed_plant), "tension": margins(self.tension, self.tension_plant)}
+        """Of both loops."""
+        return {name: margins(*loop) for name, loop in self.loops.items()}
 
     @property
     def poles(self) -> dict[str, list[complex]]:
-        """Closed-loop poles of the loops ``speed`` and ``tension``, rad/s."""
-        return {
-            "speed": closed_poles(self.speed, self.speed_plant),
-            "tension": closed_poles(self.tension, self.tension_plant),
-        }
+        """Closed-loop poles of both loops, rad/s."""
+        return {name: closed_poles(*loop) for name, loop in self.loops.items()}
 
 
 def alike(drives: CoupledDrives) -> CoupledDrives:

@@ -13,12 +13,14 @@ of them is positive.
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import fmpq_mat
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from drives.coupled import CoupledDrives, table
+from drives.coupled import CoupledDrives
+from drives.number import rational
 from drives.roots import roots
 
 STEP = 2.0**-26  # the root of the precision of a float
@@ -71,59 +73,60 @@ def zero_eigenvalues(matrix: fmpq_mat) -> int:
     return next(k for k, c in enumerate(matrix.charpoly().coeffs()) if c != 0)
 
 
-def forward_difference(rates: Callable[[NDArray], NDArray], at: NDArray) -> NDArray[np.float64]:
+def forward_difference(rates: Callable[[NDArray], ArrayLike], at: NDArray) -> NDArray[np.float64]:
     """The Jacobian as most tools compute it: (f(x + h) - f(x))/h with h = 1.5e-8*max(1, |x|), column by column."""
-    base, columns = rates(at), []
+    base, columns = np.array(rates(at)), []
     for k in range(len(at)):
         moved = at.copy()
         moved[k] += STEP * max(1.0, abs(at[k]))
-        columns.append((rates(moved) - base) / (moved[k] - at[k]))
+        columns.append((np.array(rates(moved)) - base) / (moved[k] - at[k]))
     return np.array(columns).T
 
 
-def literal_rates(drives: CoupledDrives, torques: tuple[float, float] = (0.0, 0.0)) -> Callable[[NDArray], NDArray]:
-    """dx/dt of the literal Modelica model in the states ``LITERAL_STATES``; both belts have to be damped."""
-    left, right, pulley = drives.left, drives.right, drives.pulley
+def literal_rates(
+    drives: CoupledDrives, torques: tuple[Any, Any] = (0, 0), number: Callable = float
+) -> Callable[[Any], list[Any]]:
+    """dx/dt of the literal Modelica model in the states ``LITERAL_STATES``; both belts have to be damped.
 
-    def rates(x: NDArray) -> NDArray:
+    Parameters
+    ----------
+    drives : CoupledDrives
+    torques : tuple of number
+        T1 and T2 [N m].
+    number : callable
+        What to compute in: float, or Fraction.
+
+    Examples
+    --------
+    >>> literal_rates(CoupledDrives(), (1.0, 0.0))([0.0] * 7)[1]
+    -1000.0
+    """
+    (j1, b1, r1), (j2, b2, r2) = (map(number, vars(one).values()) for one in (drives.left, drives.right))
+    (k1, d1), (k2, d2) = (map(number, vars(one).values()) for one in (drives.left_belt, drives.right_belt))
+    k, c = number(drives.pulley.stiffness), number(drives.pulley.cosine)
+
+    def rates(x: Any) -> list[Any]:
         phi1, w1, phi2, w2, s1, s2, x_k = x
-        tension = pulley.tension(x_k)
-        v1 = float(left.radius) * w1 + drives.left_belt.rate(tension, s1 - float(left.radius) * phi1)
-        v2 = float(right.radius) * w2 - drives.right_belt.rate(tension, float(right.radius) * phi2 - s2)
-        return np.array(
-            [
-                w1,
-                left.acceleration(-torques[0], tension, w1),
-                w2,
-                right.acceleration(torques[1], -tension, w2),
-                v1,
-                v2,
-                pulley.speed(v1, v2),
-            ]
-        )
+        tension = -k * x_k / (2 * c)
+        v1 = r1 * w1 + (tension - k1 * (s1 - r1 * phi1)) / d1
+        v2 = r2 * w2 - (tension - k2 * (r2 * phi2 - s2)) / d2
+        turned = (r1 * tension - torques[0] - b1 * w1) / j1, (torques[1] - r2 * tension - b2 * w2) / j2
+        return [w1, turned[0], w2, turned[1], v1, v2, (v1 - v2) / (2 * c)]
 
     return rates
 
 
 def literal_jacobian(drives: CoupledDrives) -> fmpq_mat:
-    """The exact Jacobian of `literal_rates`."""
-    left, right, c = drives.left, drives.right, drives.pulley.cosine
-    b1, b2, one = drives.left_belt, drives.right_belt, Fraction(1)
-    tension = -drives.pulley.stiffness / (2 * c)
-    v1 = {"w1": left.radius, "x_k": tension / b1.damping, "s1": -b1.stiffness / b1.damping}
-    v1["phi1"] = left.radius * b1.stiffness / b1.damping
-    v2 = {"w2": right.radius, "x_k": -tension / b2.damping, "s2": -b2.stiffness / b2.damping}
-    v2["phi2"] = right.radius * b2.stiffness / b2.damping
-    rates = {
-        "phi1": {"w1": one},
-        "w1": {"w1": -left.friction / left.inertia, "x_k": left.radius * tension / left.inertia},
-        "phi2": {"w2": one},
-        "w2": {"w2": -right.friction / right.inertia, "x_k": -right.radius * tension / right.inertia},
-        "s1": v1,
-        "s2": v2,
-        "x_k": {name: (v1.get(name, 0) - v2.get(name, Fraction(0))) / (2 * c) for name in v1 | v2},
-    }
-    return table(rates, LITERAL_STATES, LITERAL_STATES)
+    """The exact Jacobian of `literal_rates`, which are linear: its columns are the rates at unit vectors.
+
+    Examples
+    --------
+    >>> literal_jacobian(CoupledDrives())[1, 1]
+    -100
+    """
+    n, rates = len(LITERAL_STATES), literal_rates(drives, number=Fraction)
+    columns = [rates([Fraction(int(i == k)) for i in range(n)]) for k in range(n)]
+    return fmpq_mat(n, n, [rational(x) for column in columns for x in column]).transpose()
 
 
 def artefact(drives: CoupledDrives, runs: int = 400, seed: int = 1) -> Artefact:

@@ -132,29 +132,31 @@ def simulate_control(
     [0.0, 0.999955, 1.0, 1.0, 1.0]
     """
     loop, inputs, drives = closed_loop(design), (belt_speed, tension, d1, d2), design.drives
+    limited = None if limit is None else float(positive(limit, "limit"))
     t, x0 = sample_times(t_end, step), initial_state(loop.states, initial)
     u = np.column_stack([one.pieces(t)[0] for one in inputs])
     fastest = loop.poles[-1]
+    asked = {"set_points": named(CONTROLLED, u[:, :2]), "limit": limited}
     verdict = (f"the loop is unstable: a pole at {written(fastest)} rad/s",) if fastest.real > 0 else ()
-    if limit is None:
+    if limited is None:
         way = legs(inputs, float(step), len(t))
         with np.errstate(over="ignore", invalid="ignore"):
             ends = propagate(loop.a, loop.b, x0, way)
             x, energy = ends[way.sampled], energy_of(drives, loop, _torque_rows(loop), ends, way)
             outputs = named(loop.outputs, x @ loop.C.T + u @ loop.D.T)
         _within_floats(t, np.column_stack([x, energy.stored, energy.dissipated, energy.supplied]), verdict)
-        run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
+        run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict, **asked)
         return _heard(run, design, inputs)
-    motors, rates = _saturated(design, float(positive(limit, "limit")), antiwindup)
-    verdict += tuple(unreachable(drives, *inputs, limit=limit, end=float(t[-1])))
+    motors, rates = _saturated(design, limited, antiwindup)
+    verdict += tuple(unreachable(drives, *inputs, limit=limited, end=float(t[-1])))
     found = integrate(rates, np.append(x0, [0.0, 0.0]), inputs, t)
     x, heat, work = found[:, :-2], found[:, -2], found[:, -1]
     given = np.array([motors(*one)[1] for one in zip(x, u, strict=True)])
     plant = drives.state_space()
     outputs = named(loop.outputs, np.hstack([x[:, : len(drives.states)] @ plant.C.T, given]))
     energy = Energy(stored_in(drives, x), heat, work)
-    run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict)
-    return _heard(run, design, inputs, float(limit), antiwindup)
+    run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict, **asked)
+    return _heard(run, design, inputs, limited, antiwindup)
 
 
 def _heard(run: Run, design: Design, inputs: tuple[Torque, ...], limit: float = inf, antiwindup: bool = True) -> Run:

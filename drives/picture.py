@@ -1,6 +1,6 @@
-"""Pictures: Bode plot, poles and zeros, what a run did, the closed loop."""
+"""Pictures: Bode plot, poles and zeros, what a run did, also under control."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,12 +8,19 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 from numpy.typing import NDArray
 
-from drives.symbolic import ALL_UNITS, UNITS
+from drives.control import Design
+from drives.loop import simulate_control
+from drives.simulation import Run
+from drives.symbolic import ALL_UNITS
+from drives.torque import Torque
 from drives.transfer import TransferFunction
+from tline.errors import InputError
 from tline.pictures.style import COLOURS, DASHES, FAINT, INK, cells_of, styled
 
 WIDE = 100  # largest over smallest real part from which on a linear scale shows only one of them
 NOISE = 1e-12  # nothing but rounding, not worth a scale of its own
+DECADES, POINTS = 2, 400  # beyond the slowest and the fastest pole or zero, and points of a curve
+SETTLED = 6.0  # time constants of the slowest pole until all has settled
 
 
 @styled
@@ -51,15 +58,8 @@ def draw_poles(transfers: Sequence[TransferFunction]) -> Figure:
     for axes, h in zip(cells, transfers, strict=True):
         for found, mark, name in ((h.poles, "x", "pole"), (h.zeros, "o", "zero")):
             if found:
-                look = {"markersize": 9, "markeredgewidth": 1.8, "fillstyle": "none", "linestyle": ""}
-                axes.plot(
-                    [z.real for z in found],
-                    [z.imag for z in found],
-                    mark,
-                    color=COLOURS[mark == "o"],
-                    label=name,
-                    **look,
-                )
+                look = {"markersize": 9, "markeredgewidth": 1.8, "fillstyle": "none", "linestyle": "", "label": name}
+                axes.plot(np.real(found), np.imag(found), mark, color=COLOURS[mark == "o"], **look)
         axes.axvline(0, color=INK, linewidth=0.8)
         axes.axhline(0, color=INK, linewidth=0.8)
         sizes = [abs(z.real) for z in h.poles + h.zeros if z.real]
@@ -77,53 +77,52 @@ def draw_poles(transfers: Sequence[TransferFunction]) -> Figure:
 
 
 @styled
-def draw_run(t: NDArray, outputs: Mapping[str, NDArray], names: Sequence[str], ax: Axes | None = None) -> Figure | Axes:
-    """Outputs over time, one above the other.
+def draw_run(run: Run, ax: Axes | None = None) -> Figure | Axes:
+    """Belt speed and tension, with their set points under control, and pulley or torques, one above the other.
 
     Parameters
     ----------
-    t : numpy.ndarray
-        s.
-    outputs : mapping of str to numpy.ndarray
-        Of a run.
-    names : sequence of str
-        Which of them.
+    run : Run
     ax : matplotlib Axes, optional
-        Where to draw the first of them alone.
+        Where to draw the belt speed alone.
+
+    Examples
+    --------
+    >>> from drives import CoupledDrives, Torque, draw_run, simulate
+    >>> len(draw_run(simulate(CoupledDrives(), Torque.step(0.1), t_end=2.0, step=0.01)).axes)
+    3
     """
-    drawn, cells = cells_of(ax, 8.0, 0.6 + 1.7 * len(names), rows=len(names), sharex=True)
-    for k, (axes, name) in enumerate(zip(cells, names, strict=False)):
-        axes.plot(t, outputs[name], color=COLOURS[k % 4])
-        axes.set(ylabel=f"{name}\n[{ALL_UNITS[name]}]", xlim=(t[0], t[-1]))
-        axes.grid(True)
-        if np.abs(outputs[name]).max() < NOISE:
-            axes.set_ylim(-1, 1)
-    cells[-1].set_xlabel("time [s]")
-    return drawn
-
-
-@styled
-def draw_closed_loop(
-    t: NDArray,
-    outputs: Mapping[str, NDArray],
-    set_points: Mapping[str, NDArray],
-    limit: float | None = None,
-    ax: Axes | None = None,
-) -> Figure | Axes:
-    """Belt speed and tension beside their set points, and the motors' torques; on axes of your own the speed alone."""
-    drawn, cells = cells_of(ax, 8.0, 6.4, rows=3, sharex=True)
-    for axes, name, colour in zip(cells, ("belt_speed", "tension"), (COLOURS[0], COLOURS[2]), strict=False):
-        axes.plot(t, set_points[name], color=FAINT, linestyle="--", linewidth=1.3, label="set point")
-        axes.plot(t, outputs[name], color=colour, label=name.replace("_", " "))
-        axes.set(ylabel=f"{name.replace('_', ' ')}\n[{UNITS[name]}]", xlim=(t[0], t[-1]))
-    for axes in cells[2:]:
-        for name, colour, dash in (("T1", COLOURS[1], "-"), ("T2", COLOURS[3], "--")):
-            axes.plot(t, outputs[name], color=colour, linestyle=dash, label=name)
-        for bound in () if limit is None else (-limit, limit):
+    drawn, cells = cells_of(ax, 8.0, 6.0, rows=3, sharex=True)
+    last = ("T1", "T2") if "T1" in run.outputs else ("x_k",)
+    for k, (axes, names) in enumerate(zip(cells, (("belt_speed",), ("tension",), last), strict=False)):
+        if names[0] in run.set_points:
+            axes.plot(run.t, run.set_points[names[0]], color=FAINT, linestyle="--", linewidth=1.3, label="set point")
+        for n, name in enumerate(names):
+            label = name.replace("_", " ")
+            axes.plot(run.t, run.outputs[name], color=COLOURS[k + n], linestyle=DASHES[n], label=label)
+        for bound in () if run.limit is None or len(names) == 1 else (-run.limit, run.limit):
             axes.axhline(bound, color=INK, linewidth=0.8, linestyle=":")
-        axes.set_ylabel("torque\n[N m]")
-    for axes in cells:
+        what = "torque" if len(names) > 1 else names[0].replace("_", " ")
+        axes.set(ylabel=f"{what}\n[{ALL_UNITS[names[0]]}]", xlim=(run.t[0], run.t[-1]))
         axes.grid(True)
-        axes.legend(loc="lower right")
+        if all(np.abs(run.outputs[name]).max() < NOISE for name in names):
+            axes.set_ylim(-1, 1)
+        if len(axes.lines) > 1:
+            axes.legend(loc="lower right")
     cells[-1].set_xlabel("time [s]")
     return drawn
+
+
+def draw_response(transfer: TransferFunction, ax: Axes | None = None) -> Figure | Axes:
+    """Bode plot from below its slowest to above its fastest pole or zero."""
+    sizes = [np.log10(abs(z)) for z in transfer.poles + transfer.zeros if z] or [0.0]
+    return draw_bode([transfer], np.logspace(min(sizes) - DECADES, max(sizes) + DECADES, POINTS), ax)
+
+
+def draw_design(design: Design, ax: Axes | None = None) -> Figure | Axes:
+    """Both loops, set points stepping to 1 m/s and 1 N, until they have settled."""
+    slowest = min(-z.real for poles in design.poles.values() for z in poles)
+    if slowest <= 0:
+        raise InputError("design", "an unstable loop settles nowhere", "a stable one")
+    one, t_end = Torque.step(1.0), SETTLED / slowest
+    return draw_run(simulate_control(design, one, one, t_end=t_end, step=t_end / POINTS), ax)

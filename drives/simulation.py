@@ -5,8 +5,8 @@ relax at their own rate K/B, and the spools turn freely until it is taken up.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,6 @@ from drives.witness import doubts
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 MOST_STEPS = 1_000_000
 PUSHES = 1e-9  # of the largest tension: more is no rounding
@@ -48,6 +44,10 @@ class Run(Presentation):
     verdicts : tuple of str
         What was asked for and cannot be had: set points that the limit does not hold, a stable loop; and where this run
         does not fit the equations of motion, see `drives.witness`: then it is wrong.
+    set_points : mapping of str to numpy.ndarray
+        Of belt_speed and tension, of a run under control.
+    limit : float or None
+        Largest torque of each motor, N m, if there is one.
     """
 
     t: NDArray[np.float64]
@@ -56,6 +56,9 @@ class Run(Presentation):
     energy: Energy
     notes: tuple[str, ...] = ()
     verdicts: tuple[str, ...] = ()
+    set_points: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    limit: float | None = None
+    picture = "drives.picture:draw_run"
 
     def text_lines(self) -> Iterator[str]:
         """Lowest, highest and last sample of each output, the energies at the end, and the verdicts."""
@@ -74,13 +77,6 @@ class Run(Presentation):
     def _energies(self) -> dict[str, float]:
         names = ("stored", "dissipated", "supplied", "imbalance")
         return {name: float(getattr(self.energy, name)[-1]) for name in names}
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw tension, belt speed, deflection and torques over time, or the tension on axes of your own."""
-        import drives
-
-        names = [name for name in ("tension", "belt_speed", "x_k", "T1", "T2") if name in self.outputs]
-        return drives.draw_run(self.t, self.outputs, names, ax)
 
 
 def simulate(

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from flint import acb, ctx, fmpq_poly
@@ -15,12 +15,6 @@ from drives.number import written
 from drives.roots import roots
 from tline.errors import InputError, import_extra
 from tline.presentation import Presentation, plain
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-DECADES, POINTS = 2, 400  # beyond the slowest and the fastest pole or zero, and points of a Bode plot
 
 
 class TransferFunction(Presentation):
@@ -41,6 +35,8 @@ class TransferFunction(Presentation):
     >>> f.dc_gain, f.relative_degree, [round(p.real, 6) for p in f.poles], f.zeros
     (Fraction(5, 1), 2, [-495.967478, -4.032522], [])
     """
+
+    picture = "drives.picture:draw_response"
 
     def __init__(self, p: fmpq_poly, q: fmpq_poly, name: str = "H"):
         if q == 0:
@@ -166,13 +162,6 @@ class TransferFunction(Presentation):
         found = {key: getattr(self, key) for key in ("poles", "zeros", "dc_gain", "relative_degree")}
         return coefficients | plain(found)
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw its Bode plot, or its magnitude on axes of your own."""
-        import drives
-
-        sizes = [math.log10(abs(z)) for z in self.poles + self.zeros if z] or [0.0]
-        return drives.draw_bode([self], np.logspace(min(sizes) - DECADES, max(sizes) + DECADES, POINTS), ax)
-
     def __str__(self) -> str:
         return f"{self.name} = {_side(self.p)}/{_side(self.q)}"
 
@@ -186,11 +175,6 @@ def frequencies(omega: ArrayLike) -> NDArray[np.float64]:
     if not np.isfinite(w).all() or (w < 0).any():
         raise InputError("omega", "no angular frequencies", "finite values in rad/s, 0 or more", f"{omega!r:.40}")
     return w
-
-
-def logspace(low: float, high: float, points: int) -> NDArray[np.float64]:
-    """Angular frequencies from 10^low to 10^high rad/s, evenly spaced in the logarithm."""
-    return np.logspace(low, high, points)
 
 
 def _fraction(value: Any) -> Fraction:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drives.by_hand import Control, Equations, Parts
+from drives.by_hand import Control, Equations
 from drives.followed import CLOSE, Record, Rows, follow
 from drives.torque import Torque
 
@@ -20,13 +20,13 @@ ENERGIES = "the heat", "the work of the motors"
 
 
 def doubts(
-    parts: Parts, inputs: Sequence[Torque], run: Any, control: Control | None = None, *, slack: bool = False
+    parts: Any, inputs: Sequence[Torque], run: Any, control: Control | None = None, *, slack: bool = False
 ) -> tuple[str, ...]:
     """A sentence, if this run is not one of this mechanism.
 
     Parameters
     ----------
-    parts : Parts
+    parts : CoupledDrives
     inputs : sequence of Torque
         T1 and T2, or under control the set points of belt speed and tension, d1 and d2.
     run : drives.simulation.Run

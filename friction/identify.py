@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +12,6 @@ from friction.measured import FEWEST, measured
 from friction.models import MODELS, UNITS, Model
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 CERTAIN = 1.96  # standard deviations on each side of an interval of 95 %
 HOPELESS = 1.5  # times the least misfit to all samples: not even what it was fitted to is met
@@ -45,6 +41,7 @@ class Identification(Presentation):
     force: NDArray
     fits: dict[str, Fit]
     chosen: str
+    picture = "friction.pictures:draw_fit"
 
     @property
     def model(self) -> Model:
@@ -97,12 +94,6 @@ class Identification(Presentation):
             for name, one in self.fits.items()
         }  # fmt: skip
         return plain({"chosen": self.chosen, "correlation": self.correlation, "fits": fits})
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw force and residual over time and the loop, or the residual on axes of your own."""
-        from friction.residuals import draw_fit, draw_residual
-
-        return draw_fit(self) if ax is None else draw_residual(ax, self)
 
 
 def identify(

@@ -1,4 +1,4 @@
-"""Pictures of runs, of friction over velocity, and of hysteresis."""
+"""Pictures of runs, of friction over velocity, of hysteresis, and of laws fitted to a record."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -7,18 +7,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from friction.identify import Identification
 from friction.models import Model
+from friction.prescribe import Prescribed
 from friction.result import Kind, Result
 from friction.simulate import simulate
 from friction.testbench import Sine, Testbench
-from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, figure, styled
+from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, styled
 
 NAMES = {
     "v": "velocity v [m/s]", "x": "place x [m]", "z": "deflection z [m]", "F_f": "friction F_f [N]",
-    "F_a": "applied force F_a [N]",
+    "F_a": "applied force F_a [N]", "t": "time t [s]",
 }  # fmt: skip
 MARKS = {Kind.BREAK_AWAY: "^", Kind.STOP: "s", Kind.REVERSAL: "x"}
-MOST_MARKS = 40
+MOST_MARKS, MOST_COLUMNS = 40, 6  # events that are marked, and labels beside each other
 
 
 class Panel(NamedTuple):
@@ -79,31 +81,14 @@ def _trace(axes: Axes, runs: Mapping[str, Result], panel: Panel) -> None:
             [runs[label].F_f[(runs[label].t >= low) & (runs[label].t <= high)] for label in panel.labels]
         )
         axes.set_ylim(min(0.0, 1.1 * seen.min()), 1.25 * seen.max())
-    axes.set(xlabel="time t [s]", ylabel=NAMES[panel.quantity], xlim=panel.window)
+    axes.set(xlabel=NAMES["t"], ylabel=NAMES[panel.quantity], xlim=panel.window)
     axes.grid(True)
 
 
-def draw_runs(runs: Mapping[str, Result], quantities: tuple[str, ...] = ("v", "F_f", "x")) -> Figure:
-    """Quantities of some runs over time, from their beginning to their end, one below the other.
-
-    Parameters
-    ----------
-    runs : mapping of str to Result
-        Runs by their labels.
-    quantities : tuple of str, optional
-        Of `x`, `v`, `z`, `F_a`, `F_f`.
-
-    Examples
-    --------
-    >>> from friction import Coulomb, Testbench, simulate
-    >>> from friction.pictures import draw_runs
-    >>> len(draw_runs({"Coulomb": simulate(Coulomb(), Testbench())}).axes)
-    3
-    """
-    window = 0.0, max(float(run.t[-1]) for run in runs.values())
-    drawn = draw_panels(runs, [Panel(quantity, tuple(runs), window) for quantity in quantities])
-    assert isinstance(drawn, Figure)
-    return drawn
+def draw_run(run: Result, ax: Axes | None = None) -> Figure | Axes:
+    """Velocity, friction and place over time, or the velocity on given axes."""
+    label, window = f"{run.model.name}, {run.method.name}", (0.0, float(run.t[-1]))
+    return draw_panels({label: run}, [Panel(name, (label,), window) for name in ("v", "F_f", "x")], ax)
 
 
 @styled
@@ -124,18 +109,93 @@ def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> Figure:
     >>> len(draw_curves({"LuGre": LuGre()}).axes)
     3
     """
-    picture = figure(11.0, 3.4, "")
-    axes = picture.subplots(1, 3, squeeze=False)
+    drawn, cells = cells_of(None, 11.0, 3.4, columns=3)
     v = np.linspace(-v_max, v_max, 2001)
     for k, (label, model) in enumerate(models.items()):
         colour = COLOURS[k % len(COLOURS)]
-        axes[0, 0].plot(v, model.steady_force(v), color=colour, label=label)
-        for cell, load in zip(axes[0, 1:], (0.8, 1.5), strict=True):
+        cells[0].plot(v, model.steady_force(v), color=colour, label=label)
+        for cell, load in zip(cells[1:], (0.8, 1.5), strict=True):
             run = simulate(model, Testbench(Sine(load * model.sliding, 0.25)), 8.0, times=np.linspace(0.0, 8.0, 4001))
             cell.plot(1e3 * run.x, run.F_f, color=colour)
             cell.set(xlabel="place x [mm]", ylabel=NAMES["F_f"], title=f"force {load}·F_c·sin(2π·t/4 s)")
-    axes[0, 0].set(xlabel=NAMES["v"], ylabel=NAMES["F_f"], title="steady sliding")
-    axes[0, 0].legend()
-    for cell in axes[0]:
+    cells[0].set(xlabel=NAMES["v"], ylabel=NAMES["F_f"], title="steady sliding")
+    cells[0].legend()
+    for cell in cells:
         cell.grid(True)
-    return picture
+    assert isinstance(drawn, Figure)
+    return drawn
+
+
+@styled
+def draw_moved(runs: Prescribed | Mapping[str, Prescribed], ax: Axes | None = None) -> Figure | Axes:
+    """Friction over place, velocity and time; where a static law holds the contact, all forces that it may have.
+
+    Parameters
+    ----------
+    runs : Prescribed or mapping of str to Prescribed
+        A run, or runs by their labels.
+    ax : matplotlib Axes, optional
+        Where to draw friction over place alone.
+
+    Examples
+    --------
+    >>> from friction import LuGre, Sine, prescribe
+    >>> from friction.pictures import draw_moved
+    >>> len(draw_moved(prescribe(LuGre(), position=Sine(1e-3, 1.0))).axes)
+    3
+    """
+    runs = {runs.model.name: runs} if isinstance(runs, Prescribed) else runs
+    size = max(float(np.max(np.abs(run.x))) for run in runs.values())
+    scale, unit = next(((f, u) for f, u in ((1.0, "m"), (1e3, "mm"), (1e6, "µm")) if size * f >= 1.0), (1e6, "µm"))
+    drawn, cells = cells_of(ax, 11.0, 3.8, columns=3)
+    for axes, quantity in zip(cells, ("x", "v", "t"), strict=False):
+        for k, (label, run) in enumerate(runs.items()):
+            over = getattr(run, quantity) * (scale if quantity == "x" else 1.0)
+            axes.plot(over, run.F_f, color=COLOURS[k % len(COLOURS)], label=label, linestyle=DASHES[k % len(DASHES)])
+            ends = over[run.held], run.F_low[run.held], run.F_high[run.held]
+            axes.vlines(*ends, color=COLOURS[k % len(COLOURS)], alpha=0.3)
+        axes.set(xlabel=f"place x [{unit}]" if quantity == "x" else NAMES[quantity], ylabel=NAMES["F_f"])
+        axes.grid(True)
+    if isinstance(drawn, Figure):
+        columns = min(len(runs), MOST_COLUMNS)
+        drawn.legend(*cells[0].get_legend_handles_labels(), loc="outside upper center", ncols=columns)
+    return drawn
+
+
+@styled
+def draw_fit(found: Identification, ax: Axes | None = None) -> Figure | Axes:
+    """What the law chosen leaves of the force over time, its distribution, and measured and fitted force.
+
+    Parameters
+    ----------
+    found : Identification
+        Laws fitted to a record.
+    ax : matplotlib Axes, optional
+        Where to draw the residual alone.
+
+    Examples
+    --------
+    >>> from friction import Coulomb, Sine, identify, prescribe
+    >>> from friction.pictures import draw_fit
+    >>> run = prescribe(Coulomb(), velocity=Sine(0.05, 1.0, phase=0.1))
+    >>> len(draw_fit(identify(run.t, run.F_f, velocity=run.v, models=("coulomb",))).axes)
+    4
+    """
+    best, label = found.fits[found.chosen], "fitted less measured [N]"
+    drawn, cells = cells_of(ax, 11.0, 5.6, rows=2, columns=2)
+    cells[0].plot(found.t, best.force - found.force, ".", color=COLOURS[0], markersize=2.5)
+    cells[0].set(xlabel=NAMES["t"], ylabel=label)
+    for axes, over, name in zip(cells[2:], (found.t, found.v), ("t", "v"), strict=False):
+        axes.plot(over, found.force, ".", color=FAINT, markersize=2.5, label="measured")
+        axes.plot(over, best.force, color=COLOURS[0], linewidth=1.0, label=found.chosen)
+        axes.set(xlabel=NAMES[name], ylabel=NAMES["F_f"])
+        axes.legend(loc="lower right")
+    for axes in cells[1:2]:
+        axes.hist(best.force - found.force, 60, color=COLOURS[0], density=True)
+        grid = np.linspace(-4.0, 4.0, 201)
+        if best.rms:
+            bell = np.exp(-0.5 * grid**2) / best.rms / np.sqrt(2.0 * np.pi)
+            axes.plot(grid * best.rms, bell, color=COLOURS[1], label="normal, same rms")
+            axes.legend()
+        axes.set(xlabel=label, ylabel="density [1/N]")
+    return drawn

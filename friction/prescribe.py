@@ -19,9 +19,6 @@ from tline.errors import InputError
 from tline.presentation import Presentation, plain
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from friction.kernel import Course
 
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
@@ -62,6 +59,7 @@ class Prescribed(Presentation):
     F_high: NDArray
     errors: dict[str, float]
     steps: int
+    picture = "friction.pictures:draw_moved"
 
     @property
     def held(self) -> NDArray:
@@ -83,12 +81,6 @@ class Prescribed(Presentation):
         """Model, errors, steps and all samples."""
         columns = {name: getattr(self, name) for name in COLUMNS}
         return plain({"model": self.model.name, "errors": self.errors or None, "steps": self.steps} | columns)
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw friction over place, velocity and time, or over place on axes of your own."""
-        from friction.loops import draw_loop, draw_loops
-
-        return draw_loops({self.model.name: self}) if ax is None else draw_loop(ax, {self.model.name: self}, "x")
 
 
 def prescribe(

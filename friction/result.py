@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,6 @@ from friction.methods import Method
 from friction.models import Model
 from friction.testbench import Testbench
 from tline.presentation import Presentation, plain
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 SHOWN, LISTED = 12, 1000  # events in the text, and as plain data
 COLUMNS: tuple[str, ...] = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
@@ -118,6 +114,7 @@ class Result(Presentation):
     tol: float | None
     errors: dict[str, float]
     doubt: str | None = None
+    picture = "friction.pictures:draw_run"
 
     @property
     def worst(self) -> tuple[str, float] | None:
@@ -188,13 +185,6 @@ class Result(Presentation):
             "doubt": self.doubt,
         }
         return plain(found)
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw v, F_f and x over time, or v on axes of your own."""
-        from friction.pictures import Panel, draw_panels
-
-        label, window = f"{self.model.name}, {self.method.name}", (0.0, float(self.t[-1]))
-        return draw_panels({label: self}, [Panel(name, (label,), window) for name in ("v", "F_f", "x")], ax)
 
 
 def events_of(changes: NDArray) -> list[Event]:

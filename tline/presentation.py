@@ -9,7 +9,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +21,8 @@ SCREEN = 40  # lines of text
 
 class Presentation:
     """Base of results: they state their text and their picture, and the rest follows from these."""
+
+    picture: ClassVar[str] = ""  # "module:function" that draws it, given it and axes, None for a new figure
 
     def text_lines(self) -> Iterable[str]:
         """The text, line by line."""
@@ -38,7 +41,10 @@ class Presentation:
         Figure or Axes
             What was drawn on.
         """
-        raise NotImplementedError
+        if not self.picture:
+            raise NotImplementedError
+        module, _, name = self.picture.partition(":")
+        return getattr(import_module(module), name)(self, ax)
 
     def to_dict(self) -> dict[str, Any]:
         """The numbers in SI as plain data, as `--json` of a command prints them; None where a number is not finite."""

@@ -101,7 +101,7 @@ def assemble(folder: Path) -> None:
     shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns("*.py", "__pycache__", "site"))
     shutil.copytree(ROOT / "scenes", folder / "scenes")
     shutil.copytree(ROOT / "docs" / "site" / "templates", folder / "templates")
-    for name in ("CHANGELOG.md", "CONTRIBUTING.md", "docs/site/index.md", "docs/site/conf.py"):
+    for name in ("CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "docs/site/index.md", "docs/site/conf.py"):
         shutil.copy(ROOT / name, folder)
     for letter in letters():
         answer = tl.exercise(letter)

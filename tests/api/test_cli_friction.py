@@ -81,9 +81,9 @@ def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):
     told = json.loads(run("run coulomb --table force.csv --t-end 3 --json").output)
     assert told["end"]["v"] == pytest.approx(2.25)
     (tmp_path / "force.csv").write_text("0,0\n1,nan\n", encoding="utf-8")
-    assert run("run coulomb --table force.csv").stderr.startswith("force.values[1]: not a finite number")
+    assert run("run coulomb --table force.csv").stderr.startswith("--table: line 2 is not 2 numbers, expected t, F")
     (tmp_path / "force.csv").write_text("0,0,1\n", encoding="utf-8")
-    assert run("run coulomb --table force.csv").stderr.startswith("--table: not a table of t,F")
+    assert run("run coulomb --table force.csv").stderr.startswith("--table: line 1 is not 2 numbers")
 
 
 def test_an_unfinished_run_exits_with_one():

@@ -38,6 +38,8 @@ def workplace(tmp_path, monkeypatch):
     (tmp_path / "scenes").symlink_to(ROOT / "scenes")
     (tmp_path / "out").mkdir()
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tline.live.server.IDLE", 0.0)
+    monkeypatch.setattr("webbrowser.open", bool)
     return tmp_path
 
 

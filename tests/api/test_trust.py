@@ -38,7 +38,7 @@ HOSTILE = "<script>alert(1)</script></title><!-- $x$ DATA TITLE \\u001b[2J"
 READ_SCENES = {
     "run": [], "sweep": ["--vary", "lines.cable.z0=40:60:3"], "frequency": ["--points", "5"], "export": [],
     "tdr": ["--port", "near", "--rise", "1 ns"], "eye": ["--probe", "seen", "--bit", "1 ns", "--rise", "0.1 ns"],
-    "passivity": [], "crosstalk": [],
+    "passivity": [], "crosstalk": [], "live": ["--no-browser"],
 }  # fmt: skip
 
 
@@ -48,6 +48,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     inside = tmp_path / "scenes"
     inside.mkdir()
     monkeypatch.chdir(inside)
+    monkeypatch.setattr("tline.live.server.IDLE", 0.0)
     (tmp_path / "secret.csv").write_text("0,0\n1e-9,1\n")
     (inside / "table.csv").write_text("0,0\n1e-9,1\n")
     (inside / "out.toml").write_text(CABLE.replace("FILE", "../secret.csv"))

@@ -31,7 +31,7 @@ COMMANDS = (
     ["sweep", "--vary", "lines.l0.z0=uniform(40, 60)", "--sample", "random:20", "--workers", "1"],
     ["sweep", "--vary", "lines.l0.z0=40,60", "--workers", "1", "--csv", "out.csv"],
     ["surge", "--for", "2 s"], ["crosstalk", "--rise", "1 ns"], ["design", "separation"],
-    ["run", "--order", "3", "--slab", "1 ns"],
+    ["run", "--order", "3", "--slab", "1 ns"], ["live"],
 )  # fmt: skip
 RARE = (
     ["run", "--animate", "out.html"], ["run", "--plot", "out.svg"], ["run", "--map", "out.svg"], ["run",

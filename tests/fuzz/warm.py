@@ -33,6 +33,8 @@ LOWER = {
     ("tline.solver.tolerance.budget", "MOST_SECONDS"): 0.3,
     ("friction.simulate", "MOST_STEPS"): 20_000,
     ("drives.simulation", "MOST_STEPS"): 5_000,
+    ("tline.live.server", "IDLE"): 0.0,
+    ("webbrowser", "open"): bool,
 }
 
 

@@ -312,29 +312,23 @@ def test_other_tools_take_the_models():
 
 
 def test_pictures_and_animations(tmp_path):
-    from PIL import Image
-
     run = simulate(EXERCISE, Torque.step(0.1), Torque.step(0.2), t_end=1.0, step=0.01)
     transfers = [EXERCISE.transfer("x_k", name) for name in ("T1", "T2")]
     for k, figure in enumerate(
         (
             drives.draw_bode(transfers, np.logspace(-1, 4, 50)),
             drives.draw_poles([EXERCISE.transfer("w1", "T1")]),
-            drives.draw_run(run.t, run.outputs, ("x_k", "tension")),
+            drives.draw_run(run),
         )
     ):
         figure.savefig(tmp_path / f"{k}.png")
         assert (tmp_path / f"{k}.png").stat().st_size > 5000
-    for suffix in ("html", "gif"):
-        drives.animate(EXERCISE, run.t, run.outputs, tmp_path / f"m.{suffix}")
+    drives.animate(EXERCISE, run.t, run.outputs, tmp_path / "m.html")
     page = (tmp_path / "m.html").read_text(encoding="utf-8")
     assert "DATA" not in page
     assert "http" not in page
-    with Image.open(tmp_path / "m.gif") as film:
-        assert film.n_frames > 100
-    for path, outputs, word in ((tmp_path / "m.mp4", run.outputs, "kind of file"), (tmp_path / "m.gif", {}, "phi1")):
-        with pytest.raises(InputError, match=word):
-            drives.animate(EXERCISE, run.t, outputs, path)
+    with pytest.raises(InputError, match="phi1"):
+        drives.animate(EXERCISE, run.t, {}, tmp_path / "m.html")
 
 
 def test_what_has_no_damping_swings_for_ever():

@@ -24,7 +24,6 @@ Examples:
 CONTROL, DESIGN = "drives.loop:simulate_control", "drives.control:design"
 PASSED_ON = ("design", "drives", "belt_speed", "d1", "d2", "step", "initial")  # arguments that commands give themselves
 FILES = {"csv": table("A table, SI, full precision"), "plot": picture("A picture")}
-Asked = tuple[float, float, float | None]
 SAMPLES = {"step": 200, "control": 400}  # of a run
 
 
@@ -124,7 +123,7 @@ Examples:
   tline drives step --table torques.csv --t-end "5 s" --step "1 ms" --csv run.csv
   tline drives step --t2 "-0.1 N m" --slack --json
 \b
-A table is a CSV file with the header t,T1,T2 and SI values, later times below earlier ones:
+A table is a CSV file with columns t, T1, T2, in SI or in units of the heading, later times below earlier ones:
   t,T1,T2
   0,0.1,0.1
   0.5,0.1,0.3
@@ -168,9 +167,11 @@ def step_(
     found = mechanism(given)
     with step_.named():
         run = (simulate_slack if slack else simulate)(found, *applied, t_end=last, step=h)
-    plot = drawn("drives.picture:draw_run", run.t, run.outputs, ("x_k", "tension", "belt_speed"))
-    files = {"csv": tabled({"t": run.t} | run.outputs), "plot": plot}
-    return Output(run.text_lines(), run.to_dict, files, run.notes, int(bool(run.verdicts)))
+    return Output(run.text_lines(), run.to_dict, _files(run), run.notes, int(bool(run.verdicts)))
+
+
+def _files(run: "Run") -> dict[str, Any]:
+    return {"csv": tabled({"t": run.t} | run.outputs), "plot": drawn("drives.picture:draw_run", run)}
 
 
 closed_loop = partial(
@@ -198,19 +199,12 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
     first. What cannot be had, a bandwidth with good margins or set points at the limit, is said with what can; exit 1.
     """
-    import numpy as np
-
-    _, made, run, (speed, tension, limit) = _controlled(control, t_end, given)
+    _, made, run = _controlled(control, t_end, given)
     verdicts = (*made.verdicts, *run.verdicts)
-    lines = {"belt_speed": np.full(len(run.t), speed), "tension": np.full(len(run.t), tension)}
-    files = {
-        "csv": tabled({"t": run.t} | run.outputs),
-        "plot": drawn("drives.picture:draw_closed_loop", run.t, run.outputs, lines, limit),
-    }
     return Output(
         [*made.text_lines(), *run.text_lines(), *made.verdicts],
         lambda: {"design": made.to_dict()} | run.to_dict() | {"verdicts": verdicts},
-        files,
+        _files(run),
         run.notes,
         int(bool(verdicts)),
     )
@@ -220,19 +214,17 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     epilog="""\b
 Examples:
   tline drives animate mechanism.html
-  tline drives animate mechanism.gif --speed "0.5 m/s" --tension "4 N" --t-end "1 s"
+  tline drives animate mechanism.html --speed "0.5 m/s" --tension "4 N" --t-end "1 s"
 """,
 )
 def animate(file: str, *, t_end: str = "2 s", **given: Any) -> None:
-    """Write an animation of the mechanism under control: FILE.html, a page of its own, or FILE.gif."""
-    from drives.animation import SUFFIXES
-    from drives.animation import animate as write
-    from tline.solver.result.atomic import check_writable, replacing
+    """Write an animation of the mechanism under control: FILE.html, a page of its own."""
+    from drives import animate as write
+    from tline.cli.options import check_files
+    from tline.solver.result.atomic import replacing
 
-    if not file.lower().endswith(SUFFIXES):
-        raise InputError(file, "unknown kind of animation", " or ".join(SUFFIXES))
-    check_writable(file)
-    found, made, run, _ = _controlled(animate, t_end, given)
+    check_files({"FILE": (file, (".html",))})
+    found, made, run = _controlled(animate, t_end, given)
     with replacing(file) as temporary:
         write(found, run.t, run.outputs, temporary)
     click.echo(f"wrote {file}")
@@ -243,8 +235,8 @@ def animate(file: str, *, t_end: str = "2 s", **given: Any) -> None:
         raise click.exceptions.Exit(1)
 
 
-def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[CoupledDrives, Design, Run, Asked]":
-    """Mechanism, design, run, and the numbers asked for: set points of speed and tension, and limit or None."""
+def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[CoupledDrives, Design, Run]":
+    """Mechanism, design, and run."""
     from drives import Torque, design, simulate_control
 
     found, end, antiwindup = mechanism(given), quantity("--t-end", t_end, "s"), given.pop("antiwindup", True)
@@ -262,4 +254,4 @@ def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[Cou
             t_end=end,
             step=end / SAMPLES["control"],
         )
-    return found, made, run, (numbers["speed"], numbers["tension"], numbers.get("limit"))
+    return found, made, run

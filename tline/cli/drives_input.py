@@ -1,6 +1,5 @@
 """What `tline drives` is given: parameters with units, torques over time, files."""
 
-import csv
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -8,10 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from tline.cli.columns import read_columns
 from tline.cli.docstrings import arguments_of
 from tline.cli.options import options_named
 from tline.errors import InputError
-from tline.scene.text_file import read_text, read_toml
+from tline.scene.text_file import read_toml
 from tline.units import to_si
 
 if TYPE_CHECKING:
@@ -133,7 +133,12 @@ def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None,
     if table is not None:
         if t1 or t2 or rise:
             raise InputError("--table", "the torques are given twice", "either a table, or --t1, --t2 and --rise")
-        return _table(table, hold)
+        found = read_columns(table, table, {"t": "s", "T1": "N m", "T2": "N m"})
+        if len(found) < 3:
+            raise InputError(table, "a column is missing", "t, T1, T2", ", ".join(found))
+        with options_named({"times": table, "torque table": table}):
+            first, second = (Torque.table(found["t"], found[name], held=hold) for name in ("T1", "T2"))
+        return first, second
     if hold:
         raise InputError("--hold", "nothing to hold", "--table beside it")
     if t1 is None and t2 is None:
@@ -145,27 +150,3 @@ def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None,
     if not length > 0:
         raise InputError("--rise", "not a time", "more than 0 s", repr(rise))
     return Torque.ramp(heights[0], 0.0, length), Torque.ramp(heights[1], 0.0, length)
-
-
-def _table(file: str, hold: bool) -> "tuple[Torque, Torque]":
-    from drives import Torque
-
-    try:
-        rows = [row for row in csv.reader(read_text(Path(file)).splitlines()) if row]
-    except csv.Error as error:
-        raise InputError(file, f"cannot be read: {error}", "t,T1,T2") from None
-    if not rows or [name.strip() for name in rows[0]] != ["t", "T1", "T2"]:
-        raise InputError(file, "another header", "t,T1,T2", repr(",".join(rows[0]))[:40] if rows else "nothing")
-    values = []
-    for k, row in enumerate(rows[1:], 2):
-        try:
-            t, first, second = map(float, row)
-        except ValueError:
-            raise InputError(f"{file}, row {k}", "not three numbers", "t,T1,T2 in SI") from None
-        values.append((t, first, second))
-    times, *torques = zip(*values, strict=True) if values else ((), (), ())
-    try:
-        first, second = (Torque.table(times, each, held=hold) for each in torques)
-    except InputError as error:
-        raise InputError(f"{file}, {error.where}", error.problem, error.expected, error.got) from error
-    return first, second

@@ -1,12 +1,11 @@
 """`tline friction`: single runs, and curves."""
 
-import csv
 from dataclasses import fields
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from tline.cli.columns import read_columns
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.cli.options import options_named
 from tline.errors import InputError
@@ -24,6 +23,7 @@ Examples:
   tline friction curve lugre dahl --plot curves.png
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
+RECORDED = {"t": "s", "x": "m", "v": "m/s", "F": "N"}  # columns of records, and their units
 NAMED = {  # options by the package's names
     "bench.mass": "--mass",
     "bench.v0": "--v0",
@@ -75,7 +75,7 @@ def run(
     frequency : HZ
         Of the sine [Hz].
     table : FILE.csv
-        Force over time: lines of t,F in s and N, joined by straight lines.
+        Force over time: columns t and F, with units in the heading or in s and N, joined by straight lines.
     spring : N/m
         Stiffness of a spring that pulls [N/m], with --pull.
     pull : m/s
@@ -96,7 +96,7 @@ def run(
         result = simulate(law, loaded, method=method, tol=tol, **steps)
     files = {
         "csv": tabled({name: getattr(result, name) for name in COLUMNS}),
-        "plot": drawn("friction.pictures:draw_runs", {f"{model}, {result.method.name}": result}),
+        "plot": drawn("friction.pictures:draw_run", result),
     }
     return Output(result.text_lines(), result.to_dict, files, exit_code=int(result.status is not Status.DONE))
 
@@ -173,7 +173,7 @@ def _spring(si: dict[str, float]) -> "Spring | None":
 
 
 def _force(si: dict[str, float], file: str | None, pulled: bool) -> "Force":
-    from friction import Ramp, Sine
+    from friction import Ramp, Sine, Table
 
     asked = [name for name in ("slope", "sine") if name in si] + ["table"] * (file is not None)
     if len(asked) > 1:
@@ -182,17 +182,14 @@ def _force(si: dict[str, float], file: str | None, pulled: bool) -> "Force":
         raise InputError("--sine", "needs its partner", "--sine and --frequency together")
     if "sine" in si:
         return Sine(si["sine"], si["frequency"])
-    return _table(file) if file is not None else Ramp(si.get("slope", 0.0 if pulled else 0.5))
+    if file is None:
+        return Ramp(si.get("slope", 0.0 if pulled else 0.5))
+    return Table(*columns_of(file, "--table", "t", "F"))
 
 
-def _table(file: str) -> "Force":
-    from friction import Table
-    from tline.scene.text_file import read_text
-
-    text = read_text(Path(file), "--table")
-    try:
-        lines = list(csv.reader(text.splitlines()))
-        points = [(float(t), float(f)) for t, f in lines if t.strip() not in ("", "t")]
-    except (ValueError, csv.Error) as error:
-        raise InputError("--table", "not a table of t,F", "two numbers a line", str(error)[:60]) from error
-    return Table([t for t, _ in points], [f for _, f in points])
+def columns_of(file: str, where: str, *names: str) -> list[list[float]]:
+    """These columns of a file, which may be without heading."""
+    found = read_columns(file, where, RECORDED, names)
+    if not found.keys() >= {*names}:
+        raise InputError(where, "a column is missing", " and ".join(names), " and ".join(found))
+    return [found[name] for name in names]

@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING, Any
 
-from tline.cli.friction import friction, model_of
-from tline.cli.friction_record import read_record
+from tline.cli.columns import read_columns
+from tline.cli.friction import RECORDED, columns_of, friction, model_of
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
 from tline.units import engineering, to_si
@@ -80,7 +80,7 @@ def motion(
     columns = {
         f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in COLUMNS
     }
-    files = {"csv": tabled(columns), "plot": drawn("friction.loops:draw_loops", runs)}
+    files = {"csv": tabled(columns), "plot": drawn("friction.pictures:draw_moved", runs)}
     text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
     return Output(text, lambda: {label: run.to_dict() for label, run in runs.items()}, files)
 
@@ -106,7 +106,7 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
     from friction import MODELS
     from friction import identify as fitted
 
-    record = read_record(file, file)
+    record = read_columns(file, file, RECORDED)
     moved = [name for name in ("v", "x") if name in record]
     if not {"t", "F"} <= record.keys() or not moved:
         raise InputError(file, "a column is missing", "t, F and x or v", ", ".join(record))
@@ -120,7 +120,7 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
         found = fitted(record["t"], record["F"], **motion, models=chosen, folds=folds, progress=bar.update)
     columns = {name: getattr(found, name) for name in ("t", "x", "v", "force")}
     columns |= {f"force {name}": one.force for name, one in found.fits.items()}
-    files = {"csv": tabled(columns), "plot": drawn("friction.residuals:draw_fit", found)}
+    files = {"csv": tabled(columns), "plot": drawn("friction.pictures:draw_fit", found)}
     return Output(found.text_lines(), found.to_dict, files)
 
 
@@ -132,11 +132,8 @@ def _motions(kind: str, text: str, frequency: float | None) -> list[tuple[str, "
     if text.strip().lower().endswith(".csv"):
         if frequency is not None:
             raise InputError("--frequency", "of a file", f"an amplitude as {option}, or no frequency")
-        column = "v" if kind == "velocity" else "x"
-        record = read_record(text.strip(), option, ("t", column))
-        if not {"t", column} <= record.keys():
-            raise InputError(option, "a column is missing", f"t and {column}", " and ".join(record))
-        return [("", Table(record["t"], record[column]), record["t"][-1])]
+        times, values = columns_of(text.strip(), option, "t", "v" if kind == "velocity" else "x")
+        return [("", Table(times, values), times[-1])]
     unit, parts = ("m/s" if kind == "velocity" else "m"), text.split(",")
     sizes = [to_si(part, unit, option) for part in parts]
     labels = [engineering(size, unit) if len(sizes) > 1 else "" for size in sizes]

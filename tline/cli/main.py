@@ -21,6 +21,7 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
+    "live": ("tline.cli.live:live", "A scene as a page on this machine: sliders for its numbers, and all follows."),
     "demo": ("tline.cli.demo:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
     "exercise": ("tline.cli.exercise:exercise", "The exercise tline grew out of, answered letter by letter."),
     "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),

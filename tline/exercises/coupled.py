@@ -159,7 +159,7 @@ def control(drives: CoupledDrives) -> Found:
     )
     details |= made.to_dict() | {"reached": {"t": END, "belt_speed": speed, "tension": tension}}
     text = package("4h", drives, made, SPEED, TENSION) if drives.symmetric else ""
-    return Found(numbers, modelica=text, draw=("draw_control", run, SPEED, TENSION), details=details)
+    return Found(numbers, modelica=text, draw=("draw_run", run), details=details)
 
 
 def _decoupler(drives: CoupledDrives) -> str:

@@ -1,12 +1,10 @@
 """Figures of the letters, each on axes of its own or on given ones."""
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from drives.picture import draw_bode as draw_bode
-from drives.picture import draw_closed_loop
-from drives.simulation import Run
+from drives.picture import draw_run as draw_run
 from friction.pictures import draw_panels as draw_panels
 from passivity.one_port.smith import draw_smith
 from tline.exercises.lines import LENGTH, snapshots
@@ -55,9 +53,3 @@ def draw_curves(names: tuple[str, ...], ax: Axes | None = None) -> Figure | Axes
         axes.set(xlabel=f"Re {name}", ylabel=f"Im {name}")
         axes.set_title(f"{name}(jω)", loc="left")
     return drawn
-
-
-def draw_control(run: Run, speed: float, tension: float, ax: Axes | None = None) -> Figure | Axes:
-    """Belt speed, tension and torques under control, or the belt speed alone."""
-    points = {"belt_speed": np.full(len(run.t), speed), "tension": np.full(len(run.t), tension)}
-    return draw_closed_loop(run.t, run.outputs, points, ax=ax)

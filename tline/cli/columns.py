@@ -1,17 +1,19 @@
-"""Measured columns over time in a CSV file: `t [ms]; x [um]; F [N]`."""
+"""Columns over time in a CSV file: `t [ms]; x [um]; F [N]`."""
 
 import csv
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 from tline.errors import InputError
 from tline.units import to_si
 
-UNITS = {"t": "s", "x": "m", "v": "m/s", "F": "N"}
 HEADING = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
 
 
-def read_record(file: str, where: str, assumed: tuple[str, ...] = ()) -> dict[str, list[float]]:
+def read_columns(
+    file: str, where: str, units: Mapping[str, str], assumed: tuple[str, ...] = ()
+) -> dict[str, list[float]]:
     """Columns of a file by their names, in SI.
 
     Parameters
@@ -21,6 +23,8 @@ def read_record(file: str, where: str, assumed: tuple[str, ...] = ()) -> dict[st
         lines that begin with # are skipped.
     where : str
         What an error points at.
+    units : mapping of str to str
+        Unit of each column that there may be.
     assumed : tuple of str
         Names of the columns of a file without heading; with none, a heading is needed.
     """
@@ -31,11 +35,15 @@ def read_record(file: str, where: str, assumed: tuple[str, ...] = ()) -> dict[st
     if not lines:
         raise InputError(where, "no rows", "lines of numbers", f"'{one_line(file)}'")
     between = max(";\t,", key=lambda mark: mark in lines[0][1])
-    found = [(number, next(csv.reader([text], delimiter=between))) for number, text in lines]
+    try:
+        found = [(number, next(csv.reader([text], delimiter=between))) for number, text in lines]
+    except csv.Error as error:
+        raise InputError(where, f"cannot be read: {error}", "columns of numbers") from None
     head, rows = (found[0][1], found[1:]) if any(map(_is_word, found[0][1])) else (None, found)
-    names, factors = _headed(head, where) if head else (list(assumed), [1.0] * len(assumed))
+    names, factors = _headed(head, where, units) if head else (list(assumed), [1.0] * len(assumed))
     if not names:
-        raise InputError(where, "no heading", "names of columns in the first line, such as t [s], x [mm], F [N]")
+        told = ", ".join(f"{name} [{unit}]" for name, unit in units.items())
+        raise InputError(where, "no heading", f"names of columns in the first line, such as {told}")
     columns: dict[str, list[float]] = {name: [] for name in names}
     for number, row in rows:
         cells = [cell.strip().replace(",", ".") if between == ";" else cell.strip() for cell in row]
@@ -51,17 +59,16 @@ def read_record(file: str, where: str, assumed: tuple[str, ...] = ()) -> dict[st
     return columns
 
 
-def _headed(head: list[str], where: str) -> tuple[list[str], list[float]]:
+def _headed(head: list[str], where: str, units: Mapping[str, str]) -> tuple[list[str], list[float]]:
     names, factors = [], []
     for cell in head:
         told = HEADING.fullmatch(cell)
         name = told[1] if told else ""
-        if name not in UNITS or name in names:
-            raise InputError(
-                where, "unknown column" if name not in names else "a column twice", ", ".join(UNITS), f"'{cell[:30]}'"
-            )
+        if name not in units or name in names:
+            problem = "unknown column" if name not in names else "a column twice"
+            raise InputError(where, problem, ", ".join(units), f"'{cell[:30]}'")
         names.append(name)
-        factors.append(to_si(f"1 {told[2]}", UNITS[name], where) if told and told[2] else 1.0)
+        factors.append(to_si(f"1 {told[2]}", units[name], where) if told and told[2] else 1.0)
     return names, factors
 
 

@@ -1,0 +1,126 @@
+"""A prepared scene whose numbers are moved: which there are, and what is seen of a run with others."""
+
+import json
+import math
+import warnings
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from tline.errors import InputError
+from tline.pictures.along import effort_along
+from tline.pictures.bounds import scale
+from tline.pictures.handy import handy, spread
+from tline.pictures.path import Route, axis, route
+from tline.presentation import as_image
+from tline.scene.quantity import Quantity
+from tline.scene.scene import Scene
+from tline.solver.prepared import prepare
+from tline.solver.result.quantities import in_tables
+from tline.solver.result.result import Result
+from tline.solver.simulate import UnresolvedWarning
+from tline.units import engineering
+from tline.words.wording import place
+
+SECTIONS, MOST_SLIDERS, MOST_PROBES = ("lines", "sources", "loads", "links"), 60, 6
+INSTANTS, PLACES, ROWS, LEVELS = 501, 60, 100, 255  # of a trace, and of the picture over place and time
+
+
+def sliders(scene: Scene) -> dict[str, Quantity]:
+    """The end of the run, and all numbers of lines, sources, loads and links that are neither 0 nor infinite.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> [*sliders(tl.examples["cable_rc"])][:3]
+    ['t_end', 'lines.cable.z0', 'lines.cable.delay']
+    """
+    found = [("t_end", scene.t_end)]
+    for section in SECTIONS:
+        for name, element in getattr(scene, section).items():
+            if (section, name) not in scene.parts:
+                found += _inside(place(section, name), element.table(), element)
+    return dict(found[:MOST_SLIDERS])
+
+
+def _inside(path: str, table: Mapping[str, Any], found: Any) -> Iterator[tuple[str, Quantity]]:
+    for key, typed in table.items():
+        at = f"{path}.{place(key)}"
+        inner = found.get(key) if isinstance(found, Mapping) else getattr(found, key, getattr(found, f"{key}_", None))
+        if isinstance(typed, Mapping):
+            yield from _inside(at, typed, inner)
+        elif isinstance(inner, Quantity) and math.isfinite(inner) and inner:
+            yield at, inner
+
+
+class Desk:
+    """A scene and what is seen of it; refuses numbers that do not fit by `InputError`."""
+
+    def __init__(self, scene: Scene, source: str):  # how Python reads it, such as tl.read("cable.toml")
+        self.scene, self.source, self.prepared, self.sliders = scene, source, prepare(scene), sliders(scene)
+        try:
+            self.way: Route | None = route(scene)
+        except InputError:  # no chain, which has no picture over place and time
+            self.way = None
+
+    def first(self) -> dict[str, Any]:
+        """What the page begins with: title, sliders, drawing of the network, and the run as it was given."""
+        try:
+            network = as_image(self.scene.plot())
+        except InputError:  # too many nodes
+            network = ""
+        told = {"title": self.scene.title or "scene", "sliders": self.sliders, "network": network}
+        return told | self.seen({})
+
+    def _checked(self, values: Mapping[str, Any]) -> dict[str, float]:
+        for path, value in values.items():
+            if path not in self.sliders:
+                raise InputError(str(path)[:60], "no slider", "a number of the scene")
+            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+                raise InputError(path, "not a finite number", "a number in SI", repr(value)[:30])
+        return dict(values)
+
+    def seen(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Traces, extremes and picture over place and time of a run with these values, in SI by path."""
+        moved = self._checked(values)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
+            result = self.prepared.run(moved, record=self.way.lines if self.way else ())
+        now = {path: engineering(moved.get(path, each), each.unit or "") for path, each in self.sliders.items()}
+        text = str(result).partition("\n")[2].rstrip(">")
+        return {"now": now, "text": text, "panels": self._panels(result), "map": self._map(result)}
+
+    def _panels(self, result: Result) -> list[dict[str, Any]]:
+        t, panels = np.linspace(0.0, result.t[-1], INSTANTS), []
+        second, time_unit = handy(float(t[-1]), "s")
+        samples = {name: result.probes[name].at(t) for name in [*result.probes][:MOST_PROBES]}
+        for each in in_tables(result.scene):
+            seen_by = [name for name in samples if each.seen_by(result.probes[name])]
+            curves = {name: np.nan_to_num(each.of(samples[name])) for name in seen_by}
+            if curves:
+                size, unit = handy(float(np.abs([*curves.values()]).max()), each.shown(self.scene))
+                panel = {"y": f"{each.named(self.scene)} [{unit}]", "x": f"time [{time_unit}]", "end": t[-1] / second}
+                panels.append(panel | {"curves": {name: np.round(curve / size, 5) for name, curve in curves.items()}})
+        return panels
+
+    def _map(self, result: Result) -> dict[str, Any] | None:
+        """The effort along the chain, as whole numbers up to LEVELS, row by row from t = 0 on."""
+        if self.way is None:
+            return None
+        x, t = np.linspace(0.0, self.way.marks[-1], PLACES), np.linspace(0.0, result.t[-1], ROWS)
+        effort = effort_along(result, self.way, x, t)
+        low, high = spread(float(effort.min()), float(effort.max()))
+        word, size, unit = scale(result.scene, self.way.lines, max(abs(low), abs(high)))
+        told = f"{word} {low / size:.4g} {unit} (blue) … {high / size:.4g} {unit} (red)"
+        metre, label = axis(self.way, result.scene)
+        levels = np.rint((effort - low) / (high - low) * LEVELS).astype(int)
+        return {"levels": levels, "told": told, "place": label, "end": self.way.marks[-1] / metre}
+
+    def copied(self, values: Mapping[str, Any]) -> dict[str, str]:
+        """The scene with these values as a file, and as Python."""
+        moved = self._checked(values)
+        given = ",\n".join(f"    {json.dumps(path)}: {value!r}" for path, value in moved.items())
+        run = f"tl.prepare(scene).run({{\n{given},\n}})" if moved else "tl.simulate(scene)"
+        code = f"import tline as tl\n\nscene = {self.source}\nresult = {run}\nresult.plot()\n"
+        return {"toml": self.scene.change(moved).to_toml(), "python": code}
