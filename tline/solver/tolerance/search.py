@@ -17,7 +17,7 @@ from tline.solver.tolerance.ladder import Grids, Ladder, Search, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
-JOINED, FINER = 5e-2, 0.5  # of the tolerance: how well pieces in diamonds continue each other that are one; and later
+JOINED, FINER = 5e-2, 0.5  # of the tolerance: pieces that continue each other so well are one; and in later runs
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: an error told by two runs alone is to be below; if laws kink
@@ -149,7 +149,8 @@ class Orders(Grids):
         if halved and given.slab is None and not sections:
             chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)
         h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
-        same = JOINED * tol if description.diamonds else 0.0  # there each piece meets each of those across
+        crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
+        same = JOINED * tol if crowded else 0.0
         while True:
             helped, layered, met, stay = yield chosen._replace(same=same)
             same *= FINER  # so that the difference of two runs tells what was joined in the first
