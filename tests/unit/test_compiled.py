@@ -125,11 +125,37 @@ def package(tmp_path, monkeypatch):
         return compile_unit(code, *arguments)
 
     monkeypatch.setattr(compiler, "compile_unit", compile_and_tell)
-    for cached in (object_code._folder, object_code._processor):
-        cached.cache_clear()
+    cached = (object_code._folder, object_code._processor, object_code._is_for_this_processor)
+    for each in cached:
+        each.cache_clear()
     yield made
-    for cached in (object_code._folder, object_code._processor):
-        cached.cache_clear()
+    for each in cached:
+        each.cache_clear()
+
+
+def test_code_that_comes_with_the_program_is_used_where_it_fits(package, tmp_path, monkeypatch):
+    """By whatever numba it was made; not if the source is other, numba is asked for other code, or it cannot run."""
+    assert package.answer() == (161.0, ["less", "answer"])
+    shipped = tmp_path / "shipped"
+    (tmp_path / "cache").rename(shipped)
+    for path in shipped.glob("*.unit"):
+        path.rename(path.with_name(path.name.rpartition("-")[0] + ".unit"))
+    monkeypatch.setattr(object_code, "SHIPPED", shipped)
+    monkeypatch.setattr(object_code, "_versions", lambda: "another numba")
+    monkeypatch.setattr("tline.compiled.unit.keep", lambda *_: None)
+
+    def asked():
+        object_code._is_for_this_processor.cache_clear()
+        return package.answer()
+
+    assert asked() == (161.0, [])
+    package.edit("called", "-= 1.0", "+= 1.0")
+    assert asked() == (163.0, ["less"])
+    with monkeypatch.context() as other:
+        other.setenv("NUMBA_OPT", "2")
+        assert asked() == (163.0, ["less", "answer"])
+    monkeypatch.setattr(object_code, "BASELINE", {object_code.platform.machine(): {"a feature of no processor"}})
+    assert asked() == (163.0, ["less", "answer"])
 
 
 def test_an_edit_of_any_file_that_a_unit_is_made_of_is_seen(package):

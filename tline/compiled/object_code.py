@@ -3,12 +3,16 @@
 A file is valid while all source code that the unit is made of means the same (`tline.compiled.stamp`), for one
 processor, one version of numba and one set of its options. It is read only if nobody else can have written it
 (`tline.compiled.trusted_file`). What it leaves to the C library must be found before it is loaded.
+
+A wheel for one platform brings code of all its units (`.ci/wheel`), made for any processor that has `BASELINE`. It
+depends on no version of numba, and whoever could change it could change the program beside it.
 """
 
 import ctypes
 import hashlib
 import json
 import os
+import platform
 import sys
 import warnings
 from contextlib import suppress
@@ -23,6 +27,8 @@ from tline.compiled.trusted_file import UntrustedError, check_folder, read_trust
 
 COMPILING = "tline.compiled.by_reference", "tline.compiled.compiler"  # make any code, though no unit imports them
 NO_MATTER = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}  # of numba's settings, for code
+SHIPPED = Path(__file__).with_name("shipped")  # code that came with a wheel
+BASELINE = {"x86_64": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}}  # x86-64-v3; of others, anything
 SETTINGS_FILE = Path(".numba_config.yaml")  # of numba, in the folder where the program runs
 EXPECTED = "expected a folder of your own to which nobody else may write"
 OWN_FOLDER, OWN_FILE = 0o755, 0o644  # modes, whatever the umask lets others do
@@ -39,20 +45,38 @@ def load(unit: Any) -> tuple[int, Any] | None:
 
 
 def _read(unit: Any) -> tuple[str, list[str], bytes] | None:
-    """A unit's name, the functions it needs, and its code, if its file is valid."""
+    """A unit's name, the functions it needs, and its code, if there is valid code of it."""
+    return _shipped(unit) or _kept(unit)
+
+
+def _shipped(unit: Any) -> tuple[str, list[str], bytes] | None:
+    """What came with the program, if it is valid."""
+    name = _name_of(unit)
+    if name is None or not _is_for_this_processor():
+        return None
+    return _valid(unit, (SHIPPED / f"{name}.unit").read_bytes()) if (SHIPPED / f"{name}.unit").is_file() else None
+
+
+def _kept(unit: Any) -> tuple[str, list[str], bytes] | None:
+    """What was compiled here, if it is valid."""
     path = path_of(unit)
     if path is None:
         return None
     try:
-        digest, _, content = read_trusted(path).partition(b"\n")
+        return _valid(unit, read_trusted(path), _versions())
     except UntrustedError as error:
         _say(f"compiled code is not read, but compiled anew: {error}, {EXPECTED}")
         return None
+
+
+def _valid(unit: Any, file: bytes, versions: str | None = None) -> tuple[str, list[str], bytes] | None:
+    """What a file says, if it is whole, of these versions and of the source code that the unit has."""
+    digest, _, content = file.partition(b"\n")
     if hashlib.sha256(content).hexdigest().encode() != digest:
         return None
     first, _, code = content.partition(b"\n")
     about = json.loads(first)
-    valid = about["versions"] == _versions() and are_unchanged(unit.sources, about["sources"])
+    valid = versions in (None, about["versions"]) and are_unchanged(unit.sources, about["sources"])
     return (about["name"], about["needed"], code) if valid else None
 
 
@@ -124,15 +148,30 @@ def _versions() -> str:
     return f"numba {version('numba')}, llvmlite {llvmlite.__version__}"
 
 
+def _settings() -> tuple[list[tuple[str, str]], bytes]:
+    """Numba's settings that change code."""
+    settings = sorted(item for item in os.environ.items() if item[0].startswith("NUMBA_") and item[0] not in NO_MATTER)
+    return settings, SETTINGS_FILE.read_bytes() if SETTINGS_FILE.is_file() else b""
+
+
 @cache
 def _processor() -> str:
     """What numba translates for: this processor, unless one of its settings names another or less of this one."""
     import llvmlite.binding as llvm
 
-    settings = sorted(item for item in os.environ.items() if item[0].startswith("NUMBA_") and item[0] not in NO_MATTER)
-    in_file = SETTINGS_FILE.read_bytes() if SETTINGS_FILE.is_file() else b""
     host = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    return repr((host, settings, in_file))
+    return repr((host, *_settings()))
+
+
+@cache
+def _is_for_this_processor() -> bool:
+    """Whether shipped code can run here, and no setting asks for other code."""
+    import llvmlite.binding as llvm
+
+    if not SHIPPED.is_dir() or _settings() != ([], b""):
+        return False
+    has = llvm.get_host_cpu_features()
+    return all(has.get(feature) for feature in BASELINE.get(platform.machine(), ()))
 
 
 def sources_for(module: str) -> dict[str, SourceText] | None:
@@ -140,18 +179,22 @@ def sources_for(module: str) -> dict[str, SourceText] | None:
     return sources_of(module, *COMPILING)
 
 
-def path_of(unit: Any) -> Path | None:
-    """The file of a unit, one for each processor and setting; None if its source code or a folder cannot be found."""
+def _name_of(unit: Any) -> str | None:
+    """Name of a unit's file; None if its source code cannot be found."""
     spec = getattr(sys.modules.get(unit.__module__), "__spec__", None)
     if spec is None or unit.code.__code__.co_filename != spec.origin or unit.code.__closure__:
         return None
     if unit.code.__qualname__ != unit.__name__ or unit.sources is None:
         return None
-    folder = _folder(Path(spec.origin).parent)
-    if folder is None:
-        return None
-    key = hashlib.sha256(f"{spec.origin} {_processor()}".encode()).hexdigest()[:16]
-    return folder / f"{unit.__module__}.{unit.__name__}-{key}.unit"
+    return f"{unit.__module__}.{unit.__name__}"
+
+
+def path_of(unit: Any) -> Path | None:
+    """Where a unit's code is kept, a file for each processor and setting; None if there is no place."""
+    name, origin = _name_of(unit), unit.code.__code__.co_filename
+    folder = None if name is None else _folder(Path(origin).parent)
+    key = hashlib.sha256(f"{origin} {_processor()}".encode()).hexdigest()[:16]
+    return None if folder is None else folder / f"{name}-{key}.unit"
 
 
 @cache

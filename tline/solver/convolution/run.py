@@ -33,6 +33,7 @@ from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, 
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
+MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
 MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 
 
@@ -48,6 +49,8 @@ class Convolved:
         As in `Quadrature`.
     envelope : bool
         Whether results have one, without errors.
+    clocked : bool
+        Whether many fronts may be at edges of slabs, in place of narrower slabs beside each.
 
     Raises
     ------
@@ -56,9 +59,15 @@ class Convolved:
     """
 
     def __init__(
-        self, description: Description, record: Iterable[str], padded: int = PADDED[-1], *, envelope: bool = False
+        self,
+        description: Description,
+        record: Iterable[str],
+        padded: int = PADDED[-1],
+        *,
+        envelope: bool = False,
+        clocked: bool = True,
     ):
-        self.description, self.padded, self.envelope = description, padded, envelope
+        self.description, self.padded, self.envelope, self.clocked = description, padded, envelope, clocked
         self.kept = {*record, *description.probed}
         self.lines = [name for name in description.lines if envelope or name in self.kept]
         self.before: Before = above_level(description) if description.steady else rest(description)
@@ -80,7 +89,17 @@ class Convolved:
     def layered(self) -> bool:
         """Whether what happens beside fronts is followed on narrower slabs there, along rays."""
         straight = not any(changes.curved for changes in self.changes)
-        return self.laws is None and not self.network.bundles and straight and affordable(self.network)
+        alone = self.laws is None and not self.network.bundles and not self.clock
+        return alone and straight and affordable(self.network)
+
+    @cached_property
+    def clock(self) -> float:
+        """What many fronts are whole numbers of apart, s: they all are at edges of such slabs; 0 where they are not."""
+        apart = np.diff(self.instants)
+        if len(apart) < MANY or not self.clocked:
+            return 0.0
+        tick = float(apart.sum() / max(round(apart.sum() / apart.min()), 1))
+        return tick if len(leads(self.instants / tick)) == 1 else 0.0
 
     @cached_property
     def moves(self) -> NDArray:

@@ -31,6 +31,7 @@ SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside front
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
+MOST_CLOCKED = 2.5e5  # samples, with fronts at edges of slabs; where they ask for more, slabs narrower beside them do
 
 
 def convolved(search: Search) -> Result | None:
@@ -45,6 +46,9 @@ def convolved(search: Search) -> Result | None:
         if not affordable(grids.scene, grids.order, grids.h / 2) and not grids.alone:
             return None
         result = refined(grids)
+        if grids.scene.clock and result.accuracy and not result.accuracy.met:
+            grids = Convolutions(search, clocked=False)
+            result = refined(grids)
     except InputError:  # there is no answer in s, or no flow through laws
         return None
     bundles = grids.scene.network.bundles
@@ -60,10 +64,10 @@ class Convolutions(Grids):
     follow it; there no tolerance is asked, but what is off is told.
     """
 
-    def __init__(self, search: Search):
+    def __init__(self, search: Search, *, clocked: bool = True):
         super().__init__(search)
-        description = search.description
-        self.scene = Convolved(description, search.record, padding(search.tol), envelope=search.envelope)
+        description, padded = search.description, padding(search.tol)
+        self.scene = Convolved(description, search.record, padded, envelope=search.envelope, clocked=clocked)
         self.order = description.scene.solver.order or ORDER
         self.h = self._first_slab()
         self.jumps = arrivals(description)
@@ -101,16 +105,21 @@ class Convolutions(Grids):
 
     def limit(self, ladder: Ladder) -> str:
         """What forbids a finer run: that it takes too long."""
+        if self.scene.clock and 2 * ladder.last.samples > MOST_CLOCKED:
+            return "slabs of one width converge slowly"
         finer = affordable(self.scene, self.order, ladder.last.resolution.h / 2)
         return "" if finer else "narrower slabs would take too long"
 
     def _first_slab(self) -> float:
         """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.
 
-        Beside laws it divides what is between two fronts, if that is enough for all of them to be at edges of slabs.
+        It divides what many fronts are apart, and beside laws what is between two fronts, if that is enough for all of
+        them to be at edges of slabs.
         """
         description, scene, s = self.search.description, self.scene, self.order
         shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
+        if scene.clock:
+            return scene.clock / ceil(scene.clock * FIRST / shortest)
         if not scene.layered:
             h = resolution(description, s).h
             h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
