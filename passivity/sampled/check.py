@@ -108,7 +108,7 @@ class SampleVerdict(Decided):
 
     def _figure(self) -> Any:
         """The worst values against their bound."""
-        from passivity.sampled.picture import draw_samples
+        from passivity.sampled.report import draw_samples
 
         return draw_samples(self)
 

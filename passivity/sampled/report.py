@@ -1,13 +1,24 @@
-"""What samples showed, and the nearest passive model, in words and as plain data; exact numbers are texts."""
+"""What samples showed, and the nearest passive model: in words, as plain data, and drawn."""
 
 from typing import Any
 
-from passivity.one_port.certificate import verify
-from passivity.sampled.check import Band, SampleVerdict
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+from numpy.typing import NDArray
+
+from passivity.exact.certificate import verify
+from passivity.sampled.check import Band, SampleVerdict, worst_values
 from passivity.sampled.enforce import Enforced
 from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.response import Parameter
 
 _MOST_BANDS = 6  # bands that are printed
+POINTS = 1500
+BEYOND = 1.5  # times the highest frequency: how far models are drawn
+_INK, _BAD, _BEFORE, _AFTER = "#222222", "#D55E00", "#E69F00", "#0072B2"  # Okabe and Ito
+_UNITS = {Parameter.Z: "  [Ω]", Parameter.Y: "  [S]", Parameter.S: ""}
 
 
 def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) -> dict[str, Any]:
@@ -114,3 +125,77 @@ def _band(band: Band, parameter: str) -> str:
     where = f"at {band.first:.6g} Hz" if band.first == band.last else f"from {band.first:.6g} to {band.last:.6g} Hz"
     worst = f"σ − 1 = {band.worst - 1:.3g}" if parameter == "S" else f"{band.worst:.6g}"
     return f"{where}, worst {worst} at {band.frequency:.6g} Hz"
+
+
+def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Figure:
+    """A figure: worst singular value of S or smallest eigenvalue of Z or Y against frequency, violations shaded.
+
+    Parameters
+    ----------
+    verdict : SampleVerdict
+        From `check_samples`.
+    enforced : Enforced, optional
+        Its models, before and after, are drawn to BEYOND times the highest frequency.
+
+    Examples
+    --------
+    >>> from passivity.sampled.check import check_samples
+    >>> from passivity.sampled.response import SampledResponse
+    >>> draw_samples(check_samples(SampledResponse([1, 2], [0.5, 1.5], "S"))).axes[0].get_xlabel()
+    'frequency f'
+    """
+    response, f = verdict.response, verdict.response.f
+    figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
+    axes = figure.subplots()
+    for k, band in enumerate(verdict.bands):
+        label = "" if k else "samples violate the bound"
+        axes.axvspan(*_ends(band), facecolor=_BAD, alpha=0.3, hatch="///", edgecolor="white", linewidth=0, label=label)
+    axes.errorbar(
+        f, verdict.worst, verdict.bars, fmt="o", color=_INK, markersize=3.5, elinewidth=0.8, label="samples", zorder=3
+    )
+    if enforced:
+        _draw_models(axes, enforced, f)
+    scattering = response.parameter is Parameter.S
+    bound, (bottom, top) = float(scattering), axes.get_ylim()
+    bottom, top = (bottom, max(top, 1.06)) if scattering else (min(bottom, -0.04 * top), top)
+    axes.axhspan(bound, top if scattering else bottom, color=_BAD, alpha=0.12, linewidth=0, label="forbidden")
+    axes.axhline(bound, color=_BAD, linewidth=1.2)
+    if f[0] > 0 and f[-1] > 100 * f[0]:
+        axes.set_xscale("log")
+    m = response.parameter.value
+    if response.ports == 1:
+        name = "|S|" if scattering else f"Re {m}"
+    else:
+        name = "largest singular value of S" if scattering else f"smallest eigenvalue of ({m} + {m}*)/2"
+    axes.set(xlabel="frequency f", ylabel=name + _UNITS[response.parameter], ylim=(bottom, top))
+    axes.xaxis.set_major_formatter(EngFormatter("Hz"))
+    usual = float(np.median(np.abs(verdict.worst)))
+    if not scattering and top > 20 * usual > 0:  # a resonance would hide what lies near the bound
+        axes.set_yscale("symlog", linthresh=usual)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="best", fontsize=8, frameon=False)
+    title = f"samples: {verdict.status.value}"
+    title += f"; model: {enforced.verdict.status.value}" if enforced else ""
+    figure.suptitle(title, x=0.02, ha="left", fontweight="bold")
+    return figure
+
+
+def _ends(band: Band) -> tuple[float, float]:
+    """From halfway to the sample before to halfway to the one after."""
+    before = band.first if band.before is None else (band.first + band.before) / 2
+    after = band.last if band.after is None else (band.last + band.after) / 2
+    return before, after
+
+
+def _draw_models(axes: Axes, enforced: Enforced, f: NDArray) -> None:
+    spread = np.geomspace if f[0] > 0 else np.linspace
+    ends = f[0], f[-1] * BEYOND
+    w = 2 * np.pi * np.unique([*f, *np.linspace(*ends, POINTS), *spread(*ends, POINTS)])
+    on_axis = enforced.model.poles.imag[enforced.model.poles.real == 0]
+    w = w[~np.isin(w, on_axis)]
+    for model, color, style, name in (
+        (enforced.original, _BEFORE, "--", "model as given"),
+        (enforced.model, _AFTER, "-", "nearest passive model"),
+    ):
+        values = worst_values(model.at(w)[:, None, None], model.parameter)
+        axes.plot(w / (2 * np.pi), values, style, color=color, linewidth=1.7, label=name)

@@ -17,8 +17,7 @@ def answer(file: str, asked: Asked) -> Answer:
     from passivity.sampled.check import check_samples
     from passivity.sampled.enforce import enforce
     from passivity.sampled.fit import fit
-    from passivity.sampled.picture import draw_samples
-    from passivity.sampled.report import in_lines, samples_as_dict
+    from passivity.sampled.report import draw_samples, in_lines, samples_as_dict
 
     asked.refuse("samples", "parameters", "delay", "within")
     response = _read(file, asked)
@@ -39,8 +38,7 @@ def answer(file: str, asked: Asked) -> Answer:
 def _read(file: str, asked: Asked) -> "SampledResponse":
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
-    from passivity.sampled.read import read_csv
-    from passivity.sampled.touchstone import read_touchstone
+    from passivity.sampled.read import read_csv, read_touchstone
     from tline.cli.options import check_readable
 
     check_readable(file)
