@@ -18,29 +18,15 @@ from passivity.status import Decided, Status
 
 @dataclass(frozen=True)
 class LineVerdict(Decided):
-    """Answer to whether the matrix of a line is positive real.
-
-    Parameters
-    ----------
-    status : Status
-    why : str
-    modes : tuple of Chain
-        The proof: half the line with its far end open (for the admittance of one mode) and with a short circuit.
-    re, im : Fraction or None
-        Where it is refuted, s = re + j im with re > 0.
-    vector : tuple of (int, int) or None
-        v, real and imaginary parts.
-    value : arb or None
-        v^H (Z + Z^H) v there, a ball below zero.
-    """
+    """Answer to whether the matrix of a line is positive real."""
 
     status: Status
     why: str
-    modes: tuple[Chain, ...] = ()
-    re: Fraction | None = None
+    modes: tuple[Chain, ...] = ()  # the proof: half the line with its far end open, and with a short circuit
+    re: Fraction | None = None  # where it is refuted, s = re + j im with re > 0
     im: Fraction | None = None
-    vector: tuple[tuple[int, int], ...] | None = None
-    value: arb | None = None
+    vector: tuple[tuple[int, int], ...] | None = None  # v, real and imaginary parts
+    value: arb | None = None  # v^H (Z + Z^H) v there, a ball below zero
 
 
 def check_line_two_port(z0: Exact, delay: Exact, *, through: bool = False) -> LineVerdict:

@@ -27,15 +27,7 @@ _CURVE, _BAD, _GRID = "#0072B2", "#D55E00", "#B8B8B8"
 
 
 def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0) -> Figure:
-    """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| with its largest value.
-
-    Parameters
-    ----------
-    verdict : Verdict
-    margins : Margins
-        Of the same verdict and z0.
-    z0 : float
-        Reference impedance of the reflection.
+    """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| against z0 with its largest value.
 
     Raises
     ------
@@ -124,14 +116,7 @@ def _size(axes: Axes, w: NDArray, h: NDArray, margin: Margin | None, against: st
 
 
 def draw_smith(axes: Axes, h: NDArray[np.complex128]) -> None:
-    """Draw H(jw) on a Smith chart; outside the unit circle it returns more than came.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Empty axes.
-    h : ndarray, shape (n,)
-        Reflection against z0. The circles are those of r and x in Z = z0 (r + jx).
+    """Draw H(jw), shape (n,), on a Smith chart: the circles are those of r and x in Z = z0 (r + jx).
 
     References
     ----------

@@ -26,18 +26,7 @@ EXTREME = {Kind.PR: "the smallest eigenvalue of (Z + Z^H)/2", Kind.BR: "the larg
 
 
 def reason(verdict: Verdict) -> str:
-    """Why a verdict is what it is, frequencies ω in rad per unit of time.
-
-    Examples
-    --------
-    >>> from passivity import RationalFunction, RationalMatrix, check_positive_real
-    >>> check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)")).why
-    'Re Z(jω) < 0 for ω > 1.41421'
-    >>> check_positive_real(RationalFunction.from_expression("1 - s")).why
-    'Z has a pole at infinity with negative residue'
-    >>> check_positive_real(RationalMatrix.from_rows([["1", "2/(s + 1)"], ["2/(s + 1)", "1"]])).why
-    'Z + Z^H has a negative eigenvalue for ω < 1'
-    """
+    """Why a verdict is what it is, frequencies ω in rad per unit of time."""
     kind, network, analysis = verdict.kind, verdict.function, verdict.analysis
     bounded, equal, broken, closing = (_ONE if isinstance(network, RationalFunction) else _SEVERAL)[kind]
     if verdict.status is Status.UNDECIDED:

@@ -17,24 +17,12 @@ from passivity.rational.state_space import StateSpace
 
 
 def is_semidefinite(a: fmpq_mat) -> bool:
-    """Whether x^T a x >= 0 for all x: as det(t + a) has real roots only, that is when no coefficient is negative.
-
-    Examples
-    --------
-    >>> is_semidefinite(fmpq_mat(2, 2, [1, 2, 2, 4])), is_semidefinite(fmpq_mat(2, 2, [1, 2, 2, 3]))
-    (True, False)
-    """
+    """Whether x^T a x >= 0 for all x: as det(t + a) has real roots only, that is when no coefficient is negative."""
     return all(c >= 0 for c in (-a).charpoly().coeffs())
 
 
 def negative_direction(a: fmpq_mat) -> list[fmpq] | None:
-    """A vector x with x^T a x < 0, None if there is none: Lagrange's reduction to a sum of squares.
-
-    Examples
-    --------
-    >>> negative_direction(fmpq_mat(2, 2, [1, 2, 2, 3]))
-    [1, -2/3]
-    """
+    """A vector x with x^T a x < 0, None if there is none: Lagrange's reduction to a sum of squares."""
     rest, left, squares = a.tolist(), list(range(a.nrows())), []
     while (x := _obvious(rest, left)) is None:
         pivot = max(left, key=lambda i: rest[i][i], default=None)
@@ -71,12 +59,6 @@ def lossless_storage(system: StateSpace) -> tuple[fmpq_mat, fmpq_mat, StateSpace
 
     K(P) = 0 means P B = C^T and P A = -A^T P, and so P A^k B = (-A^T)^k C^T: where the inputs reach all states, these
     equations leave one P.
-
-    Examples
-    --------
-    >>> lossless_storage(StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]]))[0]
-    [1,   0]
-    [0, 1/3]
     """
     if any((system.d + system.d.transpose()).entries()) or not _starts_lossless(system):
         return None

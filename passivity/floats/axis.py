@@ -47,16 +47,7 @@ class Crossing(NamedTuple):
 
 
 def crossings(system: FloatSystem, level: float) -> list[Crossing]:
-    """Where an eigenvalue of F may cross a level, in rising order; at poles on the axis too.
-
-    Examples
-    --------
-    >>> from passivity.rational.state_space import StateSpace
-    >>> from passivity.status import Kind
-    >>> system = FloatSystem.of(Kind.PR, StateSpace.from_entries([[-1]], [[1]], [[1]], [["-1/5"]]))
-    >>> [round(x.w, 12) for x in crossings(system, 0.0)]  # 1/(1 + w^2) = 1/5
-    [2.0]
-    """
+    """Where an eigenvalue of F may cross a level, in rising order; at poles on the axis too."""
     from scipy.linalg import eig
 
     p, e = _pencil(system, level)
@@ -88,32 +79,19 @@ def _pencil(system: FloatSystem, level: float) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True)
 class AxisAnalysis:
-    """Violations on the imaginary axis in floating point.
+    """Violations on the imaginary axis in floating point: negative eigenvalues of (Z + Z^H)/2, singular values above 1.
 
-    Parameters
-    ----------
-    bands : tuple of (float, float)
-        Angular frequencies between which (Z + Z^H)/2 has a negative eigenvalue, or S a singular value above 1.
-    edge_error : float
-        Largest error of their ends that the residuals allow, to first order; 0 without bands.
-    value, frequency : float
-        The smallest eigenvalue, or the largest singular value, and where it is; ``math.inf`` for the limit.
-    value_error : float
-        The Hamiltonian test finds nothing lower (higher for a singular value) than the value by more than this;
-        ``math.inf`` where it did not settle, as at poles on the axis that leave the value without bound.
-    rightmost : float
-        Largest real part of an eigenvalue of A.
-    agree : bool
-        Samples and the Hamiltonian test see the same bands, and the same value.
+    The Hamiltonian test finds nothing beyond the worst value by more than `value_error`, which is infinite where it did
+    not settle, as at poles on the axis that leave the value without bound.
     """
 
-    bands: tuple[tuple[float, float], ...]
-    edge_error: float
-    value: float
+    bands: tuple[tuple[float, float], ...]  # angular frequencies between which there are such
+    edge_error: float  # largest of their ends that the residuals allow, to first order; 0 without bands
+    value: float  # the smallest eigenvalue, or the largest singular value
     value_error: float
-    frequency: float
-    rightmost: float
-    agree: bool
+    frequency: float  # where it is; inf for the limit
+    rightmost: float  # largest real part of an eigenvalue of A
+    agree: bool  # samples and the Hamiltonian test see the same bands, and the same value
 
 
 def analyse(system: "FloatSystem") -> AxisAnalysis:
@@ -123,15 +101,6 @@ def analyse(system: "FloatSystem") -> AxisAnalysis:
     ------
     numpy.linalg.LinAlgError
         If the eigenvalues do not converge.
-
-    Examples
-    --------
-    >>> from passivity.floats.system import FloatSystem
-    >>> from passivity.rational.state_space import StateSpace
-    >>> system = FloatSystem.of(Kind.PR, StateSpace.from_entries([[-1]], [[1]], [[1]], [["-1/5"]]))
-    >>> found = analyse(system)
-    >>> [(round(low, 9), high) for low, high in found.bands], found.value, found.frequency, found.agree
-    ([(2.0, inf)], -0.2, inf, True)
     """
     from passivity.floats.system import Samples
 

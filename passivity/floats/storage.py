@@ -32,16 +32,7 @@ LOSSES = 0.3, 0.03, 0.003  # added to the system, in parts of what there is to s
 
 
 def strict_storage(system: StateSpace) -> fmpq_mat | None:
-    """P with M(P) < 0 and P > 0, None if none was found: S has a singular value of 1, or nearly.
-
-    Examples
-    --------
-    >>> half = StateSpace.from_entries([[-1]], [[1]], [["1/2"]], [[0]])  # S = 1/(2 (s + 1))
-    >>> proves(half, strict_storage(half))
-    True
-    >>> strict_storage(StateSpace.from_entries([[-1]], [[1]], [[2]], [[0]])) is None
-    True
-    """
+    """P with M(P) < 0 and P > 0, None if none was found: S has a singular value of 1, or nearly."""
     for p in _candidates(system):
         rounded = fmpq_mat(len(p), len(p), [fmpq(*Fraction(float(x)).as_integer_ratio()) for x in p.ravel()])
         if proves(system, rounded):

@@ -42,24 +42,14 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FloatSystem:
-    """A, B, C, D with balanced states and time in units that make A about 1.
+    """A, B, C, D with balanced states, at least one, and time in units that make A about 1."""
 
-    Parameters
-    ----------
-    kind : Kind
-        The form F(s) is (Z + Z^H)/2, or I - S^H S.
-    a, b, c, d : ndarray
-        Shapes (n, n), (n, m), (m, n), (m, m), n > 0.
-    unit : float
-        A power of two; frequencies of the given system are those of this one times the unit.
-    """
-
-    kind: Kind
+    kind: Kind  # the form F(s) is (Z + Z^H)/2, or I - S^H S
     a: NDArray[np.float64]
     b: NDArray[np.float64]
     c: NDArray[np.float64]
     d: NDArray[np.float64]
-    unit: float
+    unit: float  # a power of two, by which frequencies of this system are multiplied for the given one
 
     @classmethod
     def of(cls, kind: Kind, system: StateSpace) -> Self:
@@ -69,12 +59,6 @@ class FloatSystem:
         ------
         OverflowError
             If entries are too large for doubles.
-
-        Examples
-        --------
-        >>> system = StateSpace.from_entries([[-4]], [[4]], [[1]], [[1]])
-        >>> FloatSystem.of(Kind.PR, system).at(1j)[0].value  # 1 + 4/(4 + 4j)
-        1.5
         """
         from scipy.linalg import matrix_balance
 

@@ -39,13 +39,7 @@ def _negative(a: fmpz_poly) -> list[tuple[float, float]]:
 
 
 def in_words(intervals: Sequence[tuple[float, float]]) -> str:
-    """Intervals of w, the first MOST_NAMED of them.
-
-    Examples
-    --------
-    >>> in_words([(0, 1), (2, 3)])
-    'for ω < 1, for 2 < ω < 3'
-    """
+    """Intervals of w, the first MOST_NAMED of them."""
     return listed([_band(low, high) for low, high in intervals])
 
 

@@ -18,18 +18,7 @@ def routh_column(f: fmpz_poly) -> tuple[arb, ...] | None:
     The rows start at the low powers, so the column belongs to s^n f(1/s), whose roots lie in the same half plane. The
     product of the first k entries is a Hurwitz determinant, a whole number: when a ball leaves only zero for it, it
     *is* zero. So doubling the precision ends in every case, without exact elimination.
-
-    Parameters
-    ----------
-    f : fmpz_poly
-        Zero counts as having roots everywhere.
-
-    Examples
-    --------
-    >>> routh_column(fmpz_poly([2, 3, 1]))  # (s + 1)(s + 2)
-    (2.00000000000000, 3.00000000000000, 1.00000000000000)
-    >>> routh_column(fmpz_poly([1, 0, 1])) is None
-    True
+    Zero counts as having roots everywhere.
     """
     if not f:
         return None

@@ -19,41 +19,15 @@ _LONG = "the smallest value of a function of degree {}"
 
 
 class Infimum(NamedTuple):
-    """A number in [low, high], and a place x where the function comes as close to it.
+    """A number in [low, high], and a place x where the function comes as close to it."""
 
-    Parameters
-    ----------
-    low, high : Fraction or float
-        Equal if the value is known exactly; ``-math.inf`` if there is none.
-    frequency : float
-        Square root of x; ``math.inf`` if it is a limit.
-    """
-
-    low: Fraction | float
+    low: Fraction | float  # the same as high if the value is known exactly; -inf if there is none
     high: Fraction | float
-    frequency: float
+    frequency: float  # square root of x; inf if it is a limit
 
 
 def infimum(num: fmpz_poly, den: fmpz_poly, guess: int = 0) -> Infimum:
-    """Infimum of num/den over x >= 0.
-
-    Parameters
-    ----------
-    num, den : fmpz_poly
-        den >= 0 for x >= 0, and not zero.
-    guess : int
-        A value that is recognised exactly if it is the infimum, wherever it is attained.
-
-    Raises
-    ------
-    UndecidedError
-        If MAX_ROUNDS tests do not suffice.
-
-    Examples
-    --------
-    >>> infimum(fmpz_poly([4, -4, 1]), fmpz_poly([1, 1]))  # (x - 2)^2/(1 + x)
-    Infimum(low=Fraction(0, 1), high=Fraction(0, 1), frequency=1.4142135623730951)
-    """
+    """Infimum of num/den over x >= 0, where den >= 0; the guess is recognised exactly, wherever it is attained."""
     common = num.gcd(den)
     num, den = num // common, den // common
     if den.leading_coefficient() < 0:

@@ -28,14 +28,7 @@ class Root(NamedTuple):
     rising: bool
 
     def refined(self, bits: int) -> "Root":
-        """The same root within a relative width of 2^-bits, found exactly if it is met on the way.
-
-        Examples
-        --------
-        >>> root = Root(fmpz_poly([-2, 0, 1]), fmpq(0), fmpq(4), True).refined(20)
-        >>> root.low, root.high
-        (741455/524288, 1482911/1048576)
-        """
+        """The same root within a relative width of 2^-bits, found exactly if it is met on the way."""
         f, low, high, rising = self
         working = 2 * bits + 2 * f.degree()
         with ctx.workprec(working):
@@ -58,13 +51,7 @@ class Root(NamedTuple):
         return Root(f, low, high, rising)
 
     def sign_of(self, g: fmpz_poly) -> int:
-        """Sign of another polynomial at the root, which must not be a root of both.
-
-        Examples
-        --------
-        >>> Root(fmpz_poly([-2, 0, 1]), fmpq(0), fmpq(4), True).sign_of(fmpz_poly([-3, 2]))  # 2 sqrt(2) - 3
-        -1
-        """
+        """Sign of another polynomial at the root, which must not be a root of both."""
         root, bits = self, 40
         while True:
             root = root.refined(bits)
@@ -88,13 +75,7 @@ class Root(NamedTuple):
 
 
 def sqrt(x: fmpq) -> float:
-    """Square root of x >= 0, which may be beyond the doubles.
-
-    Examples
-    --------
-    >>> sqrt(fmpq(10) ** 400)
-    1e+200
-    """
+    """Square root of x >= 0, which may be beyond the doubles."""
     with ctx.workprec(100):
         return float(arb(x).sqrt())
 
@@ -106,11 +87,6 @@ def positive_roots(f: fmpz_poly) -> list[Root]:
     ----------
     f : fmpz_poly
         Without double roots, f(0) not zero.
-
-    Examples
-    --------
-    >>> [(root.low, root.high) for root in positive_roots(fmpz_poly([-3, 4, -1]))]  # (x - 1)(3 - x)
-    [(1, 1), (1, 16)]
     """
     pieces, found = [half_line(f)], []
     while pieces:
@@ -139,10 +115,10 @@ def _bound(f: fmpz_poly) -> fmpq:
 def approximate_roots(f: fmpz_poly) -> list[complex]:
     """Roots in the right half plane to double precision, as far as they are found, closest to the real axis first.
 
-    Examples
-    --------
-    >>> [f"{root:.6f}" for root in approximate_roots(fmpz_poly([-2, 1, 1]))]  # (s - 1)(s + 2)
-    ['1.000000+0.000000j']
+    They are the natural frequencies of the ladder in Routh's scheme. With m_k, the quotients of neighbours in Routh's
+    column, f(1/t) = 0 reads 1 + m_1 t + 1/(m_2 t + 1/(m_3 t + ...)) = 0, a ladder of inductors and capacitors closed
+    with a resistor of 1. Its matrix is tridiagonal and, in coordinates of equal energy, skew but for signs: its
+    eigenvalues are far less sensitive than those of the companion matrix.
     """
     n = f.degree()
     k = round((f[0].bit_length() - f[n].bit_length()) / n) if f[0] else 0

@@ -51,29 +51,17 @@ def product(f: fmpz_poly, g: fmpz_poly) -> fmpz_poly:
 
 
 def allowance(kind: Kind, p: fmpz_poly, q: fmpz_poly) -> fmpz_poly:
-    """A(x): Re p conj q of an impedance p/q, |q|^2 - |p|^2 of a reflection; must not be negative.
-
-    Examples
-    --------
-    >>> allowance(Kind.PR, fmpz_poly([1, 1, 1]), fmpz_poly([4, 1, 1]))  # touches zero at x = 2
-    x^2 + (-4)*x + 4
-    """
+    """A(x): Re p conj q of an impedance p/q, |q|^2 - |p|^2 of a reflection; must not be negative."""
     return product(p, q) if kind is Kind.PR else product(q + p, q - p)
 
 
 class SignProof(NamedTuple):
     """Why a polynomial is nonnegative for x >= 0.
 
-    Parameters
-    ----------
-    factors : tuple of (fmpz_poly, int)
-        Powers whose product is the polynomial, or one with smaller coefficients.
-    breaks : tuple of Fraction
-        They cut the half line into pieces, on each of which the product of all factors with an odd power has no
-        negative coefficient in t.
+    On each piece between breaks the product of all factors with an odd power has no negative coefficient in t.
     """
 
-    factors: Factors
+    factors: Factors  # powers whose product is the polynomial, or one with smaller coefficients
     breaks: tuple[Fraction, ...]
 
 
@@ -126,13 +114,6 @@ def find_sign(a: fmpz_poly) -> SignProof | Fraction:
     ------
     UndecidedError
         If more than MAX_PIECES pieces would be needed.
-
-    Examples
-    --------
-    >>> find_sign(fmpz_poly([4, -4, 1]))  # (x - 2)^2
-    SignProof(factors=((x + (-2), 2),), breaks=())
-    >>> find_sign(fmpz_poly([3, -4, 1]))  # (x - 1) (x - 3)
-    Fraction(2, 1)
     """
     if a[0] < 0:
         return Fraction(0)

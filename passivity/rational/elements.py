@@ -1,7 +1,6 @@
-"""Scattering matrices from impedances and back, and ideal elements with several ports: no losses, no memory.
+"""Scattering matrices from impedances and back: S = (Z - I)(Z + I)^-1, Z = (I + S)(I - S)^-1.
 
-S = (Z - I)(Z + I)^-1, Z = (I + S)(I - S)^-1. All flows are counted into the element; waves a and b are those of ports
-with the same reference resistance. An ideal element does not always have impedances.
+All flows are counted into the network; waves a and b are those of ports with the same reference resistance.
 """
 
 from fractions import Fraction
@@ -11,7 +10,7 @@ from flint import fmpz_poly
 from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
-from passivity.rational.matrix import MAX_PORTS, RationalMatrix
+from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import PolynomialMatrix, add, identity, minor_sums, scaled
 
 
@@ -73,13 +72,7 @@ def impedances(s: RationalMatrix, z0: Exact = 1) -> RationalMatrix:
 
 
 def inverted(n: PolynomialMatrix, d: fmpz_poly) -> tuple[fmpz_poly, PolynomialMatrix]:
-    """c and X, coprime, with (n/d + I)^-1 = X/c; c is zero if there is no inverse.
-
-    Examples
-    --------
-    >>> inverted([[fmpz_poly([1])]], fmpz_poly([0, 1]))  # 1/(1/s + 1)
-    (x + 1, [[x]])
-    """
+    """c and X, coprime, with (n/d + I)^-1 = X/c; c is zero if there is no inverse."""
     unit = d // d.content()
     sums, (adjugate, power) = minor_sums(add(n, identity(len(n), d)), unit)
     c, more = sums[-1]
@@ -114,46 +107,3 @@ def transformer_scattering(ratio: Exact) -> RationalMatrix:
     n = exact(ratio, "ratio")
     square = n * n + 1
     return RationalMatrix.from_rows([[(n * n - 1) / square, 2 * n / square], [2 * n / square, (1 - n * n) / square]])
-
-
-def gyrator_impedances(resistance: Exact) -> RationalMatrix:
-    """Z of the gyrator u1 = -r y2, u2 = r y1.
-
-    Examples
-    --------
-    >>> print(gyrator_impedances("2 ohm"))
-    [(0)/(1), (-2)/(1); (2)/(1), (0)/(1)]
-    """
-    r = exact(resistance, "resistance")
-    return RationalMatrix.from_rows([[0, -r], [r, 0]])
-
-
-def gyrator_scattering(resistance: Exact, z0: Exact = 1) -> RationalMatrix:
-    """S of the same gyrator.
-
-    Parameters
-    ----------
-    resistance : int, float, Fraction, Decimal or str
-        r of the gyrator.
-    z0 : int, float, Fraction, Decimal or str
-        Reference resistance of all ports, above zero.
-
-    Examples
-    --------
-    >>> print(gyrator_scattering("50 ohm", 50))
-    [(0)/(1), (-1)/(1); (1)/(1), (0)/(1)]
-    """
-    return scattering(gyrator_impedances(resistance), z0)
-
-
-def circulator_scattering(ports: int = 3) -> RationalMatrix:
-    """S of the circulator that hands what enters at a port to the next; 2 to MAX_PORTS ports.
-
-    Examples
-    --------
-    >>> print(circulator_scattering())
-    [(0)/(1), (0)/(1), (1)/(1); (1)/(1), (0)/(1), (0)/(1); (0)/(1), (1)/(1), (0)/(1)]
-    """
-    if not isinstance(ports, int) or not 1 < ports <= MAX_PORTS:
-        raise ExpressionError("ports", "not a number of ports", f"from 2 to {MAX_PORTS}", shown(ports, repr))
-    return RationalMatrix.from_rows([[int(i == (k + 1) % ports) for k in range(ports)] for i in range(ports)])

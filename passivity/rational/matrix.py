@@ -138,13 +138,7 @@ class RationalMatrix:
 
 
 def table(name: str, rows: Any) -> list[list[Any]]:
-    """The rows of something that can be iterated over twice.
-
-    Examples
-    --------
-    >>> table("A", ((1, 2), [3, 4]))
-    [[1, 2], [3, 4]]
-    """
+    """The rows of something that can be iterated over twice."""
     expected = "a sequence of rows, each a sequence of entries"
     if isinstance(rows, str) or not isinstance(rows, Iterable):
         raise ExpressionError(name, "not a matrix", expected, shown(rows, repr))

@@ -62,13 +62,7 @@ def minor_sums(a: PolynomialMatrix, g: fmpz_poly) -> tuple[list[tuple[fmpz_poly,
 
     Faddeev's and Leverrier's scheme, whose divisions are exact. Each result comes without a power of g, and with that
     power. Where a is a matrix of rational functions times their common denominator g, minors of order k mostly hold
-    the power k - 1 of it; divided out at once, it does not make the numbers grow.
-
-    Parameters
-    ----------
-    a : list of list of fmpz_poly
-    g : fmpz_poly
-        With coprime coefficients.
+    the power k - 1 of it; divided out at once, it does not make the numbers grow. The coefficients of g are coprime.
 
     Examples
     --------
@@ -107,13 +101,7 @@ def _divided(a: PolynomialMatrix, g: fmpz_poly) -> PolynomialMatrix | None:
 
 
 def hermitian_polynomial(kind: Kind, n: PolynomialMatrix, d: fmpz_poly) -> PolynomialMatrix:
-    """On the axis |d|^2 (Z + Z^H), or |d|^2 (I - S^H S), where Z or S is n/d.
-
-    Examples
-    --------
-    >>> hermitian_polynomial(Kind.PR, [[fmpz_poly([2])]], fmpz_poly([1, 1]))  # 2 (1 - s) + 2 (1 + s)
-    [[4]]
-    """
+    """On the axis |d|^2 (Z + Z^H), or |d|^2 (I - S^H S), where Z or S is n/d."""
     minus = d(fmpz_poly([0, -1]))
     if kind is Kind.PR:
         return add(scaled(n, minus), scaled(mirrored(n), d))
@@ -127,11 +115,6 @@ def axis_sums(kind: Kind, n: PolynomialMatrix, d: fmpz_poly) -> Iterator[tuple[f
     ------
     UndecidedError
         If it would take more than MAX_WORK.
-
-    Examples
-    --------
-    >>> list(axis_sums(Kind.PR, [[fmpz_poly([0, 1])]], fmpz_poly([1, 1])))  # s/(s + 1)
-    [(2*x, 0)]
     """
     m, bits = len(n), max(height_bits(n), d.height_bits())
     if m**4 * (degree(n, d) + 1) * bits > MAX_WORK:

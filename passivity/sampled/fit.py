@@ -56,16 +56,8 @@ MOST_IN_VAIN = 3  # orders that do not pay, after which no higher is tried
 def poles_of(w: NDArray, h: NDArray[np.complex128], orders: Iterable[int], grows: bool = False) -> Iterator[NDArray]:
     """For each order in turn, poles in Re s < 0 that responses have in common, one of each pair.
 
-    Parameters
-    ----------
-    w : ndarray, shape (n,)
-        Angular frequencies, in units of the highest.
-    h : ndarray, shape (n, k)
-        Samples of k responses, of the size of 1.
-    orders : iterable of int
-        Numbers of poles, both of a pair counted, rising, at most n - 2.
-    grows : bool
-        Whether responses may grow like s.
+    Frequencies w (n,) are in units of the highest, samples h (n, k) of k responses of the size of 1; they may grow like
+    s or not. Orders are numbers of poles, both of a pair counted, rising, at most n - 2.
     """
     poles: NDArray[np.complex128] = np.zeros(0, complex)
     for order in orders:
@@ -226,14 +218,7 @@ def fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[Any]:
 
 
 class Reached:
-    """The least error so far, and whether more poles still pay.
-
-    Examples
-    --------
-    >>> reached = Reached()
-    >>> [reached.is_enough(error, order) for order, error in ((40, 0.5), (50, 0.3), (60, 0.29), (80, 0.3), (100, 0.3))]
-    [False, False, False, False, True]
-    """
+    """The least error so far, and whether more poles still pay."""
 
     def __init__(self):
         self.error, self.fewest, self.most, self.in_vain = math.inf, 0, 0, 0

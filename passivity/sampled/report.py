@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from passivity.exact.certificate import verify
 from passivity.sampled.check import Band, SampleVerdict, worst_values
 from passivity.sampled.enforce import Enforced
-from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.model import PartialFractions
 from passivity.sampled.response import Parameter
 
 _MOST_BANDS = 6  # bands that are printed
@@ -22,15 +22,7 @@ _UNITS = {Parameter.Z: "  [Ω]", Parameter.Y: "  [S]", Parameter.S: ""}
 
 
 def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) -> dict[str, Any]:
-    """What JSON can hold of a verdict on samples and of a model.
-
-    Examples
-    --------
-    >>> from passivity.sampled.check import check_samples
-    >>> from passivity.sampled.response import SampledResponse
-    >>> samples_as_dict(check_samples(SampledResponse([1, 2], [0.5, 1.5], "S")))["bands"][0]["worst"]
-    1.5
-    """
+    """What JSON can hold of a verdict on samples and of a model."""
     response, witness = verdict.response, verdict.witness
     told: dict[str, Any] = {
         "parameter": response.parameter.value,
@@ -68,13 +60,11 @@ def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) ->
     return told
 
 
-def _model(model: PoleResidueModel) -> dict[str, Any]:
-    return {
-        "poles": [[a.real, a.imag] for a in model.poles.tolist()],
-        "residues": [[r.real, r.imag] for r in model.residues.tolist()],
-        "constant": model.constant,
-        "proportional": model.proportional,
-    }
+def _model(model: PartialFractions) -> dict[str, Any]:
+    """Real and imaginary part of each pole and residue; of several ports residues and the rest are matrices."""
+    poles, residues = (np.stack([x.real, x.imag], -1).tolist() for x in (model.poles, model.residues))
+    rest = {"constant": model.constant, "proportional": model.proportional}
+    return {"poles": poles, "residues": residues} | {name: np.asarray(x).tolist() for name, x in rest.items()}
 
 
 def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[str]:
@@ -94,7 +84,7 @@ def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[s
     if enforced:
         model = enforced.model
         lines += [
-            f"nearest passive model, {len(model.poles)} poles: {enforced.verdict.status.value}",
+            f"nearest passive model, {model.order} poles: {enforced.verdict.status.value}",
             f"  because {enforced.verdict.why}",
             f"  it misses the samples by {enforced.misfit.rms:.3g} (rms, relative), "
             f"the best fit by {enforced.misfit_before.rms:.3g}; being passive cost {enforced.change.rms:.3g}",
@@ -136,13 +126,6 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
         From `check_samples`.
     enforced : Enforced, optional
         Its models, before and after, are drawn to BEYOND times the highest frequency.
-
-    Examples
-    --------
-    >>> from passivity.sampled.check import check_samples
-    >>> from passivity.sampled.response import SampledResponse
-    >>> draw_samples(check_samples(SampledResponse([1, 2], [0.5, 1.5], "S"))).axes[0].get_xlabel()
-    'frequency f'
     """
     response, f = verdict.response, verdict.response.f
     figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
@@ -197,5 +180,5 @@ def _draw_models(axes: Axes, enforced: Enforced, f: NDArray) -> None:
         (enforced.original, _BEFORE, "--", "model as given"),
         (enforced.model, _AFTER, "-", "nearest passive model"),
     ):
-        values = worst_values(model.at(w)[:, None, None], model.parameter)
+        values = worst_values(model.matrices(w), model.parameter)
         axes.plot(w / (2 * np.pi), values, style, color=color, linewidth=1.7, label=name)

@@ -38,35 +38,20 @@ def half_unit(text: str) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Rounding:
-    """Rectangles in which the entries of matrices lie, all arrays of shape (n, p, p).
+    """Rectangles in which the entries of matrices lie, all arrays of shape (n, p, p)."""
 
-    Parameters
-    ----------
-    direction : ndarray of complex
-        Of modulus 1.
-    along, across : ndarray
-        Half the sides, along and across the direction.
-    left, right : ndarray of complex, optional
-        L and R, where this is about matrices that change by L E R with what is printed; see `through`.
-    second : ndarray, shape (n,)
-        What is then left to be added.
-    """
-
-    direction: NDArray[np.complex128]
-    along: NDArray
+    direction: NDArray[np.complex128]  # of modulus 1
+    along: NDArray  # half the sides, along and across the direction
     across: NDArray
-    left: NDArray[np.complex128] | None = None
+    left: NDArray[np.complex128] | None = None  # L and R, where matrices change by L E R with what is printed
     right: NDArray[np.complex128] | None = None
-    second: NDArray | float = 0.0
+    second: NDArray | float = 0.0  # what is then left to be added, shape (n,)
 
     @classmethod
     def of_pairs(cls, form: str, first: NDArray, second: NDArray, halves: NDArray) -> Self:
         """Of numbers in a file; `halves` are the half units of first and second, shape (2, n, p, p).
 
-        Parameters
-        ----------
-        form : str
-            ``ri`` for real and imaginary part, ``ma`` for modulus and angle in degrees, ``db`` for decibels and angle.
+        The form is ``ri`` for real and imaginary part, ``ma`` for modulus and angle in degrees, or ``db`` for decibels.
         """
         one, two = halves
         if form == "ri":
@@ -116,14 +101,7 @@ class Rounding:
 
 
 def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
-    """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest.
-
-    Examples
-    --------
-    >>> rounding, values = of_tokens("ri", [[".70711", ".70711"]], 1)
-    >>> (abs(values[:, 0, 0]) - 1).round(8), rounding.reach(values[:, 0] / abs(values[:, 0]), np.ones((1, 1))).round(8)
-    (array([4.55e-06]), array([7.07e-06]))
-    """
+    """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest."""
     shape = len(rows), ports, ports, 2
     numbers = np.array([[float(x) for x in row] for row in rows]).reshape(shape)
     halves = np.array([[half_unit(x) for x in row] for row in rows]).reshape(shape)
