@@ -210,7 +210,7 @@ class Verdict(Decided):
     """
 
     kind: Kind
-    function: Network
+    function: Any
     status: Status
     certificate: Certificate | StorageCertificate | None = None
     witness: Witness | None = None

@@ -148,7 +148,7 @@ def _real(matrix: NDArray[np.complex128]) -> NDArray:
     return np.vstack([matrix.real, matrix.imag])
 
 
-def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel | MatrixModel:
+def fit(response: SampledResponse, order: int | None = None) -> Any:
     """A rational model with poles in Re s < 0 through samples, common to all entries, not necessarily passive.
 
     Parameters

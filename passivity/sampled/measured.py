@@ -227,7 +227,7 @@ def _first_that_meets(
     raise reached.refusal(tolerance, nearest, otherwise)
 
 
-def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tuple[float, PoleResidueModel]]:
+def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tuple[float, Any]]:
     """Delays and models of ever more poles: without a delay and behind the best one, unless it is known."""
     orders = [k for k in MEETING if k <= len(response.f) - 2]
     T = rough = _rough_delay(response) if delay is None else delay

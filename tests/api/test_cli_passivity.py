@@ -209,7 +209,7 @@ def test_undecided_exits_3(monkeypatch):
 def test_json_of_a_proof_holds_the_certificate():
     told = json.loads(run(TOUCHING, "--json", "--within", "1e-9").stdout)
     assert (told["status"], told["lossless"], told["hidden_factor"]) == ("proved", False, None)
-    assert told["certificate"]["sign_factors"] == [{"factor": ["1", "-2"], "power": 2}]
+    assert told["certificate"]["sums"][0]["sign_factors"] == [{"factor": ["1", "-2"], "power": 2}]
     assert [float(pivot) for pivot in told["certificate"]["routh_column"]] == [5, 2, 2]
     assert told["certificate"]["verified"] is True
     assert told["robustness"]["same"] is False
