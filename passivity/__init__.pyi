@@ -35,6 +35,7 @@ from passivity.sampled.check import SampleVerdict as SampleVerdict
 from passivity.sampled.check import check_samples as check_samples
 from passivity.sampled.enforce import Enforced as Enforced
 from passivity.sampled.enforce import enforce as enforce
+from passivity.sampled.enforce import nearest as nearest
 from passivity.sampled.fit import fit as fit
 from passivity.sampled.measured import DelayedModel as DelayedModel
 from passivity.sampled.measured import fit_behind_delay as fit_behind_delay

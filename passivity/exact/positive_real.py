@@ -125,9 +125,10 @@ def _of_one_port(function: RationalFunction, kind: Kind) -> Verdict:
 
 
 def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
-    first = isinstance(network, StateSpace) and kind is Kind.BR and network.states >= _STORAGE_FIRST
-    if first and (storage := _strict_storage(network)):
-        return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, storage))
+    if isinstance(network, StateSpace) and kind is Kind.BR and network.states >= _STORAGE_FIRST:
+        storage = _strict_storage(network)
+        if storage is not None:
+            return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, storage))
     try:
         return replace(_by_minors(kind, network), hidden=hidden_modes(network))
     except UndecidedError as error:
@@ -162,7 +163,8 @@ def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
 
 def by_storage(system: StateSpace) -> Verdict:
     """The verdict on S that a storage function gives, or a point where there can be none; no minors."""
-    if storage := _strict_storage(system):
+    storage = _strict_storage(system)
+    if storage is not None:
         return Verdict(Kind.BR, system, Status.PROVED, StorageCertificate(Kind.BR, system, storage))
     return refuted_or_undecided(Kind.BR, system, "no storage function was found")
 
@@ -187,11 +189,12 @@ def refuted_or_undecided(kind: Kind, network: StateSpace, reason: str) -> Verdic
     verdict = Verdict(kind, network, Status.UNDECIDED, budget=reason)
     try:
         system = FloatSystem.of(kind, network)
-        verdict = replace(verdict, analysis=analyse(system))
+        analysis = analyse(system)
     except (OverflowError, ValueError):  # beyond the range of doubles, or the eigenvalues do not converge
         return verdict
+    verdict = replace(verdict, analysis=analysis)
     try:
-        for re, im in suspects(system, verdict.analysis):
+        for re, im in suspects(system, analysis):
             if witness := of_multiport(kind, network)(re, im):
                 return replace(verdict, status=Status.REFUTED, witness=witness, budget="")
     except UndecidedError as error:

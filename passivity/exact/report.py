@@ -28,8 +28,8 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
     if verdict.witness:
         told["witness"] = point(verdict.witness)
     if found := verdict.analysis:
-        told["analysis"] = {name: _number(x) for name, x in vars(found).items() if name != "bands"}
-        told["analysis"]["bands"] = [[_number(x) for x in band] for band in found.bands]
+        bands = [[_number(x) for x in band] for band in found.bands]
+        told["analysis"] = {name: _number(x) for name, x in vars(found).items() if name != "bands"} | {"bands": bands}
     if verdict.certificate:
         verified = if_affordable(VERDICT, verify, verdict.certificate)
         told["certificate"] = _certificate(verdict.certificate) | {"verified": verified}

@@ -18,26 +18,22 @@ C. L. Lawson, R. J. Hanson, "Solving Least Squares Problems", 1974, chapter 23, 
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeAlias, TypeVar
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from passivity.budget import UndecidedError
 from passivity.errors import ExpressionError
-from passivity.exact.positive_real import by_storage, check
 from passivity.exact.verdict import Verdict
-from passivity.floats.axis import AxisAnalysis, analyse
-from passivity.floats.system import FloatSystem
-from passivity.polynomial.bands import violations
-from passivity.rational.state_space import StateSpace
-from passivity.sampled.check import excess, worst_values
-from passivity.sampled.model import MatrixModel, PoleResidueModel, terms
+from passivity.sampled.check import check_samples, excess
+from passivity.sampled.extremes import Place, exact_extremes, extremes_on_grid, grid_of, seen, verdict_of
+from passivity.sampled.model import MatrixModel, PartialFractions, PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
-from passivity.status import Status
+from passivity.status import Decided, Status
 
-FEW = 4  # ports up to which the exact test takes seconds
 MAX_ROUNDS = 30
 MAX_SPREAD = 1e16  # of the moduli and real parts of poles: more is lost in rounding
 SPARE = 1e-5  # of the first violation: how far inside the bound is aimed at, so that the limit is reached
@@ -46,14 +42,8 @@ ROOM = (0.0, 1e-9, 1e-7, 1e-5, 1e-3)  # by which several ports end inside the bo
 BARELY = 1e-6  # beyond the bound: then all of the model is moved inside
 UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
 FARTHEST = 1e6  # times the distance to the farthest half space; where there is no solution it is infinite
-POINTS = 60  # in a forbidden band, at equal ratios
-BEYOND = 1e6  # times the largest frequency: stands for infinity, its inverse for zero
-AROUND = np.tan(np.linspace(-1.5, 1.5, 17))  # of the half width of a resonance: frequencies that show it
-EVEN = 100  # frequencies at equal ratios
-CLOSER = 3  # rounds, ten times closer each, in which a maximum is located
 
 M = TypeVar("M", PoleResidueModel, MatrixModel)
-Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far beyond the bound, vectors u and v
 
 
 class Deviation(NamedTuple):
@@ -63,9 +53,9 @@ class Deviation(NamedTuple):
     max: float
 
 
-@dataclass(frozen=True, eq=False)
-class Enforced:
-    """The outcome of `enforce`.
+@dataclass(frozen=True, eq=False, repr=False)
+class Enforced(Decided):
+    """The nearest passive model, its proof and its distance: the outcome of `nearest` and `enforce`.
 
     Parameters
     ----------
@@ -81,6 +71,8 @@ class Enforced:
         Of the model from the given one.
     misfit, misfit_before : Deviation
         Of the model and of the given one from the samples.
+    samples : SampledResponse
+        At whose frequencies these are told.
     """
 
     model: Any
@@ -90,9 +82,88 @@ class Enforced:
     change: Deviation
     misfit: Deviation
     misfit_before: Deviation
+    samples: SampledResponse
+
+    @property
+    def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether the model is proved passive."""
+        return self.verdict.status
+
+    @property
+    def why(self) -> str:
+        """Why it is passive, or why it was not made so."""
+        return self.verdict.why
+
+    @cached_property
+    def worst(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Largest |S| or singular value, smallest Re Z or eigenvalue, and its frequency in Hz: before and after."""
+        return _worst(self.original), _worst(self.model)
+
+    @property
+    def response(self) -> SampledResponse:
+        """The model at the samples' frequencies; `SampledResponse.touchstone` is the text of a file."""
+        return replace(self.samples, values=self.model.matrices(2 * np.pi * self.samples.f), rounding=None)
+
+    def text_lines(self) -> list[str]:
+        """The verdict, the worst value before and after, and the distances."""
+        from passivity.sampled.report import model_in_lines
+
+        return model_in_lines(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The models before and after as JSON can hold them."""
+        from passivity.sampled.report import models_as_dict
+
+        return models_as_dict(self)
+
+    def _figure(self) -> Any:
+        """The worst values of samples and models against their bound."""
+        from passivity.sampled.report import draw_samples
+
+        return draw_samples(check_samples(self.samples), self)
 
 
-def enforce(model: M, samples: SampledResponse, only_constant: bool = False) -> Enforced:
+def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) -> Enforced:
+    """The nearest passive model of samples, or to a model that is not passive, with its proof and its distance.
+
+    Parameters
+    ----------
+    what : SampledResponse, str, Path, PoleResidueModel or MatrixModel
+        Z, Y or S of one port or several: samples or a Touchstone file, to which a model is fitted first, or a model,
+        whose change is then measured at frequencies that show all its resonances.
+    order : int, optional
+        Number of poles of the fit, see `fit`.
+
+    Raises
+    ------
+    ExpressionError
+        What `read_touchstone`, `fit` or `enforce` refuses.
+
+    Examples
+    --------
+    >>> f = np.linspace(0, 1, 50)
+    >>> S = np.array([[0.1, 1.0], [0.9, 0]]) / (1 + 2j * np.pi * f)[:, None, None]
+    >>> found = nearest(SampledResponse(f, S, "S"), order=1)
+    >>> before, after = (round(value, 3) for value, _ in found.worst)
+    >>> str(found.status), before, after, found.change.rms < 0.05
+    ('proved', 1.009, 1.0, True)
+    """
+    from passivity.sampled.fit import fit
+    from passivity.sampled.read import read_touchstone
+
+    if isinstance(what, str | Path):
+        what = read_touchstone(what)
+    if isinstance(what, SampledResponse):
+        return enforce(fit(what, order), what)
+    if not isinstance(what, PartialFractions):
+        expected = "samples, a Touchstone file, or a PoleResidueModel or MatrixModel"
+        raise ExpressionError("what", "no model can be made of it", expected, type(what).__name__)
+    w = grid_of(what, np.zeros(0))
+    w = w[~np.isin(w, what.poles.imag[what.poles.real == 0])]
+    return enforce(what, SampledResponse(w / (2 * np.pi), what.matrices(w), what.parameter))
+
+
+def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -> Enforced:
     """Change the coefficients of a model as little as possible so that it is passive, which is then proved.
 
     Parameters
@@ -125,31 +196,24 @@ def enforce(model: M, samples: SampledResponse, only_constant: bool = False) -> 
     verdict, rounds, changed = verdict_of(model), 0, model
     if verdict.status is not Status.PROVED:
         if isinstance(model, PoleResidueModel):
-            found, rounds = _least_changed(model, w, free, _exact_extremes)
+            found, rounds = _least_changed(model, w, free, exact_extremes)
             after = verdict_of(found)
         else:
             found, after, rounds = _of_several(model, w, free)
         changed, verdict = (found, after) if after.status is Status.PROVED else (model, verdict)
     here, before = changed.matrices(w), model.matrices(w)
     errors = deviation(here, before), deviation(here, data), deviation(before, data)
-    return Enforced(changed, model, verdict, rounds, *errors)
+    return Enforced(changed, model, verdict, rounds, *errors, samples)
 
 
-def verdict_of(model: PoleResidueModel | MatrixModel) -> Verdict:
-    """Exact: of the function, of the matrix up to FEW ports, else of a state space."""
-    if isinstance(model, PoleResidueModel) or len(model.constant) <= FEW or model.proportional.any():
-        return check(model.rational(), model.parameter.kind)
-    system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
-    return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)
-
-
-def seen(model: MatrixModel) -> AxisAnalysis:
-    """The worst value over all frequencies, and bands where it is beyond the bound, in floating point."""
-    A, B, C, D = model.realised()
-    if not len(A):  # a state that does nothing
-        A, B, C = -np.eye(1), np.zeros((1, len(D))), np.zeros((len(D), 1))
-    system = StateSpace.from_entries(*(x.tolist() for x in (A, B, C, D)))
-    return analyse(FloatSystem.of(model.parameter.kind, system))
+def _worst(model: PoleResidueModel | MatrixModel) -> tuple[float, float]:
+    """The worst value over all frequencies, exact of one port, and its frequency in Hz."""
+    if isinstance(model, PoleResidueModel):
+        margins = verdict_of(model).margins
+        margin = margins.reflection if model.parameter is Parameter.S else margins.input
+        return (margin.value, margin.frequency / (2 * np.pi)) if margin else (math.nan, math.nan)
+    analysis = seen(model)
+    return analysis.value, analysis.frequency / (2 * np.pi)
 
 
 def deviation(values: NDArray, reference: NDArray) -> Deviation:
@@ -220,65 +284,6 @@ def _least_changed(model: M, w: NDArray, free: NDArray, extremes: Callable[[M], 
     return changed, MAX_ROUNDS
 
 
-def _places(model: PoleResidueModel | MatrixModel, w: NDArray) -> list[Place]:
-    """The worst value at each frequency, and others beyond the bound."""
-    values = model.matrices(w)
-    if model.parameter is Parameter.S:
-        left, sizes, right = np.linalg.svd(values)
-        beyond, right = sizes - 1, right.conj().swapaxes(1, 2)
-    else:
-        sizes, left = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)
-        beyond, right = -sizes, left
-    chosen = [(i, j) for i, j in np.ndindex(beyond.shape) if j == 0 or beyond[i, j] > 0]
-    return [(float(w[i]), float(beyond[i, j]), left[i, :, j], right[i, :, j]) for i, j in chosen]
-
-
-def _exact_extremes(model: PoleResidueModel) -> list[Place]:
-    """Where a function is locally worst in each of its forbidden bands, which the exact test finds."""
-    verdict = verdict_of(model)
-    if verdict.status is not Status.REFUTED:
-        return []
-    try:
-        return _places(model, worst_frequencies(model, violations(verdict.negative)))
-    except UndecidedError:
-        return []
-
-
-def worst_frequencies(model: PoleResidueModel, bands: list[tuple[float, float]]) -> NDArray:
-    """In each forbidden band all frequencies where the model is locally worst, rad/s."""
-    marks = np.array([*np.abs(model.poles), *(edge for band in bands for edge in band)])
-    marks = marks[(marks > 0) & (marks < math.inf)]
-    least, most = (marks.min() / BEYOND, marks.max() * BEYOND) if len(marks) else (1.0, 1.0)
-    found = []
-    for low, high in bands:
-        low, high = max(low, least), min(high, most)
-        near = [np.abs(a.imag + a.real * AROUND) for a in model.poles if a.real]
-        inner = np.concatenate([np.geomspace(low, high, POINTS), *near])
-        w = np.unique(inner[(inner >= low) & (inner <= high)])
-        beyond = _beyond(model, w)
-        padded = np.pad(beyond, 1, constant_values=-math.inf)
-        peaks = np.flatnonzero((beyond >= padded[:-2]) & (beyond > padded[2:]) & (beyond > 0))
-        peaks = peaks if len(peaks) else np.array([np.argmax(beyond)])
-        found += [_summit(model, w, int(k)) for k in peaks]
-    return np.array(found)
-
-
-def _beyond(model: PoleResidueModel | MatrixModel, w: NDArray) -> NDArray:
-    return excess(worst_values(model.matrices(w), model.parameter), model.parameter)
-
-
-def _summit(model: PoleResidueModel, w: NDArray, k: int) -> float:
-    """The top between the neighbours of a point that is higher than they."""
-    from scipy.optimize import minimize_scalar
-
-    low, high = math.log(w[max(k - 1, 0)]), math.log(w[min(k + 1, len(w) - 1)])
-    if low == high:
-        return float(w[k])
-    top: Any = minimize_scalar(lambda x: -_beyond(model, np.exp([x]))[0], bounds=(low, high), method="bounded")
-    found = np.array([w[k], math.exp(top.x)])
-    return float(found[np.argmax(_beyond(model, found))])
-
-
 def _of_several(model: MatrixModel, w: NDArray, free: NDArray) -> tuple[MatrixModel, Verdict, int]:
     """The nearest passive model, moved inside the bound until that is proved; else the last that was tried."""
     marks, size = [], 0.0
@@ -286,13 +291,13 @@ def _of_several(model: MatrixModel, w: NDArray, free: NDArray) -> tuple[MatrixMo
 
     def extremes(changed: MatrixModel) -> list[Place]:
         nonlocal size
-        if places := _extremes(changed, w, np.array(marks)):
+        if places := extremes_on_grid(changed, w, np.array(marks)):
             return places
         analysis = seen(changed)
         size = float(excess(np.array(analysis.value), model.parameter)) + analysis.value_error
         edges = np.array([analysis.frequency, *np.ravel(analysis.bands)])
         marks.extend(edges[np.isfinite(edges)])
-        return _extremes(changed, w, np.array(marks)) if size > BARELY * unit else []
+        return extremes_on_grid(changed, w, np.array(marks)) if size > BARELY * unit else []
 
     found, rounds = _least_changed(model, w, free, extremes)
     verdict = verdict_of(found)
@@ -304,26 +309,6 @@ def _of_several(model: MatrixModel, w: NDArray, free: NDArray) -> tuple[MatrixMo
         if verdict.status is Status.PROVED:
             return inside, verdict, rounds
     return found, verdict, rounds
-
-
-def _extremes(model: MatrixModel, w: NDArray, also: NDArray) -> list[Place]:
-    """Frequencies beyond the bound, wherever the worst value has an extreme."""
-    a, top = model.poles, max(w[-1], float(np.abs(model.poles).max(initial=0.0)))
-    around = np.abs(a.imag[:, None] + a.real[:, None] * AROUND).ravel()
-    grid = np.unique(np.concatenate([[0.0], w, also, around, np.geomspace(top / BEYOND, top * BEYOND, EVEN)]))
-    peaks = _peaks(model, grid)
-    for _ in range(CLOSER):
-        low, high = grid[np.maximum(peaks - 1, 0)], grid[np.minimum(peaks + 1, len(grid) - 1)]
-        grid = np.unique(low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 12))
-        peaks = _peaks(model, grid)
-    return [place for place in _places(model, grid[peaks]) if place[1] > 0]
-
-
-def _peaks(model: MatrixModel, grid: NDArray) -> NDArray:
-    """Where the worst value is beyond the bound and no better than at the neighbours."""
-    beyond = np.pad(_beyond(model, grid), 1, constant_values=-math.inf)
-    inner = beyond[1:-1]
-    return np.flatnonzero((inner > 0) & (inner >= beyond[:-2]) & (inner >= beyond[2:]))
 
 
 def whitening(phi: NDArray[np.complex128]) -> NDArray:

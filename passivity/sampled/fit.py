@@ -213,7 +213,9 @@ def fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[Any]:
             empty: Any = PoleResidueModel(poles * unit, np.zeros(len(poles)), 0.0, 0.0, response.parameter)
             yield empty.with_coefficients(x[:, 0])
             continue
-        empty = MatrixModel(poles * unit, np.zeros((len(poles), p, p)), np.zeros((p, p)), 0.0, response.parameter)
+        empty = MatrixModel(
+            poles * unit, np.zeros((len(poles), p, p), complex), np.zeros((p, p)), 0.0, response.parameter
+        )
         yield empty.with_coefficients(x.reshape(-1, p, p))
 
 

@@ -25,7 +25,8 @@ from passivity.floats.axis import AxisAnalysis
 from passivity.polynomial.bands import violations
 from passivity.rational.state_space import MAX_STATES
 from passivity.sampled.check import check_samples
-from passivity.sampled.enforce import FEW, enforce, seen, verdict_of, worst_frequencies
+from passivity.sampled.enforce import enforce
+from passivity.sampled.extremes import FEW, seen, verdict_of, worst_frequencies
 from passivity.sampled.fit import MEETING, Reached, fit, fits
 from passivity.sampled.model import MatrixModel, PoleResidueModel
 from passivity.sampled.response import Parameter, SampledResponse

@@ -46,17 +46,18 @@ def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) ->
             "value": str(witness.value),
             "bar": str(witness.bar),
         }
-    if enforced:
-        certificate = enforced.verdict.certificate
-        told["model"] = _model(enforced.model) | {
-            "status": enforced.verdict.status.value,
-            "why": enforced.verdict.why,
-            "verified": certificate is not None and verify(certificate),
-            "rounds": enforced.rounds,
-            "change": enforced.change._asdict(),
-            "misfit": enforced.misfit._asdict(),
-        }
-        told["fitted"] = _model(enforced.original) | {"misfit": enforced.misfit_before._asdict()}
+    return told | ({} if enforced is None else models_as_dict(enforced))
+
+
+def models_as_dict(enforced: Enforced) -> dict[str, Any]:
+    """The nearest passive model, with its distance and whether its proof was verified, and the model before."""
+    certificate, told = enforced.verdict.certificate, {}
+    models = {"fitted": (enforced.original, enforced.misfit_before), "model": (enforced.model, enforced.misfit)}
+    for (name, (model, misfit)), (worst, frequency) in zip(models.items(), enforced.worst, strict=True):
+        told[name] = _model(model) | {"misfit": misfit._asdict(), "worst": worst}
+        told[name]["worst_frequency"] = frequency if np.isfinite(frequency) else str(frequency)
+    told["model"] |= {"status": enforced.status.value, "why": enforced.why, "rounds": enforced.rounds}
+    told["model"] |= {"verified": certificate is not None and verify(certificate), "change": enforced.change._asdict()}
     return told
 
 
@@ -81,15 +82,22 @@ def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[s
     if len(verdict.bands) > _MOST_BANDS:
         lines.append(f"  and in {len(verdict.bands) - _MOST_BANDS} more bands")
     lines += [f"  note: {caveat}" for caveat in verdict.caveats]
-    if enforced:
-        model = enforced.model
-        lines += [
-            f"nearest passive model, {model.order} poles: {enforced.verdict.status.value}",
-            f"  because {enforced.verdict.why}",
-            f"  it misses the samples by {enforced.misfit.rms:.3g} (rms, relative), "
-            f"the best fit by {enforced.misfit_before.rms:.3g}; being passive cost {enforced.change.rms:.3g}",
-        ]
-    return lines
+    return lines + ([] if enforced is None else model_in_lines(enforced))
+
+
+def model_in_lines(enforced: Enforced) -> list[str]:
+    """The nearest passive model and its distance in words, line by line."""
+    (before, _), (after, f) = enforced.worst
+    ports, parameter = enforced.samples.ports, enforced.samples.parameter.value
+    what = f"smallest {'Re ' + parameter if ports == 1 else f'eigenvalue of ({parameter} + {parameter}*)/2'}"
+    what = {"S": "largest |S|" if ports == 1 else "largest singular value of S"}.get(parameter, what)
+    return [
+        f"nearest passive model, {enforced.model.order} poles: {enforced.status.value}",
+        f"  because {enforced.why}",
+        f"  {what} = {before:.6g} before, {after:.6g} after, at {f:.6g} Hz",
+        f"  it misses the samples by {enforced.misfit.rms:.3g} (rms, relative), "
+        f"the best fit by {enforced.misfit_before.rms:.3g}; being passive cost {enforced.change.rms:.3g}",
+    ]
 
 
 def _value(verdict: SampleVerdict) -> str:
@@ -136,7 +144,7 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
     axes.errorbar(
         f, verdict.worst, verdict.bars, fmt="o", color=_INK, markersize=3.5, elinewidth=0.8, label="samples", zorder=3
     )
-    if enforced:
+    if enforced is not None:
         _draw_models(axes, enforced, f)
     scattering = response.parameter is Parameter.S
     bound, (bottom, top) = float(scattering), axes.get_ylim()
@@ -158,7 +166,7 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
     axes.grid(alpha=0.3)
     axes.legend(loc="best", fontsize=8, frameon=False)
     title = f"samples: {verdict.status.value}"
-    title += f"; model: {enforced.verdict.status.value}" if enforced else ""
+    title += "" if enforced is None else f"; model: {enforced.status.value}"
     figure.suptitle(title, x=0.02, ha="left", fontweight="bold")
     return figure
 

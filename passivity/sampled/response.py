@@ -198,6 +198,26 @@ class SampledResponse:
         """Number of ports."""
         return self.values.shape[1]
 
+    def touchstone(self) -> str:
+        """Text of a Touchstone file of version 1, from which `read_touchstone` has the same numbers; Z and Y as such.
+
+        Raises
+        ------
+        ExpressionError
+            For S of ports with different reference resistances.
+        """
+        z0 = float(self.z0[0]) if self.parameter is Parameter.S else 1.0
+        if self.parameter is Parameter.S and (self.z0 != z0).any():
+            raise ExpressionError("z0", "different reference resistances", "one for all ports", f"{self.z0}")
+        lines = [f"# Hz {self.parameter.value} RI R {z0!r}"]
+        for f, matrix in zip(self.f.tolist(), self.values, strict=True):
+            rows = [matrix.T.ravel()]
+            if self.ports > 2:
+                rows = [part for row in matrix for part in np.split(row, range(4, self.ports, 4))]
+            written = [" ".join(f"{x.real!r} {x.imag!r}" for x in row.tolist()) for row in rows]
+            lines += [f"{f!r} {written[0]}", *written[1:]]
+        return "\n".join(lines) + "\n"
+
 
 def array(given: ArrayLike, kind: type, name: str) -> NDArray:
     """A copy as an array of finite numbers that nobody can change; `name` stands in the error."""
