@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.harness import DOCS, ROOT
 from passivity import RationalFunction, check_positive_real
-from passivity.one_port.picture import draw_verdict
+from passivity.exact.picture import draw_verdict
 from tline.design import vessel
 from tline.frequency.oscillations import resonances
 from tline.frequency.response import respond

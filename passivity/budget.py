@@ -81,13 +81,7 @@ def budget(units: int) -> Iterator[None]:
 
 
 def if_affordable(units: int, ask: Callable[..., T], *given: Any) -> T | None:
-    """What a function says of what is given, None if the budget runs out.
-
-    Examples
-    --------
-    >>> if_affordable(100, abs, -3), if_affordable(100, spend, 200, "this")
-    (3, None)
-    """
+    """What a function says of what is given, None if the budget runs out."""
     try:
         with budget(units):
             return ask(*given)

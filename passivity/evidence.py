@@ -6,13 +6,11 @@ from passivity.calculus.proof import Proof, verify_proof
 from passivity.calculus.witness import check_file
 from passivity.delayed.boxes import FORMAT as FORMAT_OF_BALLS
 from passivity.delayed.boxes import BallProof, from_file, holds
-from passivity.multiport.certificate import verify as verify_matrix
-from passivity.multiport.verdict import MinorCertificate, StorageCertificate, StrictCertificate
-from passivity.one_port.certificate import verify as verify_one_port
-from passivity.one_port.verdict import Certificate
+from passivity.exact.certificate import verify as verify_exact
+from passivity.exact.verdict import Certificate, StorageCertificate
 from passivity.verifier import FORMAT, check
 
-Evidence: TypeAlias = Certificate | MinorCertificate | StorageCertificate | StrictCertificate | Proof | BallProof
+Evidence: TypeAlias = Certificate | StorageCertificate | Proof | BallProof
 
 
 def verify(evidence: Evidence) -> bool:
@@ -20,7 +18,7 @@ def verify(evidence: Evidence) -> bool:
 
     Parameters
     ----------
-    evidence : Certificate, MinorCertificate, StorageCertificate, StrictCertificate, dict or BallProof
+    evidence : Certificate, StorageCertificate, dict or BallProof
         ``certificate`` of a verdict on rational functions and matrices, ``proof`` or ``balls`` of one on expressions.
 
     Examples
@@ -31,11 +29,9 @@ def verify(evidence: Evidence) -> bool:
     >>> verify(check_expression("1 + exp(-s)", Kind.PR).proof)
     True
     """
-    if isinstance(evidence, MinorCertificate | StorageCertificate | StrictCertificate):
-        return verify_matrix(evidence)
     if isinstance(evidence, dict):
         return verify_proof(evidence)
-    return holds(evidence) if isinstance(evidence, BallProof) else verify_one_port(evidence)
+    return holds(evidence) if isinstance(evidence, BallProof) else verify_exact(evidence)
 
 
 def check_evidence(told: dict[str, Any]) -> str | None:

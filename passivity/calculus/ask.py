@@ -24,10 +24,10 @@ from passivity.calculus.witness import Question, Witness
 from passivity.delayed.boxes import prove_in_balls
 from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError
+from passivity.exact.positive_real import check
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
-from passivity.one_port.positive_real import check
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status

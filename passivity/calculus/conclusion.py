@@ -14,8 +14,8 @@ from passivity.calculus.read import read
 from passivity.calculus.witness import Question, Witness
 from passivity.delayed.boxes import BallProof
 from passivity.delayed.poles import Pole
+from passivity.exact.verdict import Verdict
 from passivity.expression.number import complex_text, digits, written
-from passivity.one_port.verdict import Verdict
 from passivity.status import Decided, Kind, Status, first_of
 from tline.presentation import SCREEN
 

@@ -37,10 +37,10 @@ def given(what: Any, kind: Kind) -> Any:
         return what
     if isinstance(what, Real | Decimal) and not isinstance(what, bool):
         return RationalFunction.constant(exact(what, "what"))  # pyright: ignore[reportArgumentType]
-    from passivity.multiport.matrix import RationalMatrix
-    from passivity.multiport.state_space import StateSpace
-    from passivity.multiport.systems import from_system
-    from passivity.multiport.verdict import Network
+    from passivity.exact.verdict import Network
+    from passivity.rational.matrix import RationalMatrix
+    from passivity.rational.state_space import StateSpace
+    from passivity.rational.systems import from_system
     from passivity.sampled.response import SampledResponse
 
     if isinstance(what, SampledResponse | Network):
@@ -66,7 +66,7 @@ def given(what: Any, kind: Kind) -> Any:
 
 def checked(what: Any, kind: Kind) -> Any:
     """The verdict on a network, or on samples, of which those of S are asked about both properties of their system."""
-    from passivity.multiport.positive_real import check
+    from passivity.exact.positive_real import check
     from passivity.sampled.check import check_samples
     from passivity.sampled.response import SampledResponse
 

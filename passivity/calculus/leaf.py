@@ -11,12 +11,11 @@ from passivity.budget import UndecidedError
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
+from passivity.exact.margin import Margin, margins
+from passivity.exact.verdict import Verdict
 from passivity.expression.number import written
-from passivity.one_port.axis import allowance
-from passivity.one_port.hurwitz import routh_column
-from passivity.one_port.margin import Margin, margins
-from passivity.one_port.polynomial_sign import find_sign
-from passivity.one_port.verdict import Verdict
+from passivity.polynomial.hurwitz import routh_column
+from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 

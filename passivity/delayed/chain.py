@@ -17,10 +17,10 @@ from flint import acb, ctx
 from passivity.ball import of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.errors import ExpressionError, shown
+from passivity.exact.positive_real import check_bounded_real, check_positive_real
+from passivity.exact.report import point
+from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import digits, written
-from passivity.one_port.positive_real import check_bounded_real, check_positive_real
-from passivity.one_port.report import point
-from passivity.one_port.verdict import Verdict, Witness
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Status

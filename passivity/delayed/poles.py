@@ -12,9 +12,8 @@ from flint import acb, arb, ctx, fmpz_mpoly, fmpz_poly
 from passivity.budget import spend
 from passivity.calculus.expand import Expansion, Pair
 from passivity.calculus.graph import Graph, Value
-from passivity.one_port.axis import parts
-from passivity.one_port.polynomial_sign import squarefree
-from passivity.one_port.real_roots import positive_roots
+from passivity.polynomial.roots import positive_roots
+from passivity.polynomial.sign import parts, squarefree
 from passivity.status import Kind
 
 _BITS = 256

@@ -14,7 +14,7 @@ from flint import acb, arb, arb_poly
 
 from passivity.ball import of_fraction
 from passivity.budget import spend
-from passivity.one_port.polynomial_sign import UndecidedError
+from passivity.polynomial.sign import UndecidedError
 
 MAX_PIECES = 10_000
 BITS = 80

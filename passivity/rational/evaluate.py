@@ -52,13 +52,7 @@ def of_tree(tree: Node, values: Mapping[str, Fraction]) -> Quotient:
 
 
 def exact(value: Exact, where: str) -> Fraction:
-    """The exact value of a number or of a constant expression; `where` names it in the error.
-
-    Examples
-    --------
-    >>> exact("4 pF", "C"), exact(0.5, "R"), exact("-1/3", "k")
-    (Fraction(1, 250000000000), Fraction(1, 2), Fraction(-1, 3))
-    """
+    """The exact value of a number or of a constant expression; `where` names it in the error."""
     if isinstance(value, Decimal):
         value = str(value)  # within the limits of text: Decimal("1e999999999") would fill the memory
     if not isinstance(value, str):

@@ -12,7 +12,6 @@ from flint import acb, ctx, fmpq, fmpq_poly
 from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, evaluate, exact
 from passivity.rational.quotient import Quotient
-from passivity.rational.systems import coefficients
 
 
 class RationalFunction(Quotient):
@@ -98,7 +97,15 @@ class RationalFunction(Quotient):
         >>> print(RationalFunction.from_system(lti([1, 0], [2, 1])))
         (s)/(2*s + 1)
         """
-        return cls.from_coefficients(*coefficients(system))
+        from passivity.rational.matrix import RationalMatrix
+        from passivity.rational.systems import from_system
+
+        network = from_system(system)
+        if network.size != 1:
+            got = f"{network.size} of {type(system).__name__}"
+            raise ExpressionError("system", "too many ports", "one input and one output", got)
+        function = (network if isinstance(network, RationalMatrix) else network.transfer).rows[0][0]
+        return cls(function.p, function.q)
 
     def __call__(self, s: complex) -> complex:
         """Value at a finite `s`, each part within 2e-16 of its size: ball arithmetic, refined until it is.

@@ -15,46 +15,27 @@ ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every samp
 
 
 class Band(NamedTuple):
-    """Neighbouring samples that all violate the bound.
-
-    Parameters
-    ----------
-    first, last : float
-        The first and the last of them, Hz.
-    before, after : float or None
-        The samples next to them, which do not violate it; None at an end of the data.
-    worst, frequency : float
-        The worst value in between, and where it is.
-    """
+    """Neighbouring samples that all violate the bound, in Hz."""
 
     first: float
     last: float
-    before: float | None
+    before: float | None  # the samples next to them, which do not violate it; None at an end of the data
     after: float | None
-    worst: float
+    worst: float  # value in between, and where it is
     frequency: float
 
 
 class SampleWitness(NamedTuple):
     """A sample that violates the bound by more than its error bar, to be checked by hand.
 
-    Parameters
-    ----------
-    sample : int
-        M = values[sample] is the sample, at `frequency` (Hz).
-    vector : tuple of complex
-        v, one number for each port; the sample and v count as the binary numbers they are.
-    value : Fraction
-        Re(v* Z v)/v*v of Z or Y, below -bar; v*S*S v/v*v of S, above (1 + bar)^2.
-    bar : Fraction
-        Any matrix within this distance of M (spectral norm) violates the bound too; where the bar comes from the digits
-        of a file, any that is printed with the same.
+    Sample and vector count as the binary numbers they are. Any matrix within the bar of the sample (spectral norm)
+    violates the bound too; where the bar comes from the digits of a file, any that is printed with the same.
     """
 
-    sample: int
-    frequency: float
-    vector: tuple[complex, ...]
-    value: Fraction
+    sample: int  # M = values[sample]
+    frequency: float  # Hz
+    vector: tuple[complex, ...]  # v, one number for each port
+    value: Fraction  # Re(v* Z v)/v*v of Z or Y, below -bar; v*S*S v/v*v of S, above (1 + bar)^2
     bar: Fraction
 
 
@@ -108,7 +89,7 @@ class SampleVerdict(Decided):
 
     def _figure(self) -> Any:
         """The worst values against their bound."""
-        from passivity.sampled.picture import draw_samples
+        from passivity.sampled.report import draw_samples
 
         return draw_samples(self)
 
@@ -206,13 +187,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
 
 
 def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
-    """Largest singular value of each S, or smallest eigenvalue of each Hermitian part of Z or Y; values (n, p, p).
-
-    Examples
-    --------
-    >>> worst_values(np.array([[[0, 2], [1, 0]]]), Parameter.S), worst_values(np.array([[[3 + 4j]]]), Parameter.Z)
-    (array([2.]), array([3.]))
-    """
+    """Largest singular value of each S, or smallest eigenvalue of each Hermitian part of Z or Y; values (n, p, p)."""
     if parameter is Parameter.S:
         return np.linalg.svd(values, compute_uv=False)[:, 0]
     return np.linalg.eigvalsh((values + values.conj().swapaxes(1, 2)) / 2)[:, 0]

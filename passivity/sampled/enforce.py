@@ -1,25 +1,49 @@
-"""The nearest passive model: the least change of residues that the exact test accepts."""
+"""The nearest passive model of one port or of several: the least change of coefficients with which it is proved.
 
-from dataclasses import dataclass
-from typing import NamedTuple
+Poles stay. Wherever the worst value of a model has an extreme beyond its bound, a passive one must have
+Re v^H Z(jw) v >= 0 with the eigenvector v, or Re u^H S(jw) v <= 1 with the singular vectors u and v: a condition that
+is linear in the coefficients. All of them, old and new, are kept, and what is made small under them is the sum of
+|change|^2 at the samples. The conditions are necessary, so the limit is the best possible change but for what is
+spared. Of one port the exact test finds the extremes, of several a grid that shows all resonances, and then the
+Hamiltonian test. What comes out is proved, or not, by the exact test.
+
+References
+----------
+B. Gustavsen, A. Semlyen, "Enforcing passivity for admittance matrices approximated by rational functions", IEEE
+Transactions on Power Systems 16 (2001), 97-104, DOI 10.1109/59.910786.
+S. Grivet-Talocia, "Passivity enforcement via perturbation of Hamiltonian matrices", IEEE Transactions on Circuits and
+Systems I 51 (2004), 1755-1769, DOI 10.1109/TCSI.2004.834527 (singular values of S).
+C. L. Lawson, R. J. Hanson, "Solving Least Squares Problems", 1974, chapter 23, DOI 10.1137/1.9781611971217.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
-from passivity.one_port.polynomial_sign import UndecidedError
-from passivity.one_port.positive_real import check
-from passivity.one_port.verdict import Verdict
-from passivity.sampled.forbidden import worst_frequencies
-from passivity.sampled.least_change import least_change, whitening
-from passivity.sampled.model import PoleResidueModel, terms
+from passivity.exact.verdict import Verdict
+from passivity.sampled.check import check_samples, excess
+from passivity.sampled.extremes import Place, exact_extremes, extremes_on_grid, grid_of, seen, verdict_of
+from passivity.sampled.model import MatrixModel, PartialFractions, PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
-from passivity.status import Status
+from passivity.status import Decided, Status
 
-MAX_ROUNDS = 25
+MAX_ROUNDS = 30
 MAX_SPREAD = 1e16  # of the moduli and real parts of poles: more is lost in rounding
 SPARE = 1e-5  # of the first violation: how far inside the bound is aimed at, so that the limit is reached
 LEAST_SPARE = 2.0**-44  # of the size of the function: rounding
+ROOM = (0.0, 1e-9, 1e-7, 1e-5, 1e-3)  # by which several ports end inside the bound, until a proof is found
+BARELY = 1e-6  # beyond the bound: then all of the model is moved inside
+UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
+FARTHEST = 1e6  # times the distance to the farthest half space; where there is no solution it is infinite
+
+M = TypeVar("M", PoleResidueModel, MatrixModel)
 
 
 class Deviation(NamedTuple):
@@ -29,15 +53,15 @@ class Deviation(NamedTuple):
     max: float
 
 
-@dataclass(frozen=True, eq=False)
-class Enforced:
-    """The outcome of `enforce`.
+@dataclass(frozen=True, eq=False, repr=False)
+class Enforced(Decided):
+    """The nearest passive model, its proof and its distance: the outcome of `nearest` and `enforce`.
 
     Parameters
     ----------
-    model : PoleResidueModel
+    model : PoleResidueModel or MatrixModel
         The passive model; the given one if none was found.
-    original : PoleResidueModel
+    original : PoleResidueModel or MatrixModel
         As given.
     verdict : Verdict
         Exact verdict of `model`. Passive if and only if it is `PROVED`.
@@ -47,31 +71,108 @@ class Enforced:
         Of the model from the given one.
     misfit, misfit_before : Deviation
         Of the model and of the given one from the samples.
+    samples : SampledResponse
+        At whose frequencies these are told.
     """
 
-    model: PoleResidueModel
-    original: PoleResidueModel
+    model: Any
+    original: Any
     verdict: Verdict
     rounds: int
     change: Deviation
     misfit: Deviation
     misfit_before: Deviation
+    samples: SampledResponse
+
+    @property
+    def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Whether the model is proved passive."""
+        return self.verdict.status
+
+    @property
+    def why(self) -> str:
+        """Why it is passive, or why it was not made so."""
+        return self.verdict.why
+
+    @cached_property
+    def worst(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Largest |S| or singular value, smallest Re Z or eigenvalue, and its frequency in Hz: before and after."""
+        return _worst(self.original), _worst(self.model)
+
+    @property
+    def response(self) -> SampledResponse:
+        """The model at the samples' frequencies; `SampledResponse.touchstone` is the text of a file."""
+        return replace(self.samples, values=self.model.matrices(2 * np.pi * self.samples.f), rounding=None)
+
+    def text_lines(self) -> list[str]:
+        """The verdict, the worst value before and after, and the distances."""
+        from passivity.sampled.report import model_in_lines
+
+        return model_in_lines(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The models before and after as JSON can hold them."""
+        from passivity.sampled.report import models_as_dict
+
+        return models_as_dict(self)
+
+    def _figure(self) -> Any:
+        """The worst values of samples and models against their bound."""
+        from passivity.sampled.report import draw_samples
+
+        return draw_samples(check_samples(self.samples), self)
 
 
-def enforce(model: PoleResidueModel, samples: SampledResponse, only_constant: bool = False) -> Enforced:
-    """Change the coefficients of a model as little as possible so that it is passive, which is then proved.
-
-    What is made small is the sum of |change|^2 at the samples, under linear conditions: Re Z(jw) >= 0, or
-    Re(u* S(jw)) <= 1 with u = S/|S|, at the worst frequencies w of each forbidden band, which the exact test finds anew
-    in each round. The conditions are necessary, so the limit is the best possible change but for SPARE.
+def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) -> Enforced:
+    """The nearest passive model of samples, or to a model that is not passive, with its proof and its distance.
 
     Parameters
     ----------
-    model : PoleResidueModel
-        All poles in Re s < 0; for Z and Y also simple ones on the imaginary axis with residues >= 0, which they keep,
-        as `proportional` does (>= 0; 0 for S).
+    what : SampledResponse, str, Path, PoleResidueModel or MatrixModel
+        Z, Y or S of one port or several: samples or a Touchstone file, to which a model is fitted first, or a model,
+        whose change is then measured at frequencies that show all its resonances.
+    order : int, optional
+        Number of poles of the fit, see `fit`.
+
+    Raises
+    ------
+    ExpressionError
+        What `read_touchstone`, `fit` or `enforce` refuses.
+
+    Examples
+    --------
+    >>> f = np.linspace(0, 1, 50)
+    >>> S = np.array([[0.1, 1.0], [0.9, 0]]) / (1 + 2j * np.pi * f)[:, None, None]
+    >>> found = nearest(SampledResponse(f, S, "S"), order=1)
+    >>> before, after = (round(value, 3) for value, _ in found.worst)
+    >>> str(found.status), before, after, found.change.rms < 0.05
+    ('proved', 1.009, 1.0, True)
+    """
+    from passivity.sampled.fit import fit
+    from passivity.sampled.read import read_touchstone
+
+    if isinstance(what, str | Path):
+        what = read_touchstone(what)
+    if isinstance(what, SampledResponse):
+        return enforce(fit(what, order), what)
+    if not isinstance(what, PartialFractions):
+        expected = "samples, a Touchstone file, or a PoleResidueModel or MatrixModel"
+        raise ExpressionError("what", "no model can be made of it", expected, type(what).__name__)
+    w = grid_of(what, np.zeros(0))
+    w = w[~np.isin(w, what.poles.imag[what.poles.real == 0])]
+    return enforce(what, SampledResponse(w / (2 * np.pi), what.matrices(w), what.parameter))
+
+
+def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -> Enforced:
+    """Change the coefficients of a model as little as possible so that it is passive, which is then proved.
+
+    Parameters
+    ----------
+    model : PoleResidueModel or MatrixModel
+        All poles in Re s < 0; for Z and Y of one port also simple ones on the imaginary axis with residues >= 0, which
+        they keep, as `proportional` does (>= 0; 0 for S).
     samples : SampledResponse
-        One port, of the same parameter; at most MAX_SAMPLES. What they do not see, far from their frequencies, may
+        Of the same parameter and ports; at most MAX_SAMPLES. What they do not see, far from their frequencies, may
         change much.
     only_constant : bool
         Only the constant may change. Then there need not be a solution.
@@ -82,12 +183,6 @@ def enforce(model: PoleResidueModel, samples: SampledResponse, only_constant: bo
         If a pole lies elsewhere or MAX_SPREAD from another, a sample lies on a pole, or the samples are of something
         else.
 
-    References
-    ----------
-    B. Gustavsen, A. Semlyen, "Enforcing passivity for admittance matrices approximated by rational functions", IEEE
-    Transactions on Power Systems 16 (2001), 97-104, DOI 10.1109/59.910786; the exact test and the cuts at all worst
-    frequencies, old and new, are ours.
-
     Examples
     --------
     >>> w = np.linspace(0, 10, 50)
@@ -96,48 +191,33 @@ def enforce(model: PoleResidueModel, samples: SampledResponse, only_constant: bo
     >>> str(result.verdict.status), result.change.rms < 0.1
     ('proved', True)
     """
-    w, data = 2 * np.pi * samples.f, samples.values[:, 0, 0]
+    w, data = 2 * np.pi * samples.f, samples.values
     free = _free(model, samples, only_constant)
-    changed, verdict, rounds = _nearest(model, w, free)
-    before, after = model.at(w), changed.at(w)
-    errors = deviation(after, before), deviation(after, data), deviation(before, data)
-    return Enforced(changed, model, verdict, rounds, *errors)
+    verdict, rounds, changed = verdict_of(model), 0, model
+    if verdict.status is not Status.PROVED:
+        if isinstance(model, PoleResidueModel):
+            found, rounds = _least_changed(model, w, free, exact_extremes)
+            after = verdict_of(found)
+        else:
+            found, after, rounds = _of_several(model, w, free)
+        changed, verdict = (found, after) if after.status is Status.PROVED else (model, verdict)
+    here, before = changed.matrices(w), model.matrices(w)
+    errors = deviation(here, before), deviation(here, data), deviation(before, data)
+    return Enforced(changed, model, verdict, rounds, *errors, samples)
 
 
-def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleResidueModel, Verdict, int]:
-    """The nearest passive model with its proof, or the given one as it is, and the number of rounds."""
-    from scipy.linalg import solve_triangular
-
-    x0, kind, limit = model.coefficients, model.parameter.kind, float(model.parameter is Parameter.S)
-    first = verdict = check(model.rational(), kind)
-    changed, rounds, rows, spare = model, 0, np.empty((0, len(x0))), 0.0
-    whiten = whitening(terms(model.poles, w)[:, free])
-    while verdict.status is Status.REFUTED and rounds < MAX_ROUNDS:
-        try:
-            new = _must_grow(changed, worst_frequencies(changed, verdict))
-        except UndecidedError:
-            break
-        if not rounds:
-            spare = max(SPARE * float(-(limit + new @ x0).min()), LEAST_SPARE * float(np.abs(model.at(w)).max()))
-        rows = np.vstack([rows, new])
-        step = least_change(solve_triangular(whiten, rows[:, free].T, trans=1).T, spare - limit - rows @ x0)
-        if step is None:
-            break
-        x = x0.copy()
-        x[free] += solve_triangular(whiten, step)
-        changed, rounds = model.with_coefficients(x), rounds + 1
-        verdict = check(changed.rational(), kind)
-    return (changed, verdict, rounds) if verdict.status is Status.PROVED else (model, first, rounds)
+def _worst(model: PoleResidueModel | MatrixModel) -> tuple[float, float]:
+    """The worst value over all frequencies, exact of one port, and its frequency in Hz."""
+    if isinstance(model, PoleResidueModel):
+        margins = verdict_of(model).margins
+        margin = margins.reflection if model.parameter is Parameter.S else margins.input
+        return (margin.value, margin.frequency / (2 * np.pi)) if margin else (math.nan, math.nan)
+    analysis = seen(model)
+    return analysis.value, analysis.frequency / (2 * np.pi)
 
 
 def deviation(values: NDArray, reference: NDArray) -> Deviation:
-    """Relative deviation of complex numbers from others.
-
-    Examples
-    --------
-    >>> deviation(np.array([1.0, 3.0]), np.array([1.0, 2.0]))
-    Deviation(rms=0.4472135954999579, max=0.5)
-    """
+    """Relative deviation of complex numbers from others."""
     off, size = np.abs(values - reference), np.abs(reference)
     largest = size.max()
     if not largest:
@@ -145,37 +225,119 @@ def deviation(values: NDArray, reference: NDArray) -> Deviation:
     return Deviation(float(np.linalg.norm(off / largest) / np.linalg.norm(size / largest)), float(off.max() / largest))
 
 
-def _free(model: PoleResidueModel, samples: SampledResponse, only_constant: bool) -> NDArray:
+def _free(model: PoleResidueModel | MatrixModel, samples: SampledResponse, only_constant: bool) -> NDArray:
     """Which coefficients may change, where the rest is fit for a passive model."""
     scattering, a, w = model.parameter is Parameter.S, model.poles, 2 * np.pi * samples.f
-    if samples.parameter is not model.parameter or samples.ports != 1:
-        got = f"{samples.parameter}, {samples.ports} ports"
-        raise ExpressionError("samples", "not of what the model is of", f"{model.parameter}, one port", got)
+    ports = len(np.atleast_1d(model.constant))
+    if samples.parameter is not model.parameter or samples.ports != ports:
+        expected, got = f"{model.parameter}, {ports} ports", f"{samples.parameter}, {samples.ports} ports"
+        raise ExpressionError("samples", "not of what the model is of", expected, got)
     if len(w) > MAX_SAMPLES:
         raise ExpressionError("samples", "too many", f"at most {MAX_SAMPLES}", f"{len(w)}")
     inside = a[a.real < 0]
     if len(inside) and np.abs(inside).max() > MAX_SPREAD * -inside.real.max():
         raise ExpressionError("poles", "too far apart", f"within a ratio of {MAX_SPREAD:g}, real parts and moduli")
+    may = not scattering and ports == 1  # lie on the axis
     for k, pole in enumerate(a):
-        on_axis = pole.real == 0 and not scattering
-        if pole.real > 0 or (pole.real == 0 and scattering) or (on_axis and (a == pole).sum() > 1):
-            expected = "Re < 0" + ("" if scattering else ", or a simple pole on the imaginary axis")
+        on_axis = pole.real == 0 and may
+        if pole.real > 0 or (pole.real == 0 and not may) or (on_axis and (a == pole).sum() > 1):
+            expected = "Re < 0" + (", or a simple pole on the imaginary axis" if may else "")
             raise ExpressionError(f"poles[{k}]", "no passive model has it", expected, f"{pole:.6g}")
         if on_axis and (model.residues[k].imag or model.residues[k].real < 0):
             got = f"{model.residues[k]:.6g}"
             raise ExpressionError(f"residues[{k}]", "at a pole on the axis", "a real number >= 0", got)
         if on_axis and pole.imag in w:
             raise ExpressionError("samples", "a sample on a pole", "another frequency", f"{pole.imag:.6g} rad/s")
-    if model.proportional < 0 or (scattering and model.proportional):
+    grows = np.atleast_2d(model.proportional)
+    if (scattering and grows.any()) or (grows != grows.T).any() or np.linalg.eigvalsh(grows)[0] < 0:
         raise ExpressionError("proportional", "no passive model has it", "0" if scattering else ">= 0")
     inner = [pole.real < 0 and not only_constant for pole in a for _ in range(1 + (pole.imag > 0))]
     return np.array([*inner, True, False])
 
 
-def _must_grow(model: PoleResidueModel, w: NDArray) -> NDArray:
-    """Coefficients to what must not fall below 0 or -1: Re Z, or minus S in its present direction."""
-    phi = terms(model.poles, w)
-    if model.parameter is Parameter.S:
-        values = model.at(w)
-        return -(phi * (values / np.abs(values)).conj()[:, None]).real
-    return phi.real
+def _least_changed(model: M, w: NDArray, free: NDArray, extremes: Callable[[M], list[Place]]) -> tuple[M, int]:
+    """The nearest model without extremes beyond the bound, as far as rounds go, and their number."""
+    from scipy.linalg import solve_triangular
+
+    x0, limit = model.coefficients, float(model.parameter is Parameter.S)
+    x0 = x0.reshape(len(x0), -1)
+    whiten = whitening(terms(model.poles, w)[:, free])
+    rows, bounds, spare, changed = [], [], 0.0, model
+    for rounds in range(MAX_ROUNDS):
+        places = extremes(changed)
+        if not places:
+            return changed, rounds
+        if not spare:
+            beyond = max(x for _, x, _, _ in places)
+            spare = max(SPARE * beyond, LEAST_SPARE * float(np.abs(model.at(w)).max()))
+        for at, _, u, v in places:
+            row = (terms(model.poles, np.array([at])).T * np.outer(u.conj(), v).ravel()).real  # must grow by it
+            row = -row if limit else row
+            rows.append(solve_triangular(whiten, row[free], trans=1).ravel())
+            bounds.append(spare - limit - float((row * x0).sum()))
+        step = least_change(np.array(rows), np.array(bounds))
+        if step is None:
+            return changed, rounds
+        x = x0.copy()
+        x[free] += solve_triangular(whiten, step.reshape(free.sum(), -1))
+        changed = model.with_coefficients(x.reshape(model.coefficients.shape))
+    return changed, MAX_ROUNDS
+
+
+def _of_several(model: MatrixModel, w: NDArray, free: NDArray) -> tuple[MatrixModel, Verdict, int]:
+    """The nearest passive model, moved inside the bound until that is proved; else the last that was tried."""
+    marks, size = [], 0.0
+    unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
+
+    def extremes(changed: MatrixModel) -> list[Place]:
+        nonlocal size
+        if places := extremes_on_grid(changed, w, np.array(marks)):
+            return places
+        analysis = seen(changed)
+        size = float(excess(np.array(analysis.value), model.parameter)) + analysis.value_error
+        edges = np.array([analysis.frequency, *np.ravel(analysis.bands)])
+        marks.extend(edges[np.isfinite(edges)])
+        return extremes_on_grid(changed, w, np.array(marks)) if size > BARELY * unit else []
+
+    found, rounds = _least_changed(model, w, free, extremes)
+    verdict = verdict_of(found)
+    for room in ROOM:
+        if verdict.status is Status.PROVED or not size < math.inf:
+            break
+        inside = found.moved_inside(max(size, 0.0) + room * unit)
+        verdict = verdict_of(inside)
+        if verdict.status is Status.PROVED:
+            return inside, verdict, rounds
+    return found, verdict, rounds
+
+
+def whitening(phi: NDArray[np.complex128]) -> NDArray:
+    """R, upper triangular, with |R x| the size of phi x, and a little of x itself."""
+    own = UNSEEN * np.diag(np.linalg.norm(phi, axis=0))
+    return np.asarray(np.linalg.qr(np.vstack([phi.real, phi.imag, own]), mode="r"))
+
+
+def least_change(rows: NDArray, bounds: NDArray) -> NDArray | None:
+    """The shortest x for which rows x >= bounds; None if there is none.
+
+    Lawson and Hanson's least distance programming: the residual of a least-squares problem with nonnegative unknowns
+    points to x. No row is zero; some bound is above zero.
+
+    Examples
+    --------
+    >>> least_change(np.array([[1.0, 1.0], [1.0, 0.0]]), np.array([5.0, 4.0])).round(9)
+    array([4., 1.])
+    """
+    from scipy.optimize import nnls
+
+    g = rows.T
+    sizes = np.linalg.norm(g, axis=0)
+    farthest = float((bounds / sizes).max())
+    spaces, target = np.vstack([g / sizes, bounds / sizes / farthest]), np.append(np.zeros(len(g)), 1.0)
+    try:
+        residual = spaces @ nnls(spaces, target)[0] - target
+    except RuntimeError:  # too many iterations
+        return None
+    if -residual[-1] * FARTHEST**2 < 1:
+        return None
+    return -residual[:-1] / residual[-1] * farthest

@@ -1,6 +1,6 @@
-"""Rational models of one-ports as a sum of partial fractions, and the same functions exactly."""
+"""Rational models as sums of partial fractions, of one port and of several with common poles, and the same exactly."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, Self
 
@@ -9,14 +9,57 @@ from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
 from passivity.rational.function import RationalFunction
+from passivity.rational.matrix import RationalMatrix
 from passivity.sampled.response import Parameter, array
 
 MAX_POLES = 100  # each pair counted once
 
 
+class PartialFractions:
+    """d + e s + sum of r/(s - a), where each a with Im a > 0 stands for itself and its conjugate, with r and conj r."""
+
+    poles: Any
+    residues: Any
+    constant: Any
+    proportional: Any
+    parameter: Any
+
+    @property
+    def order(self) -> int:
+        """Number of poles, both of a pair counted."""
+        return count(self.poles)
+
+    @property
+    def coefficients(self) -> NDArray:
+        """The real numbers by which `terms` are multiplied, each of the shape of the constant."""
+        parts = [
+            part
+            for a, r in zip(self.poles, self.residues, strict=True)
+            for part in ([r.real, r.imag][: 1 + (a.imag > 0)])
+        ]
+        return np.array([*parts, self.constant, self.proportional])
+
+    def with_coefficients(self, x: NDArray) -> Self:
+        """The model with the same poles and other coefficients."""
+        residues, k = np.zeros((len(self.poles), *x.shape[1:]), complex), 0
+        for i, a in enumerate(self.poles):
+            residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
+            k += 1 + (a.imag > 0)
+        return type(self)(self.poles, residues, x[k], x[k + 1], self.parameter)  # pyright: ignore[reportCallIssue]
+
+    def at(self, w: NDArray) -> NDArray[np.complex128]:
+        """Values at s = jw; w in rad/s, shape (n,)."""
+        return np.tensordot(terms(self.poles, w), self.coefficients, 1)
+
+    def matrices(self, w: NDArray) -> NDArray[np.complex128]:
+        """The same with shape (n, p, p), of one port too."""
+        p = len(np.atleast_1d(self.constant))
+        return self.at(w).reshape(-1, p, p)
+
+
 @dataclass(frozen=True, eq=False)
-class PoleResidueModel:
-    """d + e s + sum of r/(s - a), where each a with Im a > 0 stands for itself and its conjugate, with r and conj r.
+class PoleResidueModel(PartialFractions):
+    """A function d + e s + sum of r/(s - a), each a with Im a > 0 standing for its conjugate too, with r and conj r.
 
     Parameters
     ----------
@@ -61,34 +104,10 @@ class PoleResidueModel:
             expected = f"one residue for each pole, at most {MAX_POLES}"
             raise ExpressionError("residues", "shape", expected, f"{r.shape} for {a.shape}")
         for k in np.flatnonzero(a.imag < 0):
-            raise ExpressionError(
-                f"poles[{k}]", "below the real axis", "of each pair the pole with Im > 0", f"{a[k]:.6g}"
-            )
+            expected = "of each pair the pole with Im > 0"
+            raise ExpressionError(f"poles[{k}]", "below the real axis", expected, f"{a[k]:.6g}")
         for k in np.flatnonzero((a.imag == 0) & (r.imag != 0)):
             raise ExpressionError(f"residues[{k}]", "not real at a real pole", "a real number", f"{r[k]:.6g}")
-
-    @property
-    def coefficients(self) -> NDArray:
-        """The real numbers by which `terms` are multiplied."""
-        parts = [
-            part
-            for a, r in zip(self.poles, self.residues, strict=True)
-            for part in ([r.real, r.imag][: 1 + (a.imag > 0)])
-        ]
-        return np.array([*parts, self.constant, self.proportional])
-
-    def with_coefficients(self, x: NDArray) -> Self:
-        """The model with the same poles and other coefficients."""
-        residues, k = np.zeros(len(self.poles), complex), 0
-        for i, a in enumerate(self.poles):
-            width = 1 + (a.imag > 0)
-            residues[i] = complex(*x[k : k + width])
-            k += width
-        return type(self)(self.poles, residues, x[k], x[k + 1], self.parameter)
-
-    def at(self, w: NDArray) -> NDArray[np.complex128]:
-        """Values at s = jw; w in rad/s, shape (n,)."""
-        return terms(self.poles, w) @ self.coefficients
 
     def rational(self) -> RationalFunction:
         """The function, its floats taken as the binary numbers they are."""
@@ -103,14 +122,95 @@ class PoleResidueModel:
         return total
 
 
-def terms(poles: NDArray, w: NDArray) -> NDArray[np.complex128]:
-    """Values at s = jw of 1/(s - a), of j/(s - a) for each pair, of 1 and of s; shape (n, number of coefficients).
+@dataclass(frozen=True, eq=False)
+class MatrixModel(PartialFractions):
+    """A matrix D + E s + sum of R/(s - a) with common poles, each a with Im a > 0 standing for its conjugate too.
+
+    Parameters
+    ----------
+    poles : ndarray of complex, shape (m,)
+        a, rad/s, Im a >= 0.
+    residues : ndarray of complex, shape (m, p, p)
+        R, real where the pole is.
+    constant : ndarray, shape (p, p)
+        D.
+    proportional : ndarray, shape (p, p), or 0
+        E.
+    parameter : Parameter or str
+        Z, Y or S: what the matrix is.
 
     Examples
     --------
-    >>> terms(np.array([-1.0 + 0j]), np.array([1.0]))
-    array([[0.5-0.5j, 1. +0.j , 0. +1.j ]])
+    >>> model = MatrixModel(np.array([-2.0]), np.array([[[1, 2], [3, 4]]]), np.zeros((2, 2)))
+    >>> model.at(np.zeros(1))[0].real.tolist()
+    [[0.5, 1.0], [1.5, 2.0]]
     """
+
+    poles: NDArray[np.complex128]
+    residues: NDArray[np.complex128]
+    constant: NDArray[np.float64]
+    proportional: Any = 0.0
+    parameter: Any = Parameter.S
+
+    def __post_init__(self):
+        object.__setattr__(self, "parameter", Parameter(self.parameter))
+        object.__setattr__(self, "proportional", np.zeros_like(self.constant) + self.proportional)
+
+    def entry(self, i: int, k: int) -> PoleResidueModel:
+        """What goes from port k to port i."""
+        numbers = self.residues[:, i, k], self.constant[i, k], self.proportional[i, k]
+        return PoleResidueModel(self.poles, *numbers, self.parameter)
+
+    def rational(self) -> RationalMatrix:
+        """The matrix, its floats taken as the binary numbers they are."""
+        ports = range(len(self.constant))
+        return RationalMatrix(tuple(tuple(self.entry(i, k).rational() for k in ports) for i in ports))
+
+    def over(self, size: float) -> Self:
+        """S/size, rounded."""
+        return self.with_coefficients(self.coefficients / size)
+
+    def moved_inside(self, by: float) -> Self:
+        """S/(1 + by), or Z + by: less beyond the bound by so much."""
+        if self.parameter is Parameter.S:
+            return self.over(1 + by)
+        return replace(self, constant=self.constant + by * np.eye(len(self.constant)))
+
+    def realised(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """A, B, C, D of dx/dt = A x + B a, b = C x + D a, without E: for each pole one state a port, for each pair two.
+
+        Examples
+        --------
+        >>> model = MatrixModel(np.array([-1 + 2j]), np.array([[[4 + 8j]]]), np.zeros((1, 1)))
+        >>> A, B, C, D = model.realised()
+        >>> (D + C @ np.linalg.solve(3j * np.eye(2) - A, B)).round(12) == model.at(np.array([3.0]))[0].round(12)
+        array([[ True]])
+        """
+        from scipy.linalg import block_diag
+
+        p, (parts, inputs, outputs) = len(self.constant), ([], [], [])
+        one, none = np.eye(p), np.zeros((p, p))
+        for a, R in zip(self.poles, self.residues, strict=True):
+            size = 2.0 ** np.round(np.log2(np.linalg.norm(R)) / 2) if R.any() else 1.0  # nothing is rounded
+            if a.imag > 0:
+                parts.append(np.kron([[a.real, a.imag], [-a.imag, a.real]], one))
+                inputs += [2 * size * one, none]
+                outputs += [R.real / size, R.imag / size]
+            else:
+                parts.append(a.real * one)
+                inputs.append(size * one)
+                outputs.append(R.real / size)
+        A = np.asarray(block_diag(*parts)) if parts else np.zeros((0, 0))
+        return A, np.vstack([np.zeros((0, p)), *inputs]), np.hstack([np.zeros((p, 0)), *outputs]), self.constant
+
+
+def count(poles: NDArray[np.complex128]) -> int:
+    """Number of poles, both of a pair counted."""
+    return int((1 + (poles.imag > 0)).sum())
+
+
+def terms(poles: NDArray, w: NDArray) -> NDArray[np.complex128]:
+    """Values at s = jw of 1/(s - a), of j/(s - a) for each pair, of 1 and of s; shape (n, number of coefficients)."""
     s = 1j * w
     columns = []
     for a in poles:

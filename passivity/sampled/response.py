@@ -1,20 +1,117 @@
-"""A response given by samples on the imaginary axis."""
+"""A response given by samples on the imaginary axis, and what the digits of a file leave open of it.
 
-from dataclasses import dataclass
+Each number is known to half a unit in the last place that is printed. An entry of a matrix lies in a rectangle around
+its value, along and across a direction: the real axis for real and imaginary part, the entry's own for modulus and
+angle. With the singular vectors u, v of S the largest singular value of S + E is at least
+|u* (S + E) v| >= sigma - |Re u* E v|, and with the eigenvector v the smallest eigenvalue of the Hermitian part of Z + E
+is at most that of Z plus Re v* E v. So nothing that is printed the same is missed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError, shorten, shown
-from passivity.sampled.digits import Rounding
 from passivity.status import Kind
 
+LARGEST = 1e150
 MAX_PORTS = 16
 MAX_NUMBERS = 1_000_000  # complex numbers in all samples together
 MAX_SAMPLES = 20_000  # of a response to which a model is fitted
-LARGEST = 1e150  # of a value or frequency: squares stay finite
+
+
+def half_unit(text: str) -> float:
+    """Half a unit in the last place of a number as it is written.
+
+    Examples
+    --------
+    >>> half_unit(".70711"), half_unit("-1.50e-3"), half_unit("12")
+    (5e-06, 5e-06, 0.5)
+    """
+    mantissa, _, exponent = text.lower().partition("e")
+    return min(float(f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}"), LARGEST)
+
+
+@dataclass(frozen=True, eq=False)
+class Rounding:
+    """Rectangles in which the entries of matrices lie, all arrays of shape (n, p, p)."""
+
+    direction: NDArray[np.complex128]  # of modulus 1
+    along: NDArray  # half the sides, along and across the direction
+    across: NDArray
+    left: NDArray[np.complex128] | None = None  # L and R, where matrices change by L E R with what is printed
+    right: NDArray[np.complex128] | None = None
+    second: NDArray | float = 0.0  # what is then left to be added, shape (n,)
+
+    @classmethod
+    def of_pairs(cls, form: str, first: NDArray, second: NDArray, halves: NDArray) -> Self:
+        """Of numbers in a file; `halves` are the half units of first and second, shape (2, n, p, p).
+
+        The form is ``ri`` for real and imaginary part, ``ma`` for modulus and angle in degrees, or ``db`` for decibels.
+        """
+        one, two = halves
+        if form == "ri":
+            return cls(np.ones_like(first, dtype=complex), one, two)
+        with np.errstate(over="ignore"):
+            size = np.minimum(np.abs(first) if form == "ma" else 10 ** (first / 20), LARGEST)
+            radial = np.minimum(one if form == "ma" else size * np.expm1(one * np.log(10) / 20), LARGEST)
+        direction = np.exp(1j * np.radians(second)) * np.where((form == "ma") & (first < 0), -1, 1)
+        turn = np.minimum(np.radians(two), np.pi)
+        top = size + radial
+        return cls(direction, radial + top * (1 - np.cos(turn)), top * np.sin(np.minimum(turn, np.pi / 2)))
+
+    def transposed(self) -> Self:
+        """Of the transposed matrices."""
+        return type(self)(*(x.swapaxes(1, 2) for x in (self.direction, self.along, self.across)))
+
+    def through(self, left: NDArray, right: NDArray, second: NDArray | float = 0.0) -> Self:
+        """Of matrices that change by L E R, and by no more than `second` beside that, where these change by E."""
+        if self.left is None or self.right is None:
+            return replace(self, left=left, right=right, second=self.second + second)
+        grown = np.linalg.norm(left, axis=(1, 2)) * np.linalg.norm(right, axis=(1, 2))
+        return replace(self, left=left @ self.left, right=self.right @ right, second=self.second * grown + second)
+
+    def through_cayley(self, matrices: NDArray[np.complex128]) -> Self:
+        """Of S = +-(1 - 2 M), M = (1 + z)^-1, for normalised z of these values.
+
+        S' - S = +-2 M E M' with E = z' - z, which is 2 M E M but for 2 M E M E M'; there M' is bounded by Neumann's
+        series.
+        """
+        one = np.eye(matrices.shape[1])
+        inverse = np.linalg.inv(one + matrices)
+        before, after = (one if x is None else x for x in (self.left, self.right))
+        grown = np.abs(inverse @ before) @ np.hypot(self.along, self.across) @ np.abs(after)
+        safe = np.linalg.norm(grown, axis=(1, 2)) < 0.5
+        grown = np.where(safe[:, None, None], grown, 0.0)
+        second = 2 * np.linalg.norm(grown @ grown @ np.linalg.inv(one - grown) @ np.abs(inverse), axis=(1, 2))
+        return self.through(2 * inverse, inverse, np.where(safe, second, LARGEST))
+
+    def reach(self, left: NDArray, right: NDArray) -> NDArray:
+        """Bound of |Re u* E v| for vectors u, v at each frequency, shape (n, p); returns shape (n,)."""
+        if self.left is not None and self.right is not None:
+            left = np.einsum("nki,nk->ni", self.left.conj(), left)
+            right = np.einsum("nik,nk->ni", self.right, right)
+        weights = left.conj()[:, :, None] * right[:, None, :] * self.direction
+        first = (np.abs(weights.real) * self.along + np.abs(weights.imag) * self.across).sum((1, 2))
+        return first + self.second
+
+
+def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
+    """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest."""
+    shape = len(rows), ports, ports, 2
+    numbers = np.array([[float(x) for x in row] for row in rows]).reshape(shape)
+    halves = np.array([[half_unit(x) for x in row] for row in rows]).reshape(shape)
+    first, second = numbers[..., 0], numbers[..., 1]
+    rounding = Rounding.of_pairs(form, first, second, np.moveaxis(halves, 3, 0))
+    if form == "ri":
+        return rounding, first + 1j * second
+    with np.errstate(over="ignore"):
+        size = np.abs(first) if form == "ma" else 10 ** (first / 20)
+    return rounding, size * rounding.direction
 
 
 class Parameter(StrEnum):
@@ -100,6 +197,26 @@ class SampledResponse:
     def ports(self) -> int:
         """Number of ports."""
         return self.values.shape[1]
+
+    def touchstone(self) -> str:
+        """Text of a Touchstone file of version 1, from which `read_touchstone` has the same numbers; Z and Y as such.
+
+        Raises
+        ------
+        ExpressionError
+            For S of ports with different reference resistances.
+        """
+        z0 = float(self.z0[0]) if self.parameter is Parameter.S else 1.0
+        if self.parameter is Parameter.S and (self.z0 != z0).any():
+            raise ExpressionError("z0", "different reference resistances", "one for all ports", f"{self.z0}")
+        lines = [f"# Hz {self.parameter.value} RI R {z0!r}"]
+        for f, matrix in zip(self.f.tolist(), self.values, strict=True):
+            rows = [matrix.T.ravel()]
+            if self.ports > 2:
+                rows = [part for row in matrix for part in np.split(row, range(4, self.ports, 4))]
+            written = [" ".join(f"{x.real!r} {x.imag!r}" for x in row.tolist()) for row in rows]
+            lines += [f"{f!r} {written[0]}", *written[1:]]
+        return "\n".join(lines) + "\n"
 
 
 def array(given: ArrayLike, kind: type, name: str) -> NDArray:

@@ -25,18 +25,10 @@ WAVES = re.compile(r"!\s*S-parameter uses the (power|pseudo|traveling) definitio
 
 @dataclass
 class TouchstoneText:
-    """What a file says, number by number.
+    """What a file says, number by number."""
 
-    Parameters
-    ----------
-    path : str
-        Named in errors.
-    ports : int
-        By the suffix, 0 if it does not tell.
-    """
-
-    path: str
-    ports: int
+    path: str  # named in errors
+    ports: int  # by the suffix, 0 if it does not tell
     unit: float = 1e9  # hertz
     parameter: str = "s"
     form: str = "ma"

@@ -11,7 +11,7 @@ from itertools import islice
 from random import Random
 
 from passivity.budget import UndecidedError
-from passivity.one_port.verdict import Verdict, Witness
+from passivity.exact.verdict import Verdict, Witness
 from passivity.symbolic.assumption import Range
 
 MAX_TRIALS = 600

@@ -9,10 +9,9 @@ from fractions import Fraction
 from flint import arb, fmpq
 
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
-from passivity.one_port.axis import allowance
-from passivity.one_port.polynomial_sign import find_sign
-from passivity.one_port.verdict import Verdict, Witness
-from passivity.one_port.witness import from_axis, from_root
+from passivity.exact.verdict import Verdict, Witness
+from passivity.exact.witness import from_axis, from_root, of_one_port
+from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.domain import coefficients
@@ -52,11 +51,9 @@ def delayed_witness(verdict: Verdict, delay: Fraction) -> Witness | None:
         return None
     if not delay:
         return verdict.witness
-    allowed = allowance(Kind.BR, h2.p, h2.q)
+    test, allowed = of_one_port(Kind.BR, h2.p, h2.q, delay / 2), allowance(Kind.BR, h2.p, h2.q)
     sign = find_sign(allowed)
-    if isinstance(sign, Fraction):
-        return from_axis(Kind.BR, h2.p, h2.q, allowed, sign, delay / 2)
-    return from_root(Kind.BR, h2.p, h2.q, h2.reduced().q, delay / 2)
+    return from_axis(test, allowed, sign) if isinstance(sign, Fraction) else from_root(test, h2.reduced().q)
 
 
 def _growing(h2: RationalFunction, delay: Fraction) -> Witness | None:
@@ -66,5 +63,5 @@ def _growing(h2: RationalFunction, delay: Fraction) -> Witness | None:
         p, q = h2.p(s), h2.q(s)
         if q and abs(arb(p / q)) * (arb(fmpq(-delay.numerator, delay.denominator)) * arb(s)).exp() > 1:
             size = p / q
-            return Witness(Fraction(2**k), Fraction(0), Fraction(int(size.p), int(size.q)), Fraction(0))
+            return Witness(Kind.BR, Fraction(2**k), Fraction(0), ((Fraction(int(size.p), int(size.q)), Fraction(0)),))
     return None

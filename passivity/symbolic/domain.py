@@ -14,7 +14,7 @@ from typing import TypeAlias
 from flint import Ordering, fmpz, fmpz_mpoly, fmpz_mpoly_ctx, fmpz_poly
 
 from passivity.budget import spend
-from passivity.one_port.polynomial_sign import SignProof, UndecidedError, find_sign
+from passivity.polynomial.sign import SignProof, UndecidedError, find_sign
 from passivity.symbolic.assumption import Range
 
 _MAX_FACTORED = 250  # terms of a polynomial that is factored, or written in other variables

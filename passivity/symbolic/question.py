@@ -6,8 +6,8 @@ from fractions import Fraction
 
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.graph import Graph, Value
-from passivity.one_port.positive_real import check
-from passivity.one_port.verdict import Verdict
+from passivity.exact.positive_real import check
+from passivity.exact.verdict import Verdict
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic import write

@@ -10,8 +10,8 @@ from flint import fmpz_mpoly
 from passivity.calculus.expand import Pair
 from passivity.calculus.proof import Proof
 from passivity.errors import ExpressionError, shorten, shown
+from passivity.exact.report import point
 from passivity.expression.number import complex_text, written
-from passivity.one_port.report import point
 from passivity.rational.evaluate import Exact, exact
 from passivity.status import Decided, Kind, Status, first_of
 from passivity.symbolic.assumption import Range

@@ -17,7 +17,7 @@ from matplotlib.image import imread
 
 import passivity
 from passivity import RationalFunction, check_bounded_real, check_positive_real
-from passivity.one_port.picture import draw_verdict
+from passivity.exact.picture import draw_verdict
 from tline.cli.main import main
 from tline.cli.passivity import passivity as command
 
@@ -168,7 +168,7 @@ def test_numbers_beyond_the_doubles(arguments, status, words):
 
 
 def test_a_verdict_is_printed_without_its_margins(monkeypatch):
-    monkeypatch.setattr("passivity.one_port.infimum.MAX_ROUNDS", 0)
+    monkeypatch.setattr("passivity.polynomial.infimum.MAX_ROUNDS", 0)
     result = run(NEGATIVE)
     assert result.exit_code == 1
     assert "witness s = 1/4 + 2j" in result.stdout
@@ -179,7 +179,7 @@ def test_a_fault_of_the_program_is_no_answer(monkeypatch):
     def fails(*_):
         raise ZeroDivisionError("by\nzero")
 
-    monkeypatch.setattr("passivity.one_port.reason.reason", fails)
+    monkeypatch.setattr("passivity.exact.reason.reason", fails)
     result = run("s")
     assert (result.exit_code, result.stdout) == (70, "")
     assert re.fullmatch(r"tline: a fault of the program, please report .*: ZeroDivisionError in line \d+ of "
@@ -200,7 +200,7 @@ def test_the_outputs_on_the_page_are_those_of_the_program(tmp_path, monkeypatch)
 
 
 def test_undecided_exits_3(monkeypatch):
-    monkeypatch.setattr("passivity.one_port.polynomial_sign.MAX_PIECES", 0)
+    monkeypatch.setattr("passivity.polynomial.sign.MAX_PIECES", 0)
     result = run("(s^2 + s + 1)/(s^2 + s + 4) + 1p")
     assert result.exit_code == 3
     assert "undecided\n  because the sign of a polynomial" in result.stdout
@@ -209,7 +209,7 @@ def test_undecided_exits_3(monkeypatch):
 def test_json_of_a_proof_holds_the_certificate():
     told = json.loads(run(TOUCHING, "--json", "--within", "1e-9").stdout)
     assert (told["status"], told["lossless"], told["hidden_factor"]) == ("proved", False, None)
-    assert told["certificate"]["sign_factors"] == [{"factor": ["1", "-2"], "power": 2}]
+    assert told["certificate"]["sums"][0]["sign_factors"] == [{"factor": ["1", "-2"], "power": 2}]
     assert [float(pivot) for pivot in told["certificate"]["routh_column"]] == [5, 2, 2]
     assert told["certificate"]["verified"] is True
     assert told["robustness"]["same"] is False

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT
 from passivity.expression.quantity import MAX_DIGITS
-from passivity.multiport.matrix import MAX_PORTS
+from passivity.rational.matrix import MAX_PORTS
 from passivity.sampled.read import MAX_BYTES, MAX_LINE
 from tline.cli.frequency import MOST_POINTS
 from tline.cli.main import main

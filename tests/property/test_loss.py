@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passivity import Status
-from passivity.one_port.certificate import verify
+from passivity.exact.certificate import verify
 from tline.loss import (
     ConstantLoss,
     DielectricLoss,

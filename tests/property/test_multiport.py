@@ -8,15 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passivity import RationalFunction, Status, check_positive_real
-from passivity.multiport.axis_analysis import analyse
-from passivity.multiport.cayley import impedances, scattering
-from passivity.multiport.certificate import verify
-from passivity.multiport.float_system import FloatSystem
-from passivity.multiport.margin import margin
-from passivity.multiport.matrix import RationalMatrix
-from passivity.multiport.positive_real import check_bounded_real_matrix, check_positive_real_matrix
-from passivity.multiport.refutation import refuted_or_undecided
-from passivity.multiport.state_space import StateSpace
+from passivity.exact.certificate import verify
+from passivity.exact.margin import margin
+from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix, refuted_or_undecided
+from passivity.floats.axis import analyse
+from passivity.floats.system import FloatSystem
+from passivity.rational.elements import impedances, scattering
+from passivity.rational.matrix import RationalMatrix
+from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
 
 s = RationalFunction.from_expression("s")

@@ -14,8 +14,8 @@ from passivity import (
     fit_scattering,
     verify,
 )
-from passivity.multiport.strict_storage import proves, strict_storage
-from passivity.sampled.matrix_model import MatrixModel
+from passivity.floats.storage import proves, strict_storage
+from passivity.sampled.model import MatrixModel
 
 
 def random_model(seed, ports, pairs, size):

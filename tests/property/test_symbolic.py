@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passivity import ExpressionError, Kind, RationalFunction, Status, check_positive_real
-from passivity.one_port.positive_real import check
+from passivity.exact.positive_real import check
 from passivity.symbolic.assumption import Range, parse_assumption
 from passivity.symbolic.check import check_symbolic
 from passivity.symbolic.domain import Domain

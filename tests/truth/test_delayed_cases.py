@@ -17,7 +17,7 @@ from passivity.calculus.proof import verify_proof
 from passivity.delayed.boxes import holds
 from passivity.delayed.roots import rightmost_roots, roots_right
 from passivity.errors import ExpressionError
-from passivity.one_port.certificate import verify
+from passivity.exact.certificate import verify
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 

@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 
 from passivity import Status
-from passivity.multiport.axis_analysis import analyse
-from passivity.multiport.axis_form import axis_sums
-from passivity.multiport.bands import violations
-from passivity.multiport.float_system import FloatSystem
-from passivity.multiport.positive_real import check_positive_real_matrix
-from passivity.multiport.refutation import refuted_or_undecided
-from passivity.multiport.state_space import StateSpace
+from passivity.exact.positive_real import check_positive_real_matrix, refuted_or_undecided
+from passivity.floats.axis import analyse
+from passivity.floats.system import FloatSystem
+from passivity.polynomial.bands import violations
+from passivity.rational.polynomial_matrix import axis_sums
+from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
 
 CASES = json.loads((Path(__file__).parent / "multiport_cases.json").read_text(encoding="utf-8"))["cases"]

@@ -14,12 +14,12 @@ import pytest
 
 from passivity import Status
 from passivity import verify as verify_one_port
-from passivity.multiport.certificate import verify
-from passivity.multiport.line_two_port import check_line_two_port
-from passivity.multiport.margin import margin
-from passivity.multiport.matrix import RationalMatrix
-from passivity.multiport.positive_real import check_bounded_real_matrix, check_positive_real_matrix
-from passivity.multiport.state_space import StateSpace
+from passivity.delayed.two_port import check_line_two_port
+from passivity.exact.certificate import verify
+from passivity.exact.margin import margin
+from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix
+from passivity.rational.matrix import RationalMatrix
+from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
 
 CASES = json.loads((Path(__file__).parent / "multiport_cases.json").read_text(encoding="utf-8"))["cases"]

@@ -14,8 +14,8 @@ from passivity.sampled.check import ROUNDING, check_samples
 from passivity.sampled.enforce import SPARE, enforce
 from passivity.sampled.fit import fit
 from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.read import read_touchstone
 from passivity.sampled.response import SampledResponse
-from passivity.sampled.touchstone import read_touchstone
 
 CASES = json.loads((Path(__file__).parent / "passivity_cases.json").read_text(encoding="utf-8"))["cases"]
 FAR = 1e7  # rad/s: stands for infinity where poles are near 1

@@ -22,7 +22,7 @@ from passivity.delayed import reflection
 from passivity.delayed.boxes import UnresolvedError, from_file, holds, prove_in_balls
 from passivity.delayed.roots import rightmost_roots, roots_right
 from passivity.errors import ExpressionError
-from passivity.one_port.polynomial_sign import UndecidedError
+from passivity.polynomial.sign import UndecidedError
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.verifier import implies, inverted, scaled

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from passivity import ExpressionError, Status, check_samples, fit_behind_delay, read_csv, read_touchstone
-from passivity.sampled.digits import half_unit
+from passivity.sampled.response import half_unit
 from tests.touchstone_files import FILTER, SHIPPED
 from tline.cli.main import main
 

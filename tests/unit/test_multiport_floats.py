@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 
 from passivity import Status
-from passivity.multiport.axis_analysis import AxisAnalysis, analyse
-from passivity.multiport.float_system import FloatSystem
-from passivity.multiport.hamiltonian import crossings
-from passivity.multiport.matrix import RationalMatrix
-from passivity.multiport.positive_real import check_positive_real_matrix
-from passivity.multiport.refutation import refuted_or_undecided
-from passivity.multiport.report import as_dict
-from passivity.multiport.state_space import StateSpace
-from passivity.multiport.verdict import MatrixVerdict, MatrixWitness
+from passivity.exact.positive_real import check_positive_real_matrix, refuted_or_undecided
+from passivity.exact.report import as_dict
+from passivity.exact.verdict import Margins, Verdict, Witness
+from passivity.floats.axis import AxisAnalysis, analyse, crossings
+from passivity.floats.system import FloatSystem
+from passivity.rational.matrix import RationalMatrix
+from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
 
 TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
@@ -94,15 +92,16 @@ def test_an_exact_value_that_takes_too_long_is_not_begun():
 def test_methods_that_disagree_say_so():
     analysis = AxisAnalysis(((1.0, 2.0),), 1e-9, -0.25, 1e-9, 1.5, -1.0, agree=False)
     network = StateSpace.from_entries(*TRIANGLE)
-    verdict = MatrixVerdict(Kind.PR, network, Status.UNDECIDED, budget="too large", analysis=analysis)
+    verdict = Verdict(Kind.PR, network, Status.UNDECIDED, budget="too large", analysis=analysis)
     assert verdict.why == (
         "too large; in floating point, by two methods that disagree, the smallest eigenvalue of (Z + Z^H)/2 is "
         "-0.25 ± 1e-09 at ω = 1.5, Z + Z^H has a negative eigenvalue for 1 < ω < 2; "
         "all eigenvalues of A have Re s <= -1"
     )
-    witness = MatrixWitness(Fraction(1), Fraction(0), ((Fraction(1), Fraction(0)),), -1 / Fraction(3) ** 10000)
-    assert len(as_dict(replace(verdict, witness=witness), None)["witness"]["value"]) > 4700  # Python refuses over 4300
-    told = as_dict(verdict, None)["analysis"]
+    v, value = (Fraction(1), Fraction(0)), (-1 / Fraction(3) ** 10000, Fraction(0))
+    witness = Witness(Kind.PR, Fraction(1), Fraction(0), (value, (Fraction(0),) * 2), (v, (Fraction(0),) * 2))
+    assert len(as_dict(replace(verdict, witness=witness), Margins())["witness"]["value"]) > 4700  # over 4300
+    told = as_dict(verdict, Margins())["analysis"]
     assert told["bands"] == [[1.0, 2.0]]
     assert told["agree"] is False
 

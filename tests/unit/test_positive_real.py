@@ -19,12 +19,11 @@ from passivity import (
     robustness,
     verify,
 )
-from passivity.one_port import polynomial_sign
-from passivity.one_port.hurwitz import routh_column
-from passivity.one_port.infimum import infimum
-from passivity.one_port.ladder import approximate_roots
-from passivity.one_port.polynomial_sign import SignProof, find_sign
-from passivity.one_port.real_roots import positive_roots
+from passivity.polynomial import sign as polynomial_sign
+from passivity.polynomial.hurwitz import routh_column
+from passivity.polynomial.infimum import infimum
+from passivity.polynomial.roots import approximate_roots, positive_roots
+from passivity.polynomial.sign import SignProof, find_sign
 
 of = RationalFunction.from_expression
 DIP = of("(s^2 + s + 1)/(s^2 + s + 4) + 1p")
@@ -223,27 +222,34 @@ def test_certificates_are_verified(expression):
 
 def test_a_certificate_of_something_else_is_refused():
     certificate = check_positive_real(TOUCHING).certificate
-    sign = certificate.sign
+    (axis,) = certificate.sums
+    sign = axis.sign
+
+    def signed(*given):
+        return (axis._replace(sign=SignProof(*given)),)
+
     for wrong in (
         {"function": of("(s^2 + s + 1)/(s^2 + s + 5)")},
-        {"function": of("1/(1 - s)"), "sign": SignProof(((fmpz_poly([1]), 1),), ())},
+        {"function": of("1/(1 - s)"), "sums": signed(((fmpz_poly([1]), 1),), ())},
         {"function": of("-1")},
-        {"common": poly(1, 1)},
-        {"common": poly(0)},
+        {"closing": poly(1, 1)},
+        {"closing": poly(0)},
+        {"sums": ()},
         {"kind": Kind.BR},
-        {"sign": SignProof(((fmpz_poly([4, -4, 1]), 1),), ())},
-        {"sign": SignProof((*sign.factors, (fmpz_poly([2]), 1)), ())},
-        {"sign": SignProof(sign.factors, (Fraction(-1),))},
-        {"sign": SignProof(sign.factors, (Fraction(2), Fraction(1)))},
+        {"sums": signed(((fmpz_poly([4, -4, 1]), 1),), ())},
+        {"sums": signed((*sign.factors, (fmpz_poly([2]), 1)), ())},
+        {"sums": signed(sign.factors, (Fraction(-1),))},
+        {"sums": signed(sign.factors, (Fraction(2), Fraction(1)))},
     ):
         assert not verify(dataclasses.replace(certificate, **wrong)), wrong
 
 
 def test_the_pieces_of_a_certificate_count():
     certificate = check_positive_real(DIP).certificate
-    assert certificate.sign.breaks
+    (axis,) = certificate.sums
+    assert axis.sign.breaks
     assert verify(certificate)
-    assert not verify(dataclasses.replace(certificate, sign=certificate.sign._replace(breaks=())))
+    assert not verify(dataclasses.replace(certificate, sums=(axis._replace(sign=axis.sign._replace(breaks=())),)))
 
 
 # ---- margins

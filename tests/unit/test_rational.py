@@ -341,13 +341,13 @@ def test_hidden_modes_of_a_state_space_stay():
         (scipy.signal.dlti([1], [1, 0.5]), "discrete in time, expected a continuous system, got .*dt=True"),
         (control.tf([1], [1, 0.5], 0.1), "discrete in time, .*dt=0.1"),
         (control.tf([1], [1, 0.5], True), "discrete in time"),
-        (scipy.signal.StateSpace(-1, [[1, 2]], 1, [[0, 0]]), r"one input and one output, got \(2, 1\)"),
+        (scipy.signal.StateSpace(-1, [[1, 2]], 1, [[0, 0]]), "D, row 1: not square"),
         (scipy.signal.TransferFunction([[1], [2]], [1, 2]), r"one input and one output, got \(1, 2\)"),
-        (control.ss(-1, 1, [[1], [2]], [[0], [0]]), r"one input and one output, got \(1, 2\)"),
+        (control.ss(-1, 1, [[1], [2]], [[0], [0]]), "D, row 1: not square"),
         (control.frd([1, 2], [1, 2]), "no coefficients, expected a scipy.signal.lti"),
         ([1, 2], "no coefficients, .* got list"),
         (scipy.signal.TransferFunction([math.nan], [1]), r"numerator\[0\]: not a number"),
-        (scipy.signal.StateSpace(math.inf, 1, 1, 0), "state space: not a number"),
+        (scipy.signal.StateSpace(math.inf, 1, 1, 0), r"A\[0\]\[0\]: not a number"),
     ],
 )
 def test_refused_systems(system, message):

@@ -3,8 +3,7 @@
 import pytest
 
 from passivity import ExpressionError
-from passivity.sampled.read import MAX_BYTES, MAX_LINE, read_csv
-from passivity.sampled.touchstone import read_touchstone
+from passivity.sampled.read import MAX_BYTES, MAX_LINE, read_csv, read_touchstone
 
 
 def test_csv(tmp_path):

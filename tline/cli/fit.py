@@ -11,7 +11,7 @@ from tline.cli.options import check_readable, options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from passivity import DelayedModel, MeasuredNetwork
+    from passivity import DelayedModel
 
 EXAMPLES = """\b
 Examples:
@@ -57,7 +57,7 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
     return Output(_text(file, found), lambda: as_dict(found), files, exit_code=0 if proved else 1)
 
 
-def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel | MeasuredNetwork":
+def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel":
     from passivity import fit_behind_delay, fit_scattering, read_touchstone
     from tline.scene.quantity import TOLERANCE, Role
 
@@ -74,7 +74,7 @@ def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedMod
     return fit_behind_delay(response, asked, given[0] if given else None, nearest)
 
 
-def _text(file: str, found: "DelayedModel | MeasuredNetwork") -> Iterator[str]:
+def _text(file: str, found: "DelayedModel") -> Iterator[str]:
     yield f"{file}: {in_words(found)}"
     yield f"  because {found.why}"
     model = found.model

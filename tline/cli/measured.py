@@ -8,18 +8,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from passivity import DelayedModel, MeasuredNetwork
+    from passivity import DelayedModel
 
 
-def as_dict(found: "DelayedModel | MeasuredNetwork") -> dict[str, Any]:
+def as_dict(found: "DelayedModel") -> dict[str, Any]:
     """Poles and verdict, and how far the model is from the samples, in SI.
 
     With one port also its delay; with several, residues and constant are matrices.
     """
-    from passivity import DelayedModel
-
     model, samples = found.model, found.samples
-    one = isinstance(found, DelayedModel)
+    one = samples.ports == 1
     return {
         "status": found.verdict.status.value,
         "why": found.why,
@@ -27,20 +25,18 @@ def as_dict(found: "DelayedModel | MeasuredNetwork") -> dict[str, Any]:
         "z0": float(samples.z0[0]) if one else samples.z0.tolist(),
         "poles": _parts(model.poles),
         "residues": _parts(model.residues),
-        "constant": found.model.constant if isinstance(found, DelayedModel) else found.model.constant.tolist(),
-        "order": found.order if one else found.model.order,
+        "constant": model.constant if one else model.constant.tolist(),
+        "order": found.order,
         "error": found.error,
         "cost": found.cost,
         "samples": {"number": len(samples.f), "first": float(samples.f[0]), "last": float(samples.f[-1])},
     }
 
 
-def in_words(found: "DelayedModel | MeasuredNetwork") -> str:
+def in_words(found: "DelayedModel") -> str:
     """Poles, verdict and distance from the samples in one line."""
-    from passivity import DelayedModel
-
-    one = isinstance(found, DelayedModel)
-    samples, order = found.samples, found.order if one else found.model.order
+    samples, order = found.samples, found.order
+    one = samples.ports == 1
     poles = f"{order} pole{'s' * (order != 1)}"
     if one:
         z0 = engineering(float(samples.z0[0]), "ohm")

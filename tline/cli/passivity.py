@@ -30,6 +30,7 @@ Examples:
   tline passivity scene.toml
   tline passivity measured.s2p --error 0.001 --plot bands.png
   tline passivity measured.csv --kind br --nearest model.json
+  tline passivity measured.s2p --nearest passive.s2p
 Exit status: 0 proved, 1 refuted, 3 undecided (and no violation seen in samples), 2 bad input.
 """
 
@@ -70,8 +71,9 @@ class ExpressionCommand(click.Command):
 @click.option("--error", metavar="BAR", help="How far each sample of a file may be from the truth.")
 @click.option(
     "--nearest",
-    metavar="FILE.json",
-    help="Fit samples of one port and write the nearest passive model; the exit status is then its own.",
+    metavar="FILE",
+    help="Fit samples and write the nearest passive model; the exit status is then its own. .json: poles and residues;"
+    " .s1p, .s2p, ...: its values at the same frequencies.",
 )
 @click.option("--plot", metavar="FILE", help="Nyquist and Smith chart, |H(jω)|, or samples; .png, .svg or .pdf.")
 @click.option("--certificate", metavar="FILE.json", help="Write the proof along the expression, or the witness.")
@@ -134,12 +136,12 @@ def _check_files(plot: str | None, nearest: str | None, certificate: str | None)
 
     for option, path, known in (
         ("--plot", plot, PICTURE),
-        ("--nearest", nearest, (".json",)),
+        ("--nearest", nearest, (".json", *(f".s{k}p" for k in range(1, 17)))),
         ("--certificate", certificate, (".json",)),
     ):
         if path is not None:
             if not path.lower().endswith(known):
-                raise InputError(option, "unknown kind of file", " or ".join(known), f"'{path}'")
+                raise InputError(option, "unknown kind of file", " or ".join(known[:3]), f"'{path}'")
             check_writable(path)
 
 

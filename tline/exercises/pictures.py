@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from drives.picture import draw_bode as draw_bode
 from drives.picture import draw_run as draw_run
 from friction.pictures import draw_panels as draw_panels
-from passivity.one_port.smith import draw_smith
+from passivity.exact.picture import draw_smith
 from tline.exercises.lines import LENGTH, snapshots
 from tline.exercises.passive_line import example
 from tline.pictures.handy import handy

@@ -14,7 +14,7 @@ from tline.pictures.handy import handy
 from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, figure, styled
 
 if TYPE_CHECKING:
-    from passivity import DelayedModel, MeasuredNetwork
+    from passivity import DelayedModel
 
 WIDTH, HEIGHT = 8.0, 5.6  # inches
 ENTRY = 0.09  # inches per letter in the legend
@@ -101,7 +101,7 @@ TOLD_APART = 4  # ports whose waves back are curves of their own; of more all lo
 
 
 @styled
-def plot_misfit(found: "DelayedModel | MeasuredNetwork", title: str = "") -> Figure:
+def plot_misfit(found: "DelayedModel", title: str = "") -> Figure:
     """|S| of samples and model, which no delay changes, and the distance between both S, over frequency.
 
     Of several ports all entries of S are drawn, those into one port in one colour, with the largest singular value,
@@ -109,7 +109,7 @@ def plot_misfit(found: "DelayedModel | MeasuredNetwork", title: str = "") -> Fig
 
     Parameters
     ----------
-    found : DelayedModel or MeasuredNetwork
+    found : DelayedModel
         From `passivity.fit_behind_delay` or `passivity.fit_scattering`.
     title : str
 

@@ -19,7 +19,7 @@ from tline.scene.rational import RationalImpedance
 from tline.scene.text_file import beside
 
 if TYPE_CHECKING:
-    from passivity import DelayedModel, MeasuredNetwork, RationalFunction
+    from passivity import DelayedModel, RationalFunction
 
 Model = TypeVar("Model")
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
@@ -168,7 +168,7 @@ class MeasuredMultiport(OneMedium, Multiport):
     nearest: bool = Field(
         default=False, description="whether to take the nearest passive model where the fit is not passive"
     )
-    _model: "MeasuredNetwork" = PrivateAttr()
+    _model: "DelayedModel" = PrivateAttr()
     _near: tuple[str, ...] | None = PrivateAttr(default=None)  # nodes at which the delays begin
 
     @model_validator(mode="after")
@@ -183,7 +183,7 @@ class MeasuredMultiport(OneMedium, Multiport):
         return self
 
     @property
-    def model(self) -> "MeasuredNetwork":
+    def model(self) -> "DelayedModel":
         """What was fitted, with its proof."""
         return self._model
 
@@ -216,9 +216,7 @@ class MeasuredMultiport(OneMedium, Multiport):
 
 
 @lru_cache(maxsize=64)
-def multiport_of(
-    path: Path, stamp: int, tolerance: float, delays: tuple[float, ...], nearest: bool
-) -> "MeasuredNetwork":
+def multiport_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, ...], nearest: bool) -> "DelayedModel":
     """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
 
     Raises
@@ -234,7 +232,7 @@ def multiport_of(
         raise ExpressionError("samples", "not one port for each node", f"{len(delays)}", got)
     found = fit_scattering(response, tolerance, nearest, delays)
     if found.verdict.status is not Status.PROVED:
-        problem = f"the model with {found.model.order} poles is not proved passive: {found.why}"
+        problem = f"the model with {found.order} poles is not proved passive: {found.why}"
         refuted = found.verdict.status is Status.REFUTED
         expected = "nearest = true, or another tolerance" if refuted else "fewer poles, by a larger tolerance"
         raise ExpressionError("", problem, expected)

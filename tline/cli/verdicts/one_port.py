@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 def answer(function: "RationalFunction", asked: Asked) -> Answer:
     """Decide, and say everything that was asked."""
     from passivity import Margins, Status, check_bounded_real, check_line, check_positive_real, margins, robustness
-    from passivity.one_port.polynomial_sign import UndecidedError
-    from passivity.one_port.report import as_dict, in_lines
+    from passivity.exact.report import as_dict, in_lines
+    from passivity.polynomial.sign import UndecidedError
 
     if asked.kind == "br":
         asked.refuse("reflections", "z0", "delay", "within")
@@ -28,7 +28,7 @@ def answer(function: "RationalFunction", asked: Asked) -> Answer:
     try:
         found = margins(verdict, z0)
     except UndecidedError as error:
-        found, missing = Margins(None, None, None), [f"  margins not found: {error}"]
+        found, missing = Margins(), [f"  margins not found: {error}"]
     tolerance = None if asked.within is None else _tolerance(asked.within)
     robust = None if tolerance is None or verdict.status is Status.UNDECIDED else robustness(verdict, tolerance)
     chain = None if asked.delay is None else check_line(function, z0, asked.delay)
@@ -48,8 +48,8 @@ def _tolerance(text: str) -> Fraction:
 
 
 def _draw(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
+    from passivity.exact.picture import draw_verdict
     from passivity.expression.number import double
-    from passivity.one_port.picture import draw_verdict
     from passivity.rational.evaluate import exact
 
     return draw_verdict(verdict, margins, double(exact(z0, "z0")))

@@ -15,32 +15,33 @@ def answer(file: str, asked: Asked) -> Answer:
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.check import check_samples
-    from passivity.sampled.enforce import enforce
-    from passivity.sampled.fit import fit
-    from passivity.sampled.picture import draw_samples
-    from passivity.sampled.report import in_lines, samples_as_dict
+    from passivity.sampled.enforce import nearest
+    from passivity.sampled.report import draw_samples, in_lines, samples_as_dict
 
     asked.refuse("samples", "parameters", "delay", "within")
     response = _read(file, asked)
     verdict = check_samples(response, None if asked.error is None else double(exact(asked.error, "tolerance")))
-    enforced = enforce(fit(response), response) if asked.nearest else None
+    if asked.nearest and not asked.nearest.lower().endswith(wanted := (".json", f".s{response.ports}p")):
+        raise InputError("--nearest", "not a file for these ports", " or ".join(wanted), f"'{asked.nearest}'")
+    enforced = nearest(response) if asked.nearest else None
     told = samples_as_dict(verdict, enforced)
     lines = in_lines(verdict, enforced)
-    if enforced and asked.nearest:
+    if enforced is not None and asked.nearest:
         from tline.solver.result.atomic import replacing
 
         with replacing(asked.nearest) as temporary:
-            temporary.write_text(json.dumps(told["model"], indent=2) + "\n", encoding="utf-8")
+            touchstone = not asked.nearest.lower().endswith(".json")
+            text = enforced.response.touchstone() if touchstone else json.dumps(told["model"], indent=2) + "\n"
+            temporary.write_text(text, encoding="utf-8")
         lines.append(f"wrote {asked.nearest}")
-    status = enforced.verdict.status if enforced else verdict.status
+    status = verdict.status if enforced is None else enforced.status
     return Answer(status.value, lines, told, lambda: draw_samples(verdict, enforced))
 
 
 def _read(file: str, asked: Asked) -> "SampledResponse":
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
-    from passivity.sampled.read import read_csv
-    from passivity.sampled.touchstone import read_touchstone
+    from passivity.sampled.read import read_csv, read_touchstone
     from tline.cli.options import check_readable
 
     check_readable(file)

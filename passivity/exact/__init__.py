@@ -1,0 +1,1 @@
+"""Exact verdicts on one-ports and multiports, with the evidence they rest on."""

@@ -1,0 +1,226 @@
+"""Exact verdicts: is an impedance positive real, is a reflection bounded real, of one port or of several?
+
+Z = p/q is positive real if and only if Re p(jw) conj q(jw) >= 0 for all w and, after cancelling common factors, all
+roots of p + q lie in Re s < 0. Poles and residues need no look of their own. H = p/q is bounded real if and only if
+(1 + H)/(1 - H) = (q + p)/(q - p) is positive real, that is |q|^2 - |p|^2 >= 0 and all roots of q lie in Re s < 0.
+
+Of several ports, Z is positive real if and only if Z + Z^H >= 0 on the imaginary axis, poles apart, and (Z + I)^-1 has
+all its poles in Re s < 0: then S = I - 2 (Z + I)^-1 has them there, I - S^H S = 2 (Z + I)^-H (Z + Z^H) (Z + I)^-1 is
+nonnegative on the axis, and S is bounded real by the maximum principle.
+
+References
+----------
+M. Z. Q. Chen, M. C. Smith, "A note on tests for positive-real functions", IEEE Transactions on Automatic Control 54
+(2009), 390-393.
+B. D. O. Anderson, S. Vongpanitlerd, "Network Analysis and Synthesis", 1973, chapter 2.
+"""
+
+from dataclasses import replace
+from fractions import Fraction
+
+from flint import fmpq_mat, fmpz_poly
+
+from passivity.budget import VERDICT, UndecidedError, budget
+from passivity.errors import ExpressionError
+from passivity.exact.storage import lossless_storage
+from passivity.exact.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict
+from passivity.exact.witness import from_axis, from_root, of_multiport, of_one_port
+from passivity.polynomial.hurwitz import routh_column
+from passivity.polynomial.sign import allowance, coprime, find_sign, product
+from passivity.rational.elements import inverted
+from passivity.rational.function import RationalFunction
+from passivity.rational.matrix import RationalMatrix
+from passivity.rational.polynomial_matrix import axis_sums
+from passivity.rational.state_space import StateSpace
+from passivity.status import Kind, Status
+
+_STORAGE_FIRST = 12  # states from which a storage function is looked for before the minors are
+_ONE = fmpz_poly([1])
+
+
+def check_positive_real(z: Network | str) -> Verdict:
+    """Is Z analytic with Z + Z^H >= 0 in the right half plane, that is, is a network with these impedances passive?
+
+    Parameters
+    ----------
+    z : RationalFunction, str, RationalMatrix or StateSpace
+        Impedances, admittances, or any hybrid of them whose port variables make power; of one port open and short
+        circuit included. Taken exactly as given.
+
+    Examples
+    --------
+    >>> of = RationalFunction.from_expression
+    >>> check_positive_real(of("50 + 1n*s + 1/(1p*s)")).status
+    <Status.PROVED: 'proved'>
+    >>> verdict = check_positive_real(of("1/(s^2 + s + 1) - 1/100"))
+    >>> verdict.status, verdict.witness.re > 0, verdict.witness.value_re < 0
+    (<Status.REFUTED: 'refuted'>, True, True)
+    >>> check_positive_real(RationalMatrix.from_rows([["s", "2*s"], ["2*s", "4*s"]])).lossless
+    True
+    >>> print(check_positive_real(RationalMatrix.from_rows([["1/s", "2/s"], ["2/s", "1/s"]])).why)
+    Z has a pole on the axis that is not simple with a nonnegative Hermitian residue
+    """
+    return check(z, Kind.PR)
+
+
+def check_bounded_real(h: Network | str) -> Verdict:
+    """Is S analytic with S^H S <= I in the right half plane, that is, does a network never return more than came?
+
+    Parameters
+    ----------
+    h : RationalFunction, str, RationalMatrix or StateSpace
+        Reflection or scattering matrix, waves normalised so that |a|^2 - |b|^2 is the power. Taken exactly as given.
+
+    Examples
+    --------
+    >>> check_bounded_real(RationalFunction.from_expression("(1 - s)/(1 + s)")).lossless
+    True
+    >>> check_bounded_real(RationalMatrix.from_rows([["0", "1/2"], ["1/2", "0"]])).status
+    <Status.PROVED: 'proved'>
+    """
+    return check(h, Kind.BR)
+
+
+check_positive_real_matrix, check_bounded_real_matrix = check_positive_real, check_bounded_real
+
+
+def check(network: Network | str, kind: Kind) -> Verdict:
+    """The verdict of one of the two functions above."""
+    if isinstance(network, str):
+        network = RationalFunction.from_expression(network)
+    if isinstance(network, RationalFunction):
+        with budget(VERDICT):
+            return _of_one_port(network, kind)
+    if not isinstance(network, Network):
+        expected = "a RationalFunction or the text of one, a RationalMatrix or a StateSpace"
+        expected += "; passivity.is_positive_real takes more"
+        raise ExpressionError("function", "not a rational function or matrix", expected, type(network).__name__)
+    return _of_multiport(network, kind)
+
+
+def _of_one_port(function: RationalFunction, kind: Kind) -> Verdict:
+    p, q = function.p, function.q
+    closing = p + q if kind is Kind.PR else q
+    try:
+        allowed = allowance(kind, p, q)
+        sign = find_sign(allowed)
+        if isinstance(sign, Fraction):
+            witness, hidden = from_axis(of_one_port(kind, p, q), allowed, sign), _hidden(_common(p, q))
+            return Verdict(kind, function, Status.REFUTED, witness=witness, hidden=hidden, negative=(allowed,))
+        lossless, common = not allowed, _ONE
+        column = routh_column(closing)
+        if column is None and (common := _common(p, q)).degree() > 0:
+            allowed, closing = allowance(kind, p // common, q // common), closing // common
+            sign = find_sign(allowed)
+            assert not isinstance(sign, Fraction)
+            column = routh_column(closing)
+        hidden = _hidden(common)
+        if column is None:
+            witness = from_root(of_one_port(kind, p, q), closing)
+            return Verdict(kind, function, Status.REFUTED, witness=witness, lossless=lossless, hidden=hidden)
+    except UndecidedError as error:
+        return Verdict(kind, function, Status.UNDECIDED, budget=str(error))
+    certificate = Certificate(kind, function, (AxisSum(allowed, 0, sign),), closing, column)
+    return Verdict(kind, function, Status.PROVED, certificate, lossless=lossless, hidden=hidden)
+
+
+def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
+    if isinstance(network, StateSpace) and kind is Kind.BR and network.states >= _STORAGE_FIRST:
+        storage = _strict_storage(network)
+        if storage is not None:
+            return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, storage))
+    try:
+        return replace(_by_minors(kind, network), hidden=hidden_modes(network))
+    except UndecidedError as error:
+        if isinstance(network, StateSpace) and network.states:
+            return refuted_or_undecided(kind, network, str(error))
+        return Verdict(kind, network, Status.UNDECIDED, budget=str(error))
+
+
+def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
+    matrix = network.transfer if isinstance(network, StateSpace) else network
+    n, d = matrix.fraction
+    if kind is Kind.PR and isinstance(network, StateSpace) and (found := lossless_storage(network)):
+        return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, *found), lossless=True)
+    totals, sums = list(axis_sums(kind, n, d)), []
+    for a, power in totals:
+        sign = find_sign(a)
+        if isinstance(sign, Fraction):
+            away = a * product(d, d)  # from poles on the axis
+            x0 = find_sign(away)
+            assert isinstance(x0, Fraction)
+            witness = from_axis(of_multiport(kind, matrix), away, x0)
+            return Verdict(kind, network, Status.REFUTED, witness=witness, negative=tuple(a for a, _ in totals))
+        sums.append(AxisSum(a, power, sign))
+    closing, inverse = inverted(n, d) if kind is Kind.PR else (d, None)  # where Z v = -v for all s, a sum is negative
+    column = routh_column(closing)
+    if column is None:
+        witness = from_root(of_multiport(kind, matrix), closing)
+        return Verdict(kind, network, Status.REFUTED, witness=witness)
+    certificate = Certificate(kind, network, tuple(sums), closing, column, inverse)
+    return Verdict(kind, network, Status.PROVED, certificate, lossless=not any(a for a, _ in totals))
+
+
+def by_storage(system: StateSpace) -> Verdict:
+    """The verdict on S that a storage function gives, or a point where there can be none; no minors."""
+    storage = _strict_storage(system)
+    if storage is not None:
+        return Verdict(Kind.BR, system, Status.PROVED, StorageCertificate(Kind.BR, system, storage))
+    return refuted_or_undecided(Kind.BR, system, "no storage function was found")
+
+
+def _strict_storage(system: StateSpace) -> fmpq_mat | None:
+    from passivity.floats.storage import strict_storage
+
+    try:
+        return strict_storage(system)
+    except (OverflowError, ValueError):  # beyond the range of doubles, or eigenvalues do not converge
+        return None
+
+
+def refuted_or_undecided(kind: Kind, network: StateSpace, reason: str) -> Verdict:
+    """The verdict on a state space that is not proved: points where floats see the property fail are shown exactly.
+
+    Modes that do not show at the ports are not looked for.
+    """
+    from passivity.floats.axis import analyse, suspects
+    from passivity.floats.system import FloatSystem
+
+    verdict = Verdict(kind, network, Status.UNDECIDED, budget=reason)
+    try:
+        system = FloatSystem.of(kind, network)
+        analysis = analyse(system)
+    except (OverflowError, ValueError):  # beyond the range of doubles, or the eigenvalues do not converge
+        return verdict
+    verdict = replace(verdict, analysis=analysis)
+    try:
+        for re, im in suspects(system, analysis):
+            if witness := of_multiport(kind, network)(re, im):
+                return replace(verdict, status=Status.REFUTED, witness=witness, budget="")
+    except UndecidedError as error:
+        return replace(verdict, budget=f"{reason}; {error}")
+    return verdict
+
+
+def hidden_modes(network: RationalMatrix | StateSpace) -> fmpz_poly | None:
+    """A polynomial with roots in Re s >= 0 that does not show at the ports, None if there is none.
+
+    Of a state space: the modes that the inputs do not reach or the outputs do not see; of a matrix: the factors common
+    to numerator and denominator of an entry.
+    """
+    if isinstance(network, StateSpace):
+        return _hidden(network.modes // network.reached()[1].dual().reached()[1].modes)
+    found = _ONE
+    for entry in (entry for row in network.rows for entry in row):
+        if factor := _hidden(_common(entry.p, entry.q)):
+            found *= factor // found.gcd(factor)
+    return found if found.degree() > 0 else None
+
+
+def _common(p: fmpz_poly, q: fmpz_poly) -> fmpz_poly:
+    return _ONE if coprime(p, q) else p.gcd(q)
+
+
+def _hidden(common: fmpz_poly) -> fmpz_poly | None:
+    """A factor, if it has roots in Re s >= 0."""
+    return common if common.degree() > 0 and routh_column(common) is None else None

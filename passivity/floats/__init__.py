@@ -1,0 +1,1 @@
+"""What floating point sees of a state space: never a proof."""

@@ -1,0 +1,104 @@
+"""Proof for systems of many ports: a storage function found in floating point and checked in ball arithmetic.
+
+By the bounded real lemma S = D + C (sI - A)^-1 B has all its poles in Re s < 0 and S^H S < I there and on the axis, if
+
+    M(P) = [[A^T P + P A + C^T C, P B + C^T D], [B^T P + D^T C, D^T D - I]] < 0,   P > 0.
+
+P solves a Riccati equation with a little more loss than there is, from the stable subspace of a Hamiltonian matrix.
+That is rounded; but whatever P is, the two inequalities are proved of it: T^T X T > 0 proves X > 0 for any matrix T,
+and with T from a rounded Cholesky factor of X it is nearly I, so that its diagonal dominates its rows, in balls.
+
+References
+----------
+J. C. Willems, "Least squares stationary optimal control and the algebraic Riccati equation", IEEE Transactions on
+Automatic Control 16 (1971), 621-634, DOI 10.1109/TAC.1971.1099831.
+A. J. Laub, "A Schur method for solving algebraic Riccati equations", IEEE Transactions on Automatic Control 24 (1979),
+913-921, DOI 10.1109/TAC.1979.1102178.
+"""
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
+from numpy.typing import NDArray
+
+from passivity.floats.system import floats, power_of_two
+from passivity.rational.state_space import StateSpace
+
+BITS = 150  # of the balls
+LOSSES = 0.3, 0.03, 0.003  # added to the system, in parts of what there is to spare
+
+
+def strict_storage(system: StateSpace) -> fmpq_mat | None:
+    """P with M(P) < 0 and P > 0, None if none was found: S has a singular value of 1, or nearly."""
+    for p in _candidates(system):
+        rounded = fmpq_mat(len(p), len(p), [fmpq(*Fraction(float(x)).as_integer_ratio()) for x in p.ravel()])
+        if proves(system, rounded):
+            return rounded
+    return None
+
+
+def proves(system: StateSpace, storage: fmpq_mat) -> bool:
+    """Whether M(P) < 0 and P > 0, P symmetric."""
+    before, ctx.prec = ctx.prec, BITS
+    try:
+        a, b, c, d, p = map(arb_mat, (system.a, system.b, system.c, system.d, storage))
+        one = arb_mat(system.size, system.size, [int(i == k) for i in range(system.size) for k in range(system.size)])
+        ct, dt = c.transpose(), d.transpose()
+        loss, cross = p * a + (p * a).transpose() + ct * c, p * b + ct * d
+        rows = [[*x, *y] for x, y in zip(loss.tolist(), cross.tolist(), strict=True)]
+        rows += [[*x, *y] for x, y in zip(cross.transpose().tolist(), (dt * d - one).tolist(), strict=True)]
+        return storage == storage.transpose() and _is_positive(p) and _is_positive(arb_mat(rows) * arb(-1))
+    finally:
+        ctx.prec = before
+
+
+def _is_positive(x: arb_mat) -> bool:
+    """Whether a symmetric matrix of balls is positive definite, whatever is in the balls."""
+    middle = np.array([[float(y.mid()) for y in row] for row in x.tolist()])
+    size = np.sqrt(np.abs(np.diag(middle)))  # rows of one size, else the small ones are lost
+    try:
+        factor = np.linalg.cholesky(middle / size / size[:, None])
+        t = np.linalg.inv(factor) / size
+    except np.linalg.LinAlgError:
+        return False
+    if not np.isfinite(t).all():
+        return False
+    t = arb_mat(len(t), len(t), [float(y) for y in t.ravel()])
+    rows = (t * x * t.transpose()).tolist()
+    return all(row[i] - sum((abs(y) for k, y in enumerate(row) if k != i), arb(0)) > 0 for i, row in enumerate(rows))
+
+
+def _candidates(system: StateSpace) -> Iterator[NDArray]:
+    """Solutions of Riccati equations with more and less loss added: of each mode in parts of its own."""
+    from scipy.linalg import schur
+
+    a, b, c, d = (floats(x) for x in (system.a, system.b, system.c, system.d))
+    unit = power_of_two(np.linalg.norm(a, 2))
+    level = power_of_two(np.sqrt(np.linalg.norm(c) / (np.linalg.norm(b) or 1) * unit))
+    a, b, c = a / unit, b * (level / unit), c / level  # A about 1, and B and C alike
+    found: Any = np.linalg.eig(a)
+    modes, v = found
+    back = np.linalg.inv(v)
+    inputs = np.maximum(np.linalg.norm(back @ b, axis=1), np.finfo(float).tiny)
+    gains = 1 / (1j * np.append(modes.imag, 0.0)[:, None] - modes)  # at each resonance, of each mode
+    values = d + np.einsum("ik,wk,kj->wij", c @ v, gains, back @ b)
+    room = 1 - max(np.linalg.norm(values, 2, axis=(1, 2)).max(), np.linalg.norm(d, 2)) ** 2
+    if room <= 0:
+        return
+    each = (modes.real / inputs) ** 2 / (np.abs(gains * modes.real) ** 2).sum(1).max()
+    lost = (back.conj().T * each @ back).real
+    inner = np.linalg.inv(np.eye(system.size) - d.T @ d)
+    drift, gain = a + b @ inner @ d.T @ c, b @ inner @ b.T
+    for part in LOSSES:
+        given = c.T @ c + c.T @ d @ inner @ d.T @ c + part * room * lost
+        try:
+            found = schur(np.block([[drift, gain], [-given, -drift.T]]), sort="lhp")
+        except np.linalg.LinAlgError:  # eigenvalues too near to the axis to be told apart
+            return
+        _, u, stable = found
+        if stable == len(a):
+            p = np.linalg.solve(u[: len(a), : len(a)].T, u[len(a) :, : len(a)].T)
+            yield (p + p.T) / 2 * (level**2 / unit)

@@ -1,1 +1,0 @@
-"""Exact verdicts for networks with several ports: matrices of rational functions and state spaces."""

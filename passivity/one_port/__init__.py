@@ -1,1 +1,0 @@
-"""The exact test of rational impedances and reflections, its evidence and its margins."""

@@ -1,0 +1,1 @@
+"""Integer polynomials on the half line and in the half planes, exactly."""

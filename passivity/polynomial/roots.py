@@ -1,0 +1,247 @@
+"""Roots of integer polynomials: positive ones in intervals, those in the right half plane as rational points nearby."""
+
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import pairwise
+from math import isqrt
+from typing import NamedTuple
+
+from flint import acb, arb, arb_poly, ctx, fmpq, fmpz, fmpz_poly
+
+from passivity.ball import near
+from passivity.budget import spend
+from passivity.polynomial.hurwitz import pivots
+from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, split
+from passivity.size import bits_of
+
+_FARTHEST = 1000  # binary exponent of a modulus
+SHIFT = 256  # where the scheme ends early, it is tried again for f(s - 1/SHIFT)
+_ACCURACY = 512  # bits of a root, at first
+
+
+class Root(NamedTuple):
+    """The only root of `f` between `low` and `high`, or both; f changes its sign there, upwards if `rising`."""
+
+    f: fmpz_poly
+    low: fmpq
+    high: fmpq
+    rising: bool
+
+    def refined(self, bits: int) -> "Root":
+        """The same root within a relative width of 2^-bits, found exactly if it is met on the way."""
+        f, low, high, rising = self
+        working = 2 * bits + 2 * f.degree()
+        with ctx.workprec(working):
+            rounded = arb_poly(f)
+        while low < high and (low == 0 or (high - low) * 2**bits > low):
+            middle = (low + high) / 2
+            spend(1000 + len(f) * (100 + working // 10), f"a root of a polynomial of degree {f.degree()}")
+            with ctx.workprec(working):
+                value: arb | fmpq = rounded(arb(middle))
+            if value.contains(0):
+                exactly = len(f) * (f.height_bits() + len(f) * middle.height_bits())
+                spend(exactly, f"a root of a polynomial of degree {f.degree()}")
+                value = f(middle)
+            if value == 0:
+                low = high = middle
+            elif (value > 0) == rising:
+                high = middle
+            else:
+                low = middle
+        return Root(f, low, high, rising)
+
+    def sign_of(self, g: fmpz_poly) -> int:
+        """Sign of another polynomial at the root, which must not be a root of both."""
+        root, bits = self, 40
+        while True:
+            root = root.refined(bits)
+            with ctx.workprec(4 * bits + g.height_bits()):
+                value = g(arb(root.low).union(arb(root.high)))
+            if value > 0 or value < 0:
+                return 1 if value > 0 else -1
+            bits *= 2
+
+    def __float__(self) -> float:
+        return float(arb(self._near()))
+
+    @property
+    def frequency(self) -> float:
+        """Square root of the root, which may be beyond the doubles."""
+        return sqrt(self._near())
+
+    def _near(self) -> fmpq:
+        root = self.refined(60)
+        return (root.low + root.high) / 2
+
+
+def sqrt(x: fmpq) -> float:
+    """Square root of x >= 0, which may be beyond the doubles."""
+    with ctx.workprec(100):
+        return float(arb(x).sqrt())
+
+
+def positive_roots(f: fmpz_poly) -> list[Root]:
+    """All positive roots, increasing.
+
+    Parameters
+    ----------
+    f : fmpz_poly
+        Without double roots, f(0) not zero.
+    """
+    pieces, found = [half_line(f)], []
+    while pieces:
+        piece = pieces.pop()
+        if piece.f[0] == 0:  # the cut is a root
+            cut = fmpq(*piece.left)
+            found.append(Root(f, cut, cut, bool(piece.f[1] > 0)))
+            piece = piece._replace(f=piece.f.right_shift(1))
+        c = [x for x in piece.f.coeffs() if x]
+        changes = sum((a > 0) != (b > 0) for a, b in pairwise(c))
+        if changes == 1:
+            high = fmpq(*piece.right) if piece.right[1] else _bound(f)
+            found.append(Root(f, fmpq(*piece.left), high, bool(c[-1] > 0)))
+        elif changes:
+            if len(pieces) + len(found) > MAX_PIECES:
+                raise UndecidedError(f"the roots of a polynomial of degree {f.degree()} take over {MAX_PIECES} pieces")
+            pieces += reversed(split(piece))
+    return found
+
+
+def _bound(f: fmpz_poly) -> fmpq:
+    """A power of two above all roots (Cauchy's bound)."""
+    return fmpq(2) ** (f.height_bits() - f.leading_coefficient().bit_length() + 2)
+
+
+def approximate_roots(f: fmpz_poly) -> list[complex]:
+    """Roots in the right half plane to double precision, as far as they are found, closest to the real axis first.
+
+    They are the natural frequencies of the ladder in Routh's scheme. With m_k, the quotients of neighbours in Routh's
+    column, f(1/t) = 0 reads 1 + m_1 t + 1/(m_2 t + 1/(m_3 t + ...)) = 0, a ladder of inductors and capacitors closed
+    with a resistor of 1. Its matrix is tridiagonal and, in coordinates of equal energy, skew but for signs: its
+    eigenvalues are far less sensitive than those of the companion matrix.
+    """
+    n = f.degree()
+    k = round((f[0].bit_length() - f[n].bit_length()) / n) if f[0] else 0
+    if abs(k) > _FARTHEST:
+        return []
+    f = f(fmpz_poly([0, 1 << k])) if k > 0 else fmpz_poly([c << (-k * (n - i)) for i, c in enumerate(f.coeffs())])
+    found = [s * 2.0**k for s in _natural_frequencies(f)]
+    if not found:
+        f = fmpz_poly([c * SHIFT ** (n - i) for i, c in enumerate(f.coeffs())])(fmpz_poly([-1, 1]))
+        found = [(s - 1) / SHIFT * 2.0**k for s in _natural_frequencies(f)]
+    return sorted((s for s in found if s.real > 0), key=lambda s: -s.real / abs(s))
+
+
+def _natural_frequencies(f: fmpz_poly) -> list[complex]:
+    import numpy as np
+
+    n, bits = f.degree(), 64 + 4 * f.degree()
+    for _ in range(4):
+        with ctx.workprec(bits):
+            column = list(pivots(f))
+            if len(column) == n + 1 and not any(c.contains(0) for c in column):
+                m = [a / b for a, b in pairwise(column)]
+                resistor = float(1 / abs(m[0]))
+                couplings = [float(1 / abs(a * b).sqrt()) for a, b in pairwise(m)]
+                signs = np.array([1 if a > 0 else -1 for a in m])
+                break
+        bits *= 2
+    else:
+        return []
+    matrix = np.diag([-resistor] + [0.0] * (n - 1)) + np.diag(couplings, -1) - np.diag(couplings, 1)
+    if not np.isfinite(matrix).all():
+        return []
+    return [complex(1 / t) for t in np.linalg.eigvals(signs[:, None] * matrix) if t]
+
+
+def value(f: fmpz_poly, re: Fraction, im: Fraction) -> tuple[Fraction, Fraction]:
+    """Exact value of a polynomial at a rational complex point.
+
+    Examples
+    --------
+    >>> value(fmpz_poly([0, 0, 1]), Fraction(1, 2), Fraction(1))
+    (Fraction(-3, 4), Fraction(1, 1))
+    """
+    size = max(bits_of(re), bits_of(im))
+    spend(5_000 + 10 * reducing_cost(len(f) * size + f.height_bits()), "a value")
+    u, v = scaled_value(f, re, im, f.degree())
+    unit = (re.denominator * im.denominator) ** max(f.degree(), 0)
+    return Fraction(int(u), unit), Fraction(int(v), unit)
+
+
+def scaled_value(f: fmpz_poly, re: Fraction, im: Fraction, degree: int) -> tuple[fmpz, fmpz]:
+    """The value times the common denominator to the power `degree`: Horner's scheme with whole numbers."""
+    d = fmpz(re.denominator * im.denominator)
+    a, b = fmpz(re.numerator * im.denominator), fmpz(im.numerator * re.denominator)
+    u, v, unit = fmpz(0), fmpz(0), d ** max(degree - f.degree(), 0)
+    for c in reversed(f.coeffs()):
+        u, v = u * a - v * b + c * unit, u * b + v * a
+        unit *= d
+    return u, v
+
+
+def reducing_cost(bits: int) -> int:
+    """Cost of bringing a fraction of this length to lowest terms."""
+    return 1_000 + bits * bits // 300
+
+
+def candidates(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
+    """Points near roots of f: first approximate ones of the right half plane, then, sure but slow, certified ones."""
+    for start in approximate_roots(f)[:3]:
+        root = _polished(f, acb(start))
+        if root.is_finite():
+            yield from _rounded(near(root.real), near(root.imag), _ACCURACY)
+    accuracy = _ACCURACY
+    while True:
+        # the precision is global to the process: should another thread lower it, the next round helps
+        spend(100 * len(f) ** 2 * (f.height_bits() + accuracy), f"the roots of a polynomial of degree {f.degree()}")
+        with ctx.workprec(accuracy):
+            roots: list = f.complex_roots()
+            root = max((root for root, _ in roots), key=_cosine)
+        yield from _rounded(near(root.real), near(root.imag), accuracy - 10)
+        accuracy *= 4
+
+
+def _polished(f: fmpz_poly, root: acb) -> acb:
+    """The root after Newton's method from a double."""
+    slope = f.derivative()
+    with ctx.workprec(_ACCURACY + 2 * f.height_bits()):
+        for _ in range(6):
+            root = (root - f(root) / slope(root)).mid()
+    return root
+
+
+def _rounded(re: Fraction, im: Fraction, bits: int) -> Iterator[tuple[Fraction, Fraction]]:
+    """The point, or its mirror image, on ever finer grids, and its right neighbour."""
+    shown = 2
+    while shown < bits:
+        spend(1_000 + 50 * shown, "a witness")
+        grid = power_of_two(abs(re) + abs(im)) / 2**shown
+        left, up = round(re / grid) * grid, round(abs(im) / grid) * grid
+        yield left, up
+        yield left + grid, up
+        shown *= 2
+
+
+def _cosine(root: acb) -> float:
+    return float((root.real / abs(root)).mid())
+
+
+def square_roots(x: Fraction) -> Iterator[Fraction]:
+    """Rational approximations of sqrt(x), each with twice as many digits as the one before."""
+    bits = 2
+    while True:
+        shift = bits - (x.numerator.bit_length() - x.denominator.bit_length()) // 2
+        scaled = x * Fraction(4) ** shift
+        yield isqrt(scaled.numerator // scaled.denominator) / Fraction(2) ** shift
+        bits *= 2
+
+
+def to_fmpq(x: Fraction) -> fmpq:
+    """The same number for FLINT."""
+    return fmpq(x.numerator, x.denominator)
+
+
+def power_of_two(x: Fraction) -> Fraction:
+    """A power of two of about the size of x > 0."""
+    return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())

@@ -1,0 +1,185 @@
+"""Square matrices of exact rational functions: where they come from and their values."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, Self, TypeAlias
+
+from flint import fmpq, fmpq_mat, fmpz_poly
+
+from passivity.errors import ExpressionError, shown
+from passivity.expression.parse import parse
+from passivity.expression.tree import symbols
+from passivity.polynomial.roots import value
+from passivity.polynomial.sign import UndecidedError, coprime
+from passivity.rational.evaluate import Exact
+from passivity.rational.function import RationalFunction
+from passivity.rational.polynomial_matrix import PolynomialMatrix
+
+MAX_PORTS = 12
+MAX_DEGREE = 1000  # of the common denominator
+MAX_BITS = 100_000  # of its coefficients
+MAX_WORK = 5_000_000_000  # degree^2 bits, over all entries: some seconds
+Entry: TypeAlias = RationalFunction | Exact | tuple[Iterable[Exact], Iterable[Exact]]
+
+
+@dataclass(frozen=True, eq=False)
+class RationalMatrix:
+    """A square matrix of rational functions p(s)/q(s) with exact coefficients.
+
+    Parameters
+    ----------
+    rows : tuple of tuple of RationalFunction
+        As many as columns, from 1 to MAX_PORTS; no entry infinite. Use `from_rows` for other entries.
+
+    Raises
+    ------
+    ExpressionError
+        For another shape, or an infinite entry.
+
+    Examples
+    --------
+    >>> z = RationalMatrix.from_rows([["R + s*L", "s*M"], ["s*M", "s*L"]], {"R": 1, "L": "2 nH", "M": "1 nH"})
+    >>> z.size, str(z.rows[0][1])
+    (2, '(s)/(1000000000)')
+    """
+
+    rows: tuple[tuple[RationalFunction, ...], ...]
+
+    def __post_init__(self):
+        check_shape("matrix", self.rows)
+        for i, row in enumerate(self.rows, 1):
+            for k, entry in enumerate(row, 1):
+                if entry.is_infinite:
+                    expected = "a function; an ideal element without impedances may have a scattering matrix"
+                    raise ExpressionError(f"entry ({i}, {k})", "infinite", expected)
+
+    @classmethod
+    def from_rows(cls, rows: Iterable[Iterable[Entry]], parameters: Mapping[str, Exact] | None = None) -> Self:
+        """Matrix of the given entries.
+
+        Parameters
+        ----------
+        rows : iterable of iterable
+            Each entry a `RationalFunction`, a number, an expression in ``s``, or a pair of coefficients, highest
+            power first.
+        parameters : mapping of str to number or text, optional
+            A value for every name in the expressions but ``s``, and for no other.
+
+        Raises
+        ------
+        ExpressionError
+            Naming the entry, counted from 1.
+        """
+        given = table("matrix", rows)
+        check_shape("matrix", given)
+        named = parameters or {}
+        used: set[str] = set()
+        done = tuple(
+            tuple(_entry(x, named, used, f"entry ({i}, {k})") for k, x in enumerate(row, 1))
+            for i, row in enumerate(given, 1)
+        )
+        if unused := sorted(set(named) - used, key=str):
+            raise ExpressionError(f"parameter {shown(unused[0])}", "not in the matrix", "only names that are in it")
+        return cls(done)
+
+    @property
+    def size(self) -> int:
+        """Number of ports."""
+        return len(self.rows)
+
+    @cached_property
+    def fraction(self) -> tuple[PolynomialMatrix, fmpz_poly]:
+        """N and d, the matrix being N/d; d has the poles of all entries, as often as the entry with most of them.
+
+        Raises
+        ------
+        UndecidedError
+            If it would take more than MAX_WORK.
+        """
+        entries = [entry for row in self.rows for entry in row]
+        if sum((x.degree + 1) ** 2 * max(x.p.height_bits(), x.q.height_bits()) for x in entries) > MAX_WORK:
+            raise UndecidedError("the entries are too long; shorter ones would be decided")
+        reduced = [[entry if coprime(entry.p, entry.q) else entry.reduced() for entry in row] for row in self.rows]
+        d = fmpz_poly([1])
+        for entry in (entry for row in reduced for entry in row):
+            d *= entry.q // d.gcd(entry.q)
+            if d.degree() > MAX_DEGREE or d.height_bits() > MAX_BITS:
+                text = f"the entries have over {MAX_DEGREE} poles or {MAX_BITS} bits in all; less would be decided"
+                raise UndecidedError(text)
+        return [[entry.p * (d // entry.q) for entry in row] for row in reduced], d
+
+    def at(self, re: Fraction, im: Fraction) -> fmpq_mat | None:
+        """Exact value U + jV at s = re + j im as [[U, -V], [V, U]]; None where an entry, as given, is divided by zero.
+
+        Examples
+        --------
+        >>> RationalMatrix.from_rows([["s"]]).at(Fraction(1), Fraction(2))
+        [1, -2]
+        [2,  1]
+        """
+        n, d = self.fraction
+        c, e = value(d, re, im)
+        size = c * c + e * e
+        if not size or not all(any(value(entry.q, re, im)) for row in self.rows for entry in row):
+            return None
+        parts = [[value(x, re, im) for x in row] for row in n]
+        u = [[(a * c + b * e) / size for a, b in row] for row in parts]
+        v = [[(b * c - a * e) / size for a, b in row] for row in parts]
+        return real_form(u, v)
+
+    def __call__(self, s: complex) -> list[list[complex]]:
+        """Value at a finite `s`, entry by entry (see `RationalFunction`)."""
+        return [[entry(s) for entry in row] for row in self.rows]
+
+    def __str__(self) -> str:
+        return "[" + "; ".join(", ".join(map(str, row)) for row in self.rows) + "]"
+
+
+def table(name: str, rows: Any) -> list[list[Any]]:
+    """The rows of something that can be iterated over twice."""
+    expected = "a sequence of rows, each a sequence of entries"
+    if isinstance(rows, str) or not isinstance(rows, Iterable):
+        raise ExpressionError(name, "not a matrix", expected, shown(rows, repr))
+    done = []
+    for row in rows:
+        if isinstance(row, str) or not isinstance(row, Iterable):
+            raise ExpressionError(name, "not a matrix", expected, shown(row, repr))
+        done.append(list(row))
+    return done
+
+
+def check_shape(name: str, rows: Sequence[Sequence[object]]) -> None:
+    """Refuse what is not square, or has too many ports."""
+    if not 0 < len(rows) <= MAX_PORTS:
+        raise ExpressionError(name, "wrong number of ports", f"from 1 to {MAX_PORTS}", f"{len(rows)}")
+    for k, row in enumerate(rows, 1):
+        if len(row) != len(rows):
+            raise ExpressionError(f"{name}, row {k}", "not square", f"{len(rows)} entries", f"{len(row)}")
+
+
+def real_form(u: list[list[Fraction]], v: list[list[Fraction]]) -> fmpq_mat:
+    """[[U, -V], [V, U]]."""
+    upper = [[*a, *(-x for x in b)] for a, b in zip(u, v, strict=True)]
+    lower = [[*b, *a] for a, b in zip(u, v, strict=True)]
+    return fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in upper + lower])
+
+
+def _entry(given: Any, parameters: Mapping[str, Exact], used: set[str], where: str) -> RationalFunction:
+    try:
+        if isinstance(given, RationalFunction):
+            return given
+        if isinstance(given, str):
+            names = symbols(parse(given)) & set(parameters)
+            used |= names
+            return RationalFunction.from_expression(given, {name: parameters[name] for name in names})
+        if not isinstance(given, Iterable):
+            return RationalFunction.from_coefficients([given], [1])
+        sides = list(given)
+        if len(sides) != 2:
+            raise ExpressionError("", "not a rational function", "numerator and denominator", f"{len(sides)} parts")
+        return RationalFunction.from_coefficients(*sides)
+    except ExpressionError as error:
+        place = ", ".join(x for x in (where, error.where) if x)
+        raise ExpressionError(place, error.problem, error.expected, error.got) from None

@@ -1,0 +1,294 @@
+"""Measured networks: a model of few poles through samples of S behind delays, proved passive or changed until it is.
+
+S(s) = exp(-s (T + T')) S'(s) between ports of delays T and T'. A delay has no rational model of low degree, so it is
+taken out first. Of one port it is searched: of all T the one that leaves a rest which few poles fit best. Too small a T
+costs poles, too large a one leaves a rest that answers before it is asked, which no stable poles fit.
+
+References
+----------
+B. Gustavsen, "Optimal time delay extraction for transmission line modeling", IEEE Transactions on Power Delivery 32
+(2017), 45-54 (the best delay is that of the least misfit, which is searched).
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from passivity.errors import ExpressionError
+from passivity.exact.verdict import Verdict
+from passivity.floats.axis import AxisAnalysis
+from passivity.polynomial.bands import violations
+from passivity.rational.state_space import MAX_STATES
+from passivity.sampled.check import check_samples
+from passivity.sampled.enforce import enforce
+from passivity.sampled.extremes import FEW, seen, verdict_of, worst_frequencies
+from passivity.sampled.fit import MEETING, Reached, fit, fits
+from passivity.sampled.model import MatrixModel, PoleResidueModel
+from passivity.sampled.response import Parameter, SampledResponse
+from passivity.status import Status
+
+SCOUT = 6  # poles with which the delay is looked for
+MOST_SCOUTS = 8  # poles up to which it is improved for each order; beyond, each order begins with the one before
+SCOUTED = 200  # samples that are enough for both
+STEPS = 64  # delays that are tried, a STEP apart
+STEP = 1 / 8  # of the shortest period; a shorter delay is left to the poles
+FINE = 1e-6  # of the width that is searched, to which it is narrowed
+HOPELESS = 0.5  # misfit on a grid of quarter steps above which the delay is not searched in between
+PROMISING = 1e-3  # misfit below which it is searched once more
+
+
+@dataclass(frozen=True, eq=False)
+class DelayedModel:
+    """A model S' of samples of S behind delays, and how well it meets them.
+
+    Parameters
+    ----------
+    delay : float or ndarray, shape (p,)
+        T to each port, one way, s.
+    model : PoleResidueModel or MatrixModel
+        S', against the samples' reference resistances.
+    original : PoleResidueModel or MatrixModel
+        The fit, if `model` is the nearest passive one to it; else the same.
+    samples : SampledResponse
+        Of S', the delays taken out.
+    """
+
+    delay: Any
+    model: Any
+    original: Any
+    samples: SampledResponse
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Exact, of `model`. Passive if and only if it is `PROVED`."""
+        return verdict_of(self.model)
+
+    @cached_property
+    def seen(self) -> AxisAnalysis:
+        """Largest singular value of S' of several ports over all frequencies, and bands beyond 1, in floating point."""
+        return seen(self.model)
+
+    @property
+    def order(self) -> int:
+        """Number of poles, both of a pair counted."""
+        return self.model.order
+
+    @property
+    def error(self) -> float:
+        """Largest |dS| of an entry at the samples."""
+        return _misfit(self.model, self.samples)
+
+    @property
+    def cost(self) -> float:
+        """How far being passive moved an entry at a sample, at most."""
+        w = 2 * np.pi * self.samples.f
+        return float(np.abs(self.model.at(w) - self.original.at(w)).max())
+
+    @property
+    def nearest(self) -> "DelayedModel":
+        """The same with the nearest passive model, if one was found."""
+        return replace(self, model=enforce(self.model, self.samples).model)
+
+    @property
+    def why(self) -> str:
+        """Why it is passive, or where it is not."""
+        if self.verdict.status is not Status.REFUTED:
+            return self.verdict.why
+        if isinstance(self.model, PoleResidueModel):
+            bands, what = violations(self.verdict.negative), "|S| > 1"
+            places = worst_frequencies(self.model, bands)
+            sizes = np.abs(self.model.at(places))
+            size, w = float(sizes.max()), float(places[sizes.argmax()])
+        else:
+            bands, what, size, w = (
+                self.seen.bands,
+                "S has a singular value above 1",
+                self.seen.value,
+                self.seen.frequency,
+            )
+        near = [band for band in bands if band[0] <= w <= band[1]]
+        if not near:
+            return f"{what} by no more than rounding, at or near {w / (2 * np.pi):.4g} Hz"
+        low, high = (edge / (2 * np.pi) for edge in near[0])
+        band = f"from {low:.4g} Hz to {high:.4g} Hz" if high < np.inf else f"above {low:.4g} Hz"
+        where = f"at {w / (2 * np.pi):.4g} Hz" if w < np.inf else "towards infinity"
+        return f"{what} {band}, by up to {size - 1:.3g} {where}"
+
+
+def fit_behind_delay(
+    response: SampledResponse, tolerance: float, delay: float | None = None, nearest: bool = False
+) -> DelayedModel:
+    """The model of fewest poles that meets the samples of a reflection, behind a delay if that saves poles.
+
+    Parameters
+    ----------
+    response : SampledResponse
+        S of one port, at least 3 samples.
+    tolerance : float
+        Largest |dS| at a sample, above 0.
+    delay : float, optional
+        T, one way, s, >= 0, where it is known; else it is found, as below 1/(4 Δf) with samples Δf apart: one longer
+        by 1/(2 Δf) has the same samples.
+    nearest : bool
+        Take the nearest passive model in place of a fit that is not passive, if it meets the samples too. Otherwise
+        the fit comes back as it is, with the verdict that refutes it.
+
+    Raises
+    ------
+    ExpressionError
+        These are no such samples, or no order meets them: says what was reached.
+
+    Examples
+    --------
+    >>> s = 2j * np.pi * np.linspace(1e7, 3e9, 150)
+    >>> cable = SampledResponse(s.imag / (2 * np.pi), np.exp(-2e-9 * s) / (2 + 1e-9 * s), "S")
+    >>> found = fit_behind_delay(cable, 1e-6)
+    >>> found.order, round(found.delay * 1e9, 6), str(found.verdict.status)
+    (1, 1.0, 'proved')
+    """
+    if response.ports != 1 or response.parameter is not Parameter.S:
+        got = f"{response.parameter} of {response.ports} port{'s' * (response.ports > 1)}"
+        raise ExpressionError("samples", "not a reflection", "S of one port", got)
+    _refuse(response, tolerance)
+    otherwise = f", or the delay, if it may be over {_longest(response):.3g} s" if delay is None else ""
+    candidates = (
+        DelayedModel(chosen, model, model, _without(response, chosen)) for chosen, model in _candidates(response, delay)
+    )
+    return _first_that_meets(candidates, tolerance, nearest, otherwise)
+
+
+def fit_scattering(
+    response: SampledResponse, tolerance: float, nearest: bool = False, delays: ArrayLike = 0.0
+) -> DelayedModel:
+    """The model of fewest poles, common to all entries, that meets samples of S.
+
+    Parameters
+    ----------
+    response : SampledResponse
+        S, at least 3 samples; reciprocal or not.
+    tolerance : float
+        Largest |dS| of an entry at a sample, above 0.
+    nearest : bool
+        Take the nearest passive model in place of a fit that is not passive, if it meets the samples too. Otherwise
+        the fit comes back as it is, with the verdict that refutes it.
+    delays : float or array_like, shape (p,)
+        Time to each port, one way, s, >= 0, taken out of the samples first.
+
+    Raises
+    ------
+    ExpressionError
+        These are no such samples, or no order meets them: says what was reached.
+
+    Examples
+    --------
+    >>> f = np.linspace(0, 1, 50)
+    >>> S = np.array([[0, 0.8], [0.6, 0]]) / (1 + 2j * np.pi * f)[:, None, None]
+    >>> found = fit_scattering(SampledResponse(f, S, "S"), 1e-9)
+    >>> found.order, str(found.verdict.status)
+    (1, 'proved')
+    """
+    if response.parameter is not Parameter.S:
+        raise ExpressionError("samples", "not a scattering matrix", "S", response.parameter.value)
+    _refuse(response, tolerance)
+    given = np.broadcast_to(np.asarray(delays, float), response.ports)
+    rest = _without(response, given)
+    most = MAX_STATES // response.ports if response.ports > FEW else max(MEETING)
+    orders = [k for k in MEETING if k <= min(most, len(response.f) - 2)]
+    candidates = (DelayedModel(given, model, model, rest) for model in fits(rest, orders))
+    return _first_that_meets(candidates, tolerance, nearest)
+
+
+def _refuse(response: SampledResponse, tolerance: float) -> None:
+    """Refuse samples that no passive model meets."""
+    if len(response.f) < 3:
+        raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
+    what = "one-port" if response.ports == 1 else "network"
+    check_samples(response).refuse_beyond(tolerance * response.ports, what)
+
+
+def _first_that_meets(
+    candidates: Iterable[DelayedModel], tolerance: float, nearest: bool, otherwise: str = ""
+) -> DelayedModel:
+    """The first of the models that meets the samples, passive if that is wanted."""
+    reached = Reached()
+    for found in candidates:
+        fitted = found.error <= tolerance
+        if fitted and nearest and not found.verdict.proved:
+            found = found.nearest
+        error = found.error
+        if error <= tolerance and (not nearest or found.verdict.proved):
+            return found
+        if reached.is_enough(error, found.order, fits=fitted and found.samples.ports > 1):
+            break
+    raise reached.refusal(tolerance, nearest, otherwise)
+
+
+def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tuple[float, Any]]:
+    """Delays and models of ever more poles: without a delay and behind the best one, unless it is known."""
+    orders = [k for k in MEETING if k <= len(response.f) - 2]
+    T = rough = _rough_delay(response) if delay is None else delay
+    few, both = [k for k in orders if k <= MOST_SCOUTS], (T,)
+    for order in few:
+        T = _fine_delay(response, order, rough) if delay is None else delay
+        both = (0.0, T) if delay is None and T else (T,)
+        for chosen in both:
+            yield chosen, fit(_without(response, chosen), order)
+    many = [fits(_without(response, chosen), orders[len(few) - 1 :]) for chosen in both]  # begin with the last of few
+    for models in islice(zip(*many, strict=True), 1, None):
+        yield from zip(both, models, strict=True)
+
+
+def _longest(response: SampledResponse) -> float:
+    """The delay, s, from which on the phase turns by more than half a turn between two samples: others look shorter."""
+    return float(1 / (4 * np.diff(response.f).max()))
+
+
+def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:
+    """The samples with delays taken out."""
+    turned = np.exp(2j * np.pi * response.f[:, None] * np.broadcast_to(np.asarray(delay), response.ports))
+    return replace(response, values=turned[:, :, None] * response.values * turned[:, None, :], rounding=None)
+
+
+def _misfit(model: PoleResidueModel | MatrixModel, samples: SampledResponse) -> float:
+    return float(np.abs(model.matrices(2 * np.pi * samples.f) - samples.values).max())
+
+
+def _misfit_at(response: SampledResponse, delay: float, order: int) -> float:
+    """Of so many poles, on a part of the samples."""
+    rest, stride = _without(response, delay), -(-len(response.f) // SCOUTED)
+    rest = SampledResponse(rest.f[::stride], rest.values[::stride], Parameter.S)
+    return _misfit(fit(rest, min(order, len(rest.f) - 2)), rest)
+
+
+def _rough_delay(response: SampledResponse) -> float:
+    """The delay that a few poles like best, on a grid below what all the turning of the phase makes; 0 for a short."""
+    f, values, step = response.f, response.values[:, 0, 0], STEP / response.f[-1]
+    turned = -np.angle(values[1:] * values[:-1].conj()).sum()
+    grid = turned / (4 * np.pi * (f[-1] - f[0])) + step * np.arange(2, 2 - STEPS, -1)
+    return min(grid[grid >= step], key=lambda T: _misfit_at(response, T, SCOUT), default=0.0)
+
+
+def _fine_delay(response: SampledResponse, order: int, around: float) -> float:
+    """The delay near another that so many poles like best; 0 for a short one."""
+    from scipy.optimize import minimize_scalar
+
+    step = STEP / response.f[-1]
+    if around < step:
+        return 0.0
+    grid = around + step * np.arange(-2, 2.25, 0.25)
+    misfits = [_misfit_at(response, T, order) for T in grid[grid > 0]]
+    around = grid[grid > 0][np.argmin(misfits)]
+    if min(misfits) > HOPELESS:
+        return float(around)
+    for width in (step / 4, FINE * step / 2):  # twice, for rounding limits each search
+        misfit = lambda x, T=around: _misfit_at(response, T + x, order)  # noqa: E731
+        best: Any = minimize_scalar(misfit, bounds=(-width, width), method="bounded", options={"xatol": FINE * width})
+        around += best.x
+        if best.fun > PROMISING:
+            break
+    return float(around) if around >= step else 0.0
