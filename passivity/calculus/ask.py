@@ -205,6 +205,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
     search = Search(question, unused)
     ways = (
         lambda: _refuted(made, search.glance()),
+        lambda: _refuted(made, search.behind(prover.active())),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
         lambda: _refuted(made, search.hunt()),
