@@ -4,9 +4,9 @@
 A proof is a list of nodes, each an operation on earlier ones, and of steps: node, fact, rule, steps it rests on, data.
 Nodes are functions of s: 1, s, a name, a sum of multiples, a product of powers, exp, log, sqrt, tanh, cosh, the input
 impedance of a line. A fact holds in Re s > 0, for all values of the names that are assumed. It is a quadratic form in
-the value w, Q |w|^2 + 2 S Re w + R >= 0, told by where its region crosses the real axis: ("disc", low, high), a half-
-plane if an end is infinite; positive real is (0, inf), bounded real (-1, 1). ("real", low, high) is a constant in s.
-("arg", t), two half-planes turned: w > 0 for real s, no zeros and poles, and |arg w| <= 90 t degrees. An infinite
+the value w, Q |w|^2 + 2 S Re w + R >= 0, told by where its region crosses the real axis: ("disc", low, high), a
+half-plane if an end is infinite; positive real is (0, inf), bounded real (-1, 1). ("real", low, high) is a constant in
+s. ("arg", t), two half-planes turned: w > 0 for real s, no zeros and poles, and |arg w| <= 90 t degrees. An infinite
 constant is the limit of an unbounded region, an open circuit; a function that is 0 or infinite everywhere satisfies any
 bound of the argument; what is 0/0 everywhere has no value.
 """
@@ -285,8 +285,9 @@ class Graph:
         for e, (m, _) in () if constant else ((1, first), (-1, second)):
             both = self.powered(((self.fraction(ONE, y), 1), (self.fraction(ONE, x), e)))
             need(self.is_equal(both, self.fraction(ONE, m)), "not its series impedance or shunt admittance")
-        discs = (disc(scaled(fact, k)) for (_, fact), k in zip(known, (c, a, b), strict=True))
-        (low, high), (least, most), (along, _) = (ends or (-inf, inf) for ends in discs)
+        (low, high), (least, most), (along, _) = (
+            disc(f) or (-inf, 0) for f in map(scaled, [f for _, f in known], (c, a, b))
+        )
         need(min(low, least, along) >= 0, "not passive")
         (under, over), ends = inverted(low, high) or (inf, inf), (least, most) if constant else (ZERO, inf)
         least, most = (times(x, x) for x in ends)
