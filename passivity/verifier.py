@@ -278,16 +278,14 @@ class Graph:
 
     def rule_line(self, n, known, data):
         """Re W >= 0 stays along dW/dx = A B - (B/A) W^2; if A is constant, so does a disc that w -> A^2/w maps."""
-        (load, first, second), (kind, parts) = known, self.nodes[n]
+        (kind, parts), (ids, facts) = self.nodes[n], zip(*known, strict=True)
         (a, x), (b, y), (c, z) = parts if kind == "line" else [(ZERO, 0)] * 3
-        need(a > 0 and b > 0 and load[0] == (z if c else 0), "not this line")
-        constant = first == (x, ("real", *first[1][1:])) and second[0] == y  # A B and B/A go as B
-        for e, (m, _) in () if constant else ((1, first), (-1, second)):
+        need(a > 0 and b > 0 and ids[0] == (z if c else 0), "not this line")
+        constant = ids[1:] == (x, y) and facts[1][0] == "real"  # A B and B/A go as B
+        for e, m in () if constant else zip((1, -1), ids[1:], strict=True):
             both = self.powered(((self.fraction(ONE, y), 1), (self.fraction(ONE, x), e)))
             need(self.is_equal(both, self.fraction(ONE, m)), "not its series impedance or shunt admittance")
-        (low, high), (least, most), (along, _) = (
-            disc(f) or (-inf, 0) for f in map(scaled, [f for _, f in known], (c, a, b))
-        )
+        (low, high), (least, most), (along, _) = (disc(f) or (-inf, 0) for f in map(scaled, facts, (c, a, b)))
         need(min(low, least, along) >= 0, "not passive")
         (under, over), ends = inverted(low, high) or (inf, inf), (least, most) if constant else (ZERO, inf)
         least, most = (times(x, x) for x in ends)
