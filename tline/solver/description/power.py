@@ -47,8 +47,9 @@ def taken_power(scene: Scene, circuits: Sequence[CircuitVerdict] | None = None) 
     suspect = {*active_impedances(scene), *(place("links", name) for name in controlled_sources(scene))}
     circuits = passive_circuits(scene, suspect) if circuits is None else circuits
     for status in (Status.REFUTED, Status.UNDECIDED):
-        if found := next((circuit for circuit in circuits if circuit.status is status), None):
-            return found
+        wrong = [circuit for circuit in circuits if circuit.status is status]
+        if wrong:
+            return wrong[0]
     decided = {where for circuit in circuits if circuit.scattering is not None for where in circuit.elements}
     names = [f"circuit of {', '.join(circuit.elements)}" for circuit in circuits if circuit.scattering is not None]
     terms: list[str] = []
