@@ -38,8 +38,8 @@ def taken_power(scene: Scene, circuits: Sequence[CircuitVerdict] | None = None) 
     Examples
     --------
     >>> import tline as tl
-    >>> tl.frequency.taken_power(tl.read("scenes/cable_rc.toml")).text.split(" + ")[0]
-    'w0*(250000000000)/(s + 2500000000)'
+    >>> tl.frequency.taken_power(tl.read("scenes/diode_clamp.toml")).statement
+    'the power that the scene takes up, a sum over its parts, is positive real, p0 the links.clamp'
     """
     from passivity import Status
     from passivity.calculus.given import Structure
