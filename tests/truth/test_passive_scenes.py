@@ -1,4 +1,4 @@
-"""Whole scenes as one function: those that come with the package are proved, with files that hold; active ones are not."""
+"""Whole scenes as one function: what comes with the package is proved, with files that hold; what is active is not."""
 
 import json
 from pathlib import Path
@@ -37,7 +37,7 @@ at = "in"
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_the_scenes_that_come_with_the_package(path):
-    """Their elements are R, L, C, laws that never fall, multiports and lines above zero, all of them passive by hand."""
+    """Their elements are R, L, C, laws that never fall, multiports and lines above zero, all passive by hand."""
     scene = tl.read(path)
     found = is_positive_real(scene)
     assert found.proved
