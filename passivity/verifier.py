@@ -5,10 +5,10 @@ A proof is a list of nodes, each an operation on earlier ones, and of steps: nod
 Nodes are functions of s: 1, s, a name, a sum of multiples, a product of powers, exp, log, sqrt, tanh, cosh, the input
 impedance of a line. A fact holds in Re s > 0, for all values of the names that are assumed. It is a quadratic form in
 the value w, Q |w|^2 + 2 S Re w + R >= 0, told by where its region crosses the real axis: ("disc", low, high), a
-half-plane if an end is infinite; positive real is (0, inf), bounded real (-1, 1).
-("real", low, high) is a constant in s. ("arg", t), two half-planes turned: w > 0 for real s, no zeros and poles, and
-|arg w| <= 90 t degrees. An infinite constant is the limit of an unbounded region, an open circuit; a function that is
-0 or infinite everywhere satisfies any bound of the argument; what is 0/0 everywhere has no value.
+half-plane if an end is infinite; positive real is (0, inf), bounded real (-1, 1). ("real", low, high) is a constant in
+s. ("arg", t), two half-planes turned: w > 0 for real s, no zeros and poles, and |arg w| <= 90 t degrees. An infinite
+constant is the limit of an unbounded region, an open circuit; a function that is 0 or infinite everywhere satisfies any
+bound of the argument; what is 0/0 everywhere has no value.
 """
 
 import json
@@ -18,9 +18,8 @@ from fractions import Fraction
 from itertools import pairwise, zip_longest
 from math import gcd, inf, lcm
 
-FORMAT = "passivity proof 1"
 FUNCTIONS = "exp", "log", "sqrt", "tanh", "cosh"
-LARGEST = 4000  # terms of a polynomial, arguments of an exponential
+FORMAT, LARGEST = "passivity proof 1", 4000  # terms of a polynomial, arguments of an exponential
 DECIMAL = Context(prec=100, Emax=MAX_EMAX, Emin=MIN_EMIN)
 ZERO, ONE, UNITY = Fraction(0), Fraction(1), {(): 1}
 RIGHT, UNIT = ("disc", ZERO, inf), ("disc", -ONE, ONE)
@@ -68,8 +67,8 @@ def turn(fact):
 
 def implies(fact, goal):
     """Whether one fact about a function implies another."""
-    if goal[0] == "arg":
-        return turn(fact) is not None and turn(fact) <= goal[1]
+    if not fact or goal[0] == "arg":
+        return bool(fact) and turn(fact) is not None and turn(fact) <= goal[1]
     known = disc(fact) if goal[0] in ("disc", fact[0]) else None
     return known is not None and goal[1] <= known[0] and known[1] <= goal[2]
 
@@ -278,18 +277,22 @@ class Graph:
         return [("disc", -c, c)]
 
     def rule_line(self, n, known, data):
-        """A line: dW/dx = A B - (B/A) W^2 from the load on; where Re W = 0, Re dW/dx = Re A B + |W|^2 Re B/A >= 0."""
-        (kind, parts), (load, first, second) = self.nodes[n], known
+        """Re W >= 0 stays along dW/dx = A B - (B/A) W^2; if A is constant, so does a disc that w -> A^2/w maps."""
+        (kind, parts), (ids, facts) = self.nodes[n], zip(*known, strict=True)
         (a, x), (b, y), (c, z) = parts if kind == "line" else [(ZERO, 0)] * 3
-        need(a > 0 and b > 0 and c >= 0 and load[0] == (z if c else 0), "not this line")
-        if first != (x, ("real", *first[1][1:])) or second[0] != y:  # else A > 0 is constant: A B and B/A go as B
-            for e, (m, _) in ((1, first), (-1, second)):
-                both = self.powered(((self.fraction(ONE, y), 1), (self.fraction(ONE, x), e)))
-                need(self.is_equal(both, self.fraction(ONE, m)), "not its series impedance or shunt admittance")
-        return [RIGHT] if all(disc(f) and disc(f)[0] >= 0 for _, f in known) else []
+        need(a > 0 and b > 0 and ids[0] == (z if c else 0), "not this line")
+        constant = ids[1:] == (x, y) and facts[1][0] == "real"  # A B and B/A go as B
+        for e, m in () if constant else zip((1, -1), ids[1:], strict=True):
+            both = self.powered(((self.fraction(ONE, y), 1), (self.fraction(ONE, x), e)))
+            need(self.is_equal(both, self.fraction(ONE, m)), "not its series impedance or shunt admittance")
+        (low, high), (least, most), (along, _) = (disc(f) or (-inf, 0) for f in map(scaled, facts, (c, a, b)))
+        need(min(low, least, along) >= 0, "not passive")
+        (under, over), ends = inverted(low, high) or (inf, inf), (least, most) if constant else (ZERO, inf)
+        least, most = (times(x, x) for x in ends)
+        return [("disc", min(low, times(least, under)), max(high, times(most, over)))]
 
     def rule_rational(self, n, known, data):
-        """Chen and Smith: u/v is positive real if Re u conj v >= 0 on the axis and u + v has its roots in Re s < 0."""
+        """Chen and Smith: u/v is positive real if Re u conj v >= 0 for all jw, and u + v has its roots in Re s < 0."""
         fact, pair = read_fact(data["fact"]), self.fraction(ONE, n)
         need({self.nodes[m][0] for f in pair for key in f for m, _ in key} <= {"s"}, "not rational in s")
         powers = [{key[0][1] if key else 0: Fraction(x) for key, x in f.items()} for f in pair]
@@ -301,8 +304,7 @@ class Graph:
             choices = [(up, down) if fact[1] > -inf else (down, q)]
         u, v = ([Fraction(x) for x in data[key]] for key in "pq")
         need(any(u and v and convolved(u, y) == convolved(x, v) for x, y in choices), "another function")
-        even = convolved(u, [x * (-1) ** k for k, x in enumerate(v)])[::2]  # Re u(jw) conj v(jw), in powers of w^2
-        axis = [x * (-1) ** k for k, x in enumerate(even)]
+        axis = [x * (-1) ** k for k, x in enumerate(convolved(u, [y * (-1) ** k for k, y in enumerate(v)])[::2])]
         need(is_nonnegative(axis, data["factors"], data["breaks"]), "negative on the axis")
         need(is_hurwitz(combined(u, v, 1)), "roots in Re s >= 0")
         return [fact]
@@ -355,14 +357,13 @@ def is_nonnegative(a, factors, breaks):
 def is_hurwitz(f):
     """Whether all roots lie in Re s < 0, by Routh's scheme in whole numbers."""
     unit = lcm(*(x.denominator for x in f)) * (-1 if f and f[-1] < 0 else 1)
-    f = [int(x * unit) for x in reversed(f)]
-    first, second = f[::2], f[1::2]
+    first, second = ([int(x * unit) for x in f[::-1][k::2]] for k in (0, 1))
     while second:
         if first[0] <= 0 or second[0] <= 0:
             return False
         rest = [second[0] * x - first[0] * y for x, y in zip_longest(first[1:], second[1:], fillvalue=0)]
         first, second = second, [x // (gcd(*rest) or 1) for x in rest][: len(first) - 1]
-    return bool(f) and first[0] > 0
+    return bool(first) and first[0] > 0
 
 
 def read_fact(fact):
@@ -388,8 +389,7 @@ def check(proof):
             need(any(implies(f, goal) for f in found), "does not follow")
             known.append((n, goal))
         step, (c, n), (m, fact) = "the end", proof["root"], known[-1]
-        final = scaled(fact, Fraction(c))
-        need(m == n and final and implies(final, read_fact(proof["claim"])), "the steps do not lead to the claim")
+        need(m == n and implies(scaled(fact, Fraction(c)), read_fact(proof["claim"])), "no step leads to the claim")
     except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         return f"{step}: {error}"
     return None

@@ -12,7 +12,7 @@ from passivity.ball import near
 from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, granted, if_affordable
 from passivity.calculus.assumed import assumed
 from passivity.calculus.conclusion import CLAIMS, Conclusion
-from passivity.calculus.given import checked, given
+from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
 from passivity.calculus.leaf import function_of
 from passivity.calculus.proof import prove
@@ -147,16 +147,24 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
     what = given(what, kind)
     if isinstance(what, str):
         return of_text(what, kind)
+    if isinstance(what, Structure):  # of which power is what there is to know, whatever was asked for
+        return of_text(what.text, Kind.PR, what.assume, statement=what.statement)
     verdict: Any = check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
     return Conclusion(kind, kind.value, verdict.status, verdict.why, oracle=verdict)
 
 
-def of_text(text: str, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
+def of_text(
+    text: str,
+    kind: Kind,
+    assume: Iterable[str] = (),
+    values: Mapping[str, Exact] | None = None,
+    statement: str = "",
+) -> Conclusion:
     """The conclusion about a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = [assume] if isinstance(assume, str) else list(assume)
     under = f" for all {', '.join(assume)}" if assume else ""
-    made = partial(Conclusion, kind, f"{' '.join(text.split()):.300} is {kind.value}{under}")
+    made = partial(Conclusion, kind, statement or f"{' '.join(text.split()):.300} is {kind.value}{under}")
     facts, ranges = assumed(assume)
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
     if (
@@ -205,6 +213,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
     search = Search(question, unused)
     ways = (
         lambda: _refuted(made, search.glance()),
+        lambda: _refuted(made, search.behind(prover.active())),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
         lambda: _refuted(made, search.hunt()),

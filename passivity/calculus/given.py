@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from decimal import Decimal
 from numbers import Real
-from typing import Any
+from typing import Any, NamedTuple
 
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.rational.evaluate import exact
@@ -12,16 +12,24 @@ from passivity.status import Decided, Kind
 
 _EXPECTED = (
     "text, a number, (numerator, denominator), (A, B, C, D), a system of scipy.signal or python-control, a network of "
-    "scikit-rf, samples, or a line of tline"
+    "scikit-rf, samples, or a line or scene of tline"
 )
 
 
+class Structure(NamedTuple):
+    """A text about names, with what is assumed of these, and what it says."""
+
+    text: str
+    assume: Sequence[str]
+    statement: str
+
+
 def given(what: Any, kind: Kind) -> Any:
-    """What was given as text, RationalFunction, RationalMatrix, StateSpace or SampledResponse.
+    """What was given as text, Structure, RationalFunction, RationalMatrix, StateSpace, SampledResponse or verdict.
 
     A network of scikit-rf stands for the samples of its scattering matrix: its impedances are positive real if and only
-    if that is bounded real. An object with a method ``passivity_model(kind)``, as lines of tline have, stands for
-    what that returns: one of these, or a verdict.
+    if that is bounded real. An object with a method ``passivity_model(kind)``, as lines and scenes of tline have,
+    stands for what that returns: one of these, or a verdict.
 
     Raises
     ------
@@ -33,7 +41,7 @@ def given(what: Any, kind: Kind) -> Any:
     >>> print(given(([1, 0], [2, 1]), Kind.PR), given(0.5, Kind.PR))
     (s)/(2*s + 1) (1)/(2)
     """
-    if isinstance(what, str | RationalFunction):
+    if isinstance(what, str | Structure | RationalFunction | Decided):
         return what
     if isinstance(what, Real | Decimal) and not isinstance(what, bool):
         return RationalFunction.constant(exact(what, "what"))  # pyright: ignore[reportArgumentType]
@@ -46,8 +54,7 @@ def given(what: Any, kind: Kind) -> Any:
     if isinstance(what, SampledResponse | Network):
         return what
     if callable(model := getattr(what, "passivity_model", None)) and not isinstance(what, type):
-        found = model(kind)
-        return found if isinstance(found, Decided) else given(found, kind)
+        return given(model(kind), kind)
     if all(hasattr(what, name) for name in ("s", "f", "z0")):
         return _samples(what)
     if hasattr(what, "tolist"):  # numpy

@@ -23,6 +23,7 @@ DEPTHS = (
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
+_LONG = 256  # bits of a number in a fact that is rounded
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
@@ -105,6 +106,7 @@ class Prover:
             return []
         fresh = []
         for fact in found:
+            fact = _short(fact)
             if _useful(fact) and not any(implies(self.steps[k][1], fact) for k in self.known.setdefault(n, [])):
                 self.known[n] = [k for k in self.known[n] if not implies(fact, self.steps[k][1])]
                 self.steps.append((n, fact, rule, premises, data))
@@ -123,12 +125,12 @@ class Prover:
             yield from self._sum(n)
         elif kind == "mul":
             found = False
-            for upside_down, parts, cut in lines(graph, n) if graph.moves[n] else ():
+            for upside_down, sign, parts, cut in lines(graph, n) if graph.moves[n] else ():
                 found, line = True, graph.node("line", parts)
                 target = graph.inverse((Fraction(1), n))[1] if upside_down else n
                 yield line
                 for k in list(self.known[line]):
-                    self._equal(target, k, "1", cut)
+                    self._equal(target, k, str(sign), cut)
                 for k in list(self.known.get(target, ())) if upside_down else ():
                     self.follow(n, "product", [k], [-1])
                 if self.known[n]:
@@ -164,12 +166,25 @@ class Prover:
         if self.graph.moves[z0[1]]:
             plain = [(Fraction(1), through[1]), (Fraction(1), z0[1])]
             along = [self.graph.product(plain, [1, e])[1] for e in (1, -1)]
-        needs = [load[1] if load[0] else 0, *along]
-        for m in needs:
-            yield m
-            if self.right(m) is None:
-                return
-        self.follow(n, "line", [k for m in needs if (k := self.right(m)) is not None])
+        end = load[1] if load[0] else 0
+        yield end
+        known = [(scaled(self.steps[k][1], load[0]), k) for k in self.known[end]]
+        best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (_low, _high)]
+        if best[0][0] > 0:
+            return
+        yield from along
+        others = [k for m in along if (k := self.right(m)) is not None]
+        for k in {k for x, k in best if x < math.inf} if len(others) == 2 else ():  # the sharpest about the load
+            self.follow(n, "line", [k, *others])
+
+    def active(self) -> list[tuple[Value, Value]]:
+        """Characteristic impedance and load of the lines whose loads were not found to be passive, deepest first."""
+        found = [(parts[2], parts[0]) for kind, parts in self.graph.nodes if kind == "line"]
+        known: dict[int, list[Fact]] = {}
+        for n, fact, *_ in self.steps:
+            known.setdefault(n, []).append(fact)
+        passive = {(c, n) for (c, n), _ in found if any(implies(scaled(f, c), POSITIVE_REAL) for f in known.get(n, ()))}
+        return [(z0, load) for load, z0 in sorted(found, key=lambda each: each[0][1]) if load not in passive]
 
     def right(self, n: int) -> int | None:
         """A step that says Re w >= 0."""
@@ -313,6 +328,21 @@ def _alike(graph: Graph, a: int, b: int) -> bool:
     """Whether two sums differ in the signs of their terms alone."""
     up, down = graph.terms(a), graph.terms(b)
     return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())
+
+
+def _short(fact: Fact) -> Fact:
+    """A disc without long numbers, a little larger if need be."""
+    if fact[0] != "disc":
+        return fact
+    return ("disc", *(-_above(-x) if k == 0 else _above(x) for k, x in enumerate(fact[1:])))
+
+
+def _above(x: Any) -> Any:
+    """A number with few digits that is at least x."""
+    if x in (math.inf, -math.inf) or max(x.numerator.bit_length(), x.denominator.bit_length()) < _LONG:
+        return x
+    unit = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() - _LONG // 4)
+    return math.ceil(x / unit) * unit
 
 
 def _useful(fact: Fact) -> bool:

@@ -8,7 +8,7 @@ from passivity.calculus.graph import UNIT, ZERO, Graph, Value
 from passivity.verifier import added
 
 Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; nodes that are not looked into
-Reading = tuple[bool, tuple[Value, Value, Value], list[int]]  # as before, of z0, propagation and load of a line
+Reading = tuple[bool, int, tuple[Value, Value, Value], list[int]]  # as before, of 1 or -1 times a line by its parts
 
 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
@@ -105,7 +105,7 @@ def lines(graph: Graph, n: int) -> Iterator[Reading]:
     for t, e in powers.items():
         if graph.nodes[t][0] == "tanh" and abs(e) == 1 and len(powers) > 1:  # the end is shorted, or open
             z0 = without(t) if e > 0 else graph.inverse(without(t))
-            yield e < 0, (z0, graph.nodes[t][1][0], ZERO), [t, *_factors(graph, z0[1])]
+            yield e < 0, 1, (z0, graph.nodes[t][1][0], ZERO), [t, *_factors(graph, z0[1])]
     above, below = ([b for b, e in powers.items() if e == sign and graph.nodes[b][0] == "sum"] for sign in (1, -1))
     for up in above:
         for down in below:
@@ -140,7 +140,7 @@ def _split(graph: Graph, b: int, t: int) -> tuple[int | None, Value, Value]:
 
 
 def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value) -> Any:
-    """The line that c (P + Q t)/(R + S t) is, None if it has no positive constants, or an open end."""
+    """The line that c (P + Q t)/(R + S t) or its negative is; None if it has an open end, or none of its constants."""
     kind, ((x, through),) = graph.nodes[t]
     if kind == "exp" and x > 0:
         p, q, r, s = q, p, s, r
@@ -157,10 +157,12 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
         if not more[0]:
             return None
         load = graph.product([z0, less, more], [1, 1, -1])
-    if z0[0] <= 0 or x == 0 or (kind == "tanh" and x < 0) or load[0] < 0:
+    if z0[0] == 0 or x == 0 or (kind == "tanh" and x < 0):
         return None
+    sign = 1 if z0[0] > 0 else -1
     cut = _factors(graph, z0[1]) | _factors(graph, load[1]) | ({t} if kind == "tanh" else set())
-    return (z0, (x if kind == "tanh" else abs(x) / 2, through), load), sorted(cut)
+    parts = graph.scaled(z0, sign), (x if kind == "tanh" else abs(x) / 2, through), graph.scaled(load, sign)
+    return sign, parts, sorted(cut)
 
 
 def _factors(graph: Graph, n: int) -> set[int]:

@@ -1,15 +1,16 @@
 """Where a property may fail: searched in floats, over a grid, down from its worst points, at poles, along the axis."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
-from flint import acb
+from flint import acb, arb, ctx
 
 from passivity.ball import near
+from passivity.budget import spend
 from passivity.calculus.graph import Value
-from passivity.calculus.values import Array, in_floats, needed
+from passivity.calculus.values import Array, in_ball, in_floats, needed
 from passivity.calculus.witness import Question, Witness
 from passivity.expression.number import double
 
@@ -21,6 +22,8 @@ _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _STARTS, _NEWTON = 400, 16  # points from which Newton's method looks for poles, and its steps
+_LINES, _ROOTS, _AIMS = 2, 3, 12  # of loads, of places where they are -z0, of steps to where that shows
+_BITS, _LENGTHS = 1024, (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
@@ -109,6 +112,72 @@ class Search:
 
         with np.errstate(all="ignore"):
             return next(filter(None, (self.check(*place) for place in self._candidates())), None)
+
+    def behind(self, lines: Iterable[tuple[Value, Value]]) -> Witness | None:
+        """A witness where the load of a line is near -z0, in Re s > 0, for some lines given by z0 and load.
+
+        However little of it is seen through what stands before the line: the place is solved for at which the whole has
+        a value that a passive one has not, in as many digits as that takes.
+        """
+        graph, order = self.question.graph, set(self.scales.order)
+        for z0, load in islice(lines, _LINES):
+            seen = [m for m in {load[1], *graph.terms(load[1])} if m in order]
+            for root in self._zeros(graph.sum([load, z0])) if seen else ():
+                if place := self._aimed(max(seen), z0, root):
+                    for bits in _LENGTHS:
+                        if found := self.check(*(_nearby(part, bits) for part in (place.real, place.imag))):
+                            return found
+        return None
+
+    def _zeros(self, value: Value) -> list[complex]:
+        """Zeros of a part of the function in Re s > 0, by Newton's method from a grid; nearest to the axis first."""
+        import numpy as np
+
+        radii = np.geomspace(self.low * 1e5, self.high / 1e4, 30)
+        s = (radii[:, None] * np.exp(1j * np.array([0, 0.5, 0.9, 1.2, 1.4, 1.5]))).ravel()
+        order, step = needed(self.question.graph, value[1]), s
+        with np.errstate(all="ignore"):
+            for _ in range(_NEWTON):
+                both = np.stack([s, s + 1e-6 * np.abs(s)])
+                f, after = in_floats(self.question.graph, value, both, self.floats, order)
+                step = f / (after - f) * (both[1] - s)
+                s = s - step * np.minimum(1, np.abs(s) / np.abs(step))
+            s = s[(np.abs(step) < 1e-6 * np.abs(s)) & (s.real > 0)]
+        s = s.real + 1j * np.abs(s.imag)
+        found: list[complex] = []
+        for root in s[np.argsort(s.real)]:
+            if all(abs(root - other) > 1e-4 * abs(root) for other in found):
+                found.append(complex(root))
+        return found[:_ROOTS]
+
+    def _aimed(self, n: int, z0: Value, root: complex) -> acb | None:
+        """Where, near a point, the value of a node is such that the whole fails, by Newton's method in balls.
+
+        The whole is (a v + b)/(c v + d) of the value v, known from three of these.
+        """
+        graph, value = self.question.graph, self.question.value
+
+        def excess(s: acb) -> acb:
+            unit = in_ball(graph, z0, s, self.names)
+            v1, v2, v3 = unit, 2 * unit, unit * acb(0, 1)
+            w1, w2, w3 = (in_ball(graph, value, s, self.names, {n: v}) for v in (v1, v2, v3))
+            goal = acb(2) if self.question.bounded else -w1
+            ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
+            wanted = (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
+            return in_ball(graph, (Fraction(1), n), s, self.names) - wanted
+
+        with ctx.workprec(_BITS):
+            s = acb(root.real, root.imag)
+            for _ in range(_AIMS):
+                spend(8 * len(self.scales.order) * 40_000, "a pole")
+                f, far = excess(s), abs(s) / 2 ** (_BITS // 3)
+                step = f * far / (excess(s + far) - f)
+                if not step.is_finite():
+                    return None
+                s = acb((s - step).real.mid(), (s - step).imag.mid())
+                if abs(step) < abs(s) / 2 ** (_BITS // 2):
+                    return s if s.real > 0 else None
+        return None
 
     def beside(self, w: float) -> Witness | None:
         """A witness near a frequency on the axis."""
@@ -246,6 +315,13 @@ class Search:
             left, right = grid[rows, np.maximum(best - 1, 0)], grid[rows, np.minimum(best + 1, 16)]
         middle = (left + right) / 2
         return middle[np.argsort(-self.badness((tilt + 1j) * middle, relative=False))]
+
+
+def _nearby(x: arb, bits: int) -> Fraction:
+    """A number of a ball, in so many binary digits."""
+    exact = near(x)
+    unit = Fraction(2) ** (exact.numerator.bit_length() - exact.denominator.bit_length() - bits)
+    return round(exact / unit) * unit if exact else exact
 
 
 def _exp(x: float) -> float:

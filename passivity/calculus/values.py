@@ -1,6 +1,6 @@
 """Values of the nodes of a graph: in balls, or in floats at an array of points."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
@@ -17,20 +17,24 @@ Names = Mapping[str, Fraction]
 _MOST_BITS = 4096
 
 
-def needed(graph: Graph, *roots: int) -> list[int]:
-    """What some nodes are made of, and themselves, in order, without 1."""
+def needed(graph: Graph, *roots: int, known: Iterable[int] = ()) -> list[int]:
+    """What some nodes are made of, and themselves, in order, without 1 and what only others need that are known."""
     seen: set[int] = set()
     stack = list(roots)
     while stack:
         n = stack.pop()
-        if n and n not in seen:
+        if n and n not in seen and n not in known:
             seen.add(n)
             stack += graph.inner(n)
     return sorted(seen)
 
 
-def in_ball(graph: Graph, value: Value, s: acb, names: Names | None = None) -> acb:
+def in_ball(
+    graph: Graph, value: Value, s: acb, names: Names | None = None, known: Mapping[int, acb] | None = None
+) -> acb:
     """A ball with the values at all points of a ball, constants for the names; not finite where it may hold a pole.
+
+    Nodes that are known have the values given.
 
     Examples
     --------
@@ -38,9 +42,9 @@ def in_ball(graph: Graph, value: Value, s: acb, names: Names | None = None) -> a
     >>> in_ball(graph, graph.function("sqrt", graph.scaled(graph.s, 4)), acb(1))
     2.00000000000000
     """
-    known = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
-    at = _Evaluation(graph, known, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
-    return at.value(value, needed(graph, value[1]))
+    numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
+    at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
+    return at.value(value, needed(graph, value[1], known=known or ()), known)
 
 
 def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Names | None = None) -> acb:
@@ -75,9 +79,9 @@ class _Evaluation:
     def __init__(self, graph: Graph, names: Mapping[str, Any], s: Any, one: Any, function: Callable, exact: Callable):
         self.graph, self.names, self.s, self.one, self.function, self.exact = graph, names, s, one, function, exact
 
-    def value(self, value: Value, order: list[int]) -> Any:
+    def value(self, value: Value, order: list[int], known: Mapping[int, Any] | None = None) -> Any:
         """A value, the nodes that it needs one after the other."""
-        at: dict[int, Any] = {0: self.one}
+        at: dict[int, Any] = {0: self.one, **(known or {})}
         for n in order:
             at[n] = self._node(n, at)
         return at[value[1]] * self.exact(value[0])

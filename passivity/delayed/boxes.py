@@ -13,7 +13,7 @@ largest on the edge.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from flint import ctx
@@ -23,7 +23,7 @@ from passivity.budget import UndecidedError
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.read import read
 from passivity.calculus.values import in_ball
-from passivity.delayed.quasi import BITS, MAX_PIECES, QuasiPolynomial, on_axis, pieces, winding
+from passivity.delayed.quasi import BITS, QuasiPolynomial, cuts_of_axis, least_radius, on_axis, pieces, winding
 from passivity.delayed.reflection import Reflection, UnresolvedError, reflection
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
@@ -31,7 +31,6 @@ from passivity.status import Kind
 
 FORMAT = "passivity proof in balls 1"
 
-_MAX_DOUBLINGS = 200
 _PLACES = ((Fraction(37, 29), Fraction(17, 23)), (Fraction(5, 3), Fraction(0)), (Fraction(1, 7), Fraction(9, 11)))
 _DIGITS = 4096  # binary, of the comparison: a term of 1e-400 is seen, and so is its square
 
@@ -83,8 +82,10 @@ def prove_in_balls(kind: Kind, text: str, numbers: Mapping[str, Fraction] | None
     asked = BallProof(kind, text, dict(numbers or {}))
     with ctx.workprec(BITS):
         x = reflection(kind, *asked.read())
-        radius = _radius(x.n, x.d)
-        cuts = _cuts(x.n, x.d, radius)
+        radius = least_radius(lambda r: _is_small_far_out(x.n, x.d, r))
+        if radius is None:
+            raise UnresolvedError("no room left far out: |H| comes to 1, or Re Z to 0, for s to infinity")
+        cuts = cuts_of_axis(lambda s: abs(x.n(s)) < abs(x.d(s)), radius, partial(_room, x.n, x.d))
     proof = BallProof(kind, text, asked.numbers, radius, tuple(cuts))
     if not holds(proof):
         raise UnresolvedError("Z + A has zeros in Re s > 0, or their number is not resolved")
@@ -124,36 +125,11 @@ def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction) 
     return n.degree <= d.degree and bool(abs(other) + more < abs(leading) - rest)
 
 
-def _radius(n: QuasiPolynomial, d: QuasiPolynomial) -> Fraction:
-    radius = Fraction(1)
-    for _ in range(_MAX_DOUBLINGS):
-        if _is_small_far_out(n, d, radius):
-            break
-        radius *= 2
-    else:
-        raise UnresolvedError("no room left far out: |H| comes to 1, or Re Z to 0, for s to infinity")
-    while radius > Fraction(1, 2**_MAX_DOUBLINGS) and _is_small_far_out(n, d, radius / 2):
-        radius /= 2
-    return radius
-
-
-def _cuts(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction) -> list[Fraction]:
-    stack, cuts, count = [(Fraction(0), radius)], [Fraction(0)], 0
-    while stack:
-        low, high = stack.pop()
-        count += 1
-        s = on_axis(low, high)
-        if abs(n(s)) < abs(d(s)):
-            cuts.append(high)
-        elif count > MAX_PIECES or high - low < radius / 2**50:
-            room = 1 - abs(n(s)) / abs(d(s))
-            error = UnresolvedError(
-                f"for ω from {float(low):.6g} to {float(high):.6g} the room 1 - |X(jω)|, X = (Z - A)/(Z + A), "
-                f"is only known to lie between {float(room.lower()):.3g} and {float(room.upper()):.3g}"
-            )
-            error.frequency = float((low + high) / 2)
-            raise error
-        else:
-            middle = (low + high) / 2
-            stack += [(middle, high), (low, middle)]
-    return cuts
+def _room(n: QuasiPolynomial, d: QuasiPolynomial, low: Fraction, high: Fraction) -> UnresolvedError:
+    room = 1 - abs(n(on_axis(low, high))) / abs(d(on_axis(low, high)))
+    error = UnresolvedError(
+        f"for ω from {float(low):.6g} to {float(high):.6g} the room 1 - |X(jω)|, X = (Z - A)/(Z + A), "
+        f"is only known to lie between {float(room.lower()):.3g} and {float(room.upper()):.3g}"
+    )
+    error.frequency = float((low + high) / 2)
+    return error

@@ -5,7 +5,7 @@ the sum of all other coefficients, each times the power of R that belongs to it,
 less than |c|, all zeros of the half-plane lie in the half disc of radius R, and the argument principle counts them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -59,9 +59,18 @@ def zeros_right(f: QuasiPolynomial) -> int:
     UndecidedError
         If zeros come too near to the axis, or the leading coefficient does not dominate far out.
     """
-    radius = _radius(f)
-    cuts = list(_cuts(f, radius))
-    return winding(f, radius, cuts)
+
+    def dominated(radius: Fraction) -> bool:
+        leading, rest = f.far(radius, f.degree)
+        return bool(rest < abs(leading))
+
+    def stuck(low: Fraction, high: Fraction) -> UndecidedError:
+        return UndecidedError(f"a zero on the axis or too near to it, at ω = {float(low):.6g} to {float(high):.6g}")
+
+    radius = least_radius(dominated)
+    if radius is None:
+        raise UndecidedError("far out the terms with delay are not smaller than that without")
+    return winding(f, radius, cuts_of_axis(lambda s: not f(s).contains(0), radius, stuck))
 
 
 def winding(f: QuasiPolynomial, radius: Fraction, cuts: list[Fraction]) -> int:
@@ -95,33 +104,29 @@ def on_axis(low: Fraction, high: Fraction) -> acb:
     return _J * of_fraction(low).union(of_fraction(high))
 
 
-def _radius(f: QuasiPolynomial) -> Fraction:
-    radius, degree = Fraction(1), f.degree
-    while True:
-        leading, rest = f.far(radius, degree)
-        if rest < abs(leading):
-            break
-        radius *= 2
-        if radius > Fraction(2) ** _MAX_DOUBLINGS:
-            raise UndecidedError("far out the terms with delay are not smaller than that without")
-    while radius > Fraction(1, 2) ** _MAX_DOUBLINGS:
-        leading, rest = f.far(radius / 2, degree)
-        if not rest < abs(leading):
-            break
-        radius /= 2
-    return radius
+def least_radius(is_far: Callable[[Fraction], bool]) -> Fraction | None:
+    """A power of 2 that is far out, half of which is not; None if none is."""
+    far = next((k for k in range(_MAX_DOUBLINGS) if is_far(Fraction(2) ** k)), None)
+    if far is None:
+        return None
+    while far > -_MAX_DOUBLINGS and is_far(Fraction(2) ** (far - 1)):
+        far -= 1
+    return Fraction(2) ** far
 
 
-def _cuts(f: QuasiPolynomial, radius: Fraction) -> Iterator[Fraction]:
-    stack, count = [(Fraction(0), radius)], 0
-    yield Fraction(0)
+def cuts_of_axis(
+    is_clear: Callable[[acb], bool], radius: Fraction, stuck: Callable[[Fraction, Fraction], UndecidedError]
+) -> list[Fraction]:
+    """Cuts of the axis up to a radius between which it is clear; raises what `stuck` makes of a piece that is not."""
+    stack, cuts, count = [(Fraction(0), radius)], [Fraction(0)], 0
     while stack:
         low, high = stack.pop()
         count += 1
-        if not f(on_axis(low, high)).contains(0):
-            yield high
+        if is_clear(on_axis(low, high)):
+            cuts.append(high)
         elif count > MAX_PIECES or high - low < radius / 2**60:
-            raise UndecidedError(f"a zero on the axis or too near to it, at ω = {float(low):.6g} to {float(high):.6g}")
+            raise stuck(low, high)
         else:
             middle = (low + high) / 2
             stack += [(middle, high), (low, middle)]
+    return cuts

@@ -7,3 +7,4 @@ from tline.frequency.response import Response as Response
 from tline.frequency.response import respond as respond
 from tline.frequency.response import save_parameters as save_parameters
 from tline.frequency.response import save_response as save_response
+from tline.solver.description.power import taken_power as taken_power

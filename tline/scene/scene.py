@@ -273,6 +273,12 @@ class Scene(Element):
         """A drawing of the network; see `tline.pictures.plot_network`."""
         return drawn(self)
 
+    def passivity_model(self, kind: str) -> object:
+        """For `passivity.is_positive_real` and `is_bounded_real`: what it takes up, a sum over its parts."""
+        import tline as tl
+
+        return tl.frequency.taken_power(self)
+
     def __repr__(self) -> str:
         return as_text(self)
 

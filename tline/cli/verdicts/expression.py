@@ -40,7 +40,7 @@ def answer(text: str, asked: Asked) -> Answer:
     verdict = check_expression(text, kind, known)
     if verdict.rational is not None:
         found = one_port.answer(verdict.rational.function, asked)
-        return Answer(found.status, found.lines + _written(verdict, asked), found.told, found.draw)
+        return Answer(found.status, found.lines + written(verdict, asked), found.told, found.draw)
     asked.refuse("functions that are not rational", "z0", "delay", "within")
     return _concluded(verdict, asked)
 
@@ -54,14 +54,14 @@ def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str])
         raise InputError("--param", "a value in a derivation", "it in place of the name")
     derived = derive(text, asked.z0 or "z0", asked.delay or "T", assumed)
     last = derived.statements[-1][1]
-    return Answer(last.status.value, [*derived.text_lines(), *_written(last, asked)], last.to_dict())
+    return Answer(last.status.value, [*derived.text_lines(), *written(last, asked)], last.to_dict())
 
 
 def _concluded(verdict: "Conclusion", asked: Asked) -> Answer:
-    return Answer(verdict.status.value, verdict.text_lines() + _written(verdict, asked), verdict.to_dict())
+    return Answer(verdict.status.value, verdict.text_lines() + written(verdict, asked), verdict.to_dict())
 
 
-def _written(verdict: "Conclusion", asked: Asked) -> list[str]:
+def written(verdict: "Conclusion", asked: Asked) -> list[str]:
     """Write what anyone can check, if that is asked for."""
     from passivity.calculus.proof import save
 

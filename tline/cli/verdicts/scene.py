@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.verdicts.answer import Answer, Asked
+from tline.cli.verdicts.expression import written
 from tline.words.wording import place
 
 if TYPE_CHECKING:
@@ -13,12 +14,14 @@ MOST_NODES = 6  # that are named of a circuit
 
 def answer(file: str, asked: Asked) -> Answer:
     """Check every load, impedance and circuit of a scene; for active ones find how the scene's waves grow."""
+    from passivity import is_positive_real
     from tline.interchange.any_file import read as read_any
     from tline.scene.rational import Impedance
     from tline.scene.touchstone import Touchstone
     from tline.solver.description.active import active_impedances, controlled_sources, laws_not_through_the_origin
     from tline.solver.description.description import describe
     from tline.solver.description.passive import passive_circuits
+    from tline.solver.description.power import taken_power
     from tline.solver.stability.growth import growth_sentence
 
     asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
@@ -28,8 +31,11 @@ def answer(file: str, asked: Asked) -> Answer:
     verdicts = {at: "refuted" if where in active else "proved" for at, where in tested.items()}
     suspect = {*active, *(place("links", name) for name in sources)}
     circuits = passive_circuits(scene, suspect)
+    whole = is_positive_real(taken_power(scene, circuits))
     told: dict[str, Any] = {
-        "status": _status(circuits, suspect),
+        "status": whole.status.value,
+        "statement": whole.statement,
+        "proof": whole.proof,
         "loads": {name: verdicts.get(("loads", name), "proved") for name in scene.loads},
         "links": {name: verdict for (part, name), verdict in verdicts.items() if part == "links"},
     }
@@ -53,14 +59,9 @@ def answer(file: str, asked: Asked) -> Answer:
     if active or sources:
         told["growth"] = growth_sentence(describe(scene))
         lines.append(f"  {told['growth']}")
-    return Answer(told["status"], lines, told)
-
-
-def _status(circuits: "list[CircuitVerdict]", suspect: set[str]) -> str:
-    """That of all circuits together; an active element that stands alone is refuted."""
-    found = {circuit.status.value for circuit in circuits}
-    alone = suspect - {where for circuit in circuits for where in circuit.elements}
-    return "refuted" if alone or "refuted" in found else "undecided" if "undecided" in found else "proved"
+    if whole.proof:
+        lines.append(f"{whole.statement}: proved in {len(whole.proof['steps'])} steps")
+    return Answer(told["status"], lines + written(whole, asked), told)
 
 
 def _told(circuit: "CircuitVerdict") -> dict[str, Any]:

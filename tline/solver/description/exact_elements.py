@@ -73,6 +73,13 @@ def _impedance(numerator: Sequence[Fraction], denominator: Sequence[Fraction], t
     return [[q, -q], [none, none]], [[-p, none], [one, one]]
 
 
+def one_port(M: Matrix, N: Matrix) -> "tuple[RationalFunction, RationalFunction] | None":
+    """p and q of an impedance p/q with these equations, None if they are of no impedance."""
+    (q, *minus), (p, *none) = M[0], N[0]
+    across = len(M) == 2 and minus == [-q] and all(x.is_zero for x in (*none, *M[1])) and N[1][0] == N[1][1]
+    return (-p, q) if len(M) == 1 or (across and not N[1][0].is_zero) else None
+
+
 def _multiport(element: Multiport) -> tuple[Matrix, Matrix]:
     """Of M u + N i = E x and dx/dt = P u + R i, s (M u + N i) = E (P u + R i)."""
     from passivity import RationalFunction

@@ -1,0 +1,72 @@
+"""An active element between lines: refuted with a point that mpmath finds active, or proved where it is covered."""
+
+import mpmath
+import pytest
+
+from passivity import is_positive_real, verify
+
+FORMS = {
+    "line": "line({z}, {t}*s, {q})",
+    "hyperbolic": "({q} + {z}*tanh({t}*s))/(1 + {q}*tanh({t}*s)/{z})",
+    "exponential": "{z}*(1 + exp(-2*{t}*s)*({q} - {z})/({q} + {z}))/(1 - exp(-2*{t}*s)*({q} - {z})/({q} + {z}))",
+}
+# end, then each line with its delay, and what stands before its far end: nothing, or so many ohm less
+COVERED = {
+    "20 ohm less where 50 are left": ("50", [(300, "1/10", 0), (10, "1/10", 20)]),
+    "5 ohm less behind two lines": ("50", [(300, "1/10", 0), (300, "3/10", 0), (10, "7/10", 5), (75, "1/5", 0)]),
+}
+ACTIVE = {
+    "1 ohm more than is left": ("50", [(300, "1/10", 0), (10, "1/10", 51), (25, "3/10", 0)]),
+    "200 ohm less among six lines": ("100 + 1/s", [(40 + 10 * k, f"{k + 1}/10", 200 * (k == 3)) for k in range(6)]),
+}
+NEGATIVE = ("100 + 1/s", [(-120, "1/10", 0), (75, "7/10", 0), (50, "1/5", 0)])  # all is passive on the axis
+
+
+def text_of(form, end, lines):
+    lets = [f"let q0 = {end}"]
+    for k, (z, t, less) in enumerate(lines):
+        far = f"(q{k} - {less})" if less else f"q{k}"
+        lets.append(f"let q{k + 1} = {FORMS[form].format(z=f'({z})', t=t, q=far)}")
+    return f"{'; '.join(lets)}; q{len(lines)}"
+
+
+def value(end, lines, s):
+    z = eval(end, {"s": s})
+    for z0, t, less in lines:
+        wave = mpmath.tanh(s * mpmath.mpf(eval(t.replace("/", ",").join(("mpmath.fdiv(", ")")), {"mpmath": mpmath})))
+        z = z0 * (z - less + z0 * wave) / (z0 + (z - less) * wave)
+    return z
+
+
+def point(witness):
+    return mpmath.mpc(*(mpmath.mpf(x.numerator) / x.denominator for x in (witness.re, witness.im)))
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("case", COVERED)
+def test_what_is_covered_is_proved(form, case):
+    found = is_positive_real(text_of(form, *COVERED[case]))
+    assert found.proved
+    assert verify(found.proof)
+    with mpmath.workdps(60):
+        assert all(value(*COVERED[case], mpmath.mpc(1e-9, w / 7)).real > 0 for w in range(1, 100))
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("case", ACTIVE)
+def test_what_is_not_is_refuted(form, case):
+    found = is_positive_real(text_of(form, *ACTIVE[case]))
+    assert found.refuted
+    with mpmath.workdps(60):
+        s = point(found.witness)
+        assert s.real > 0 > value(*ACTIVE[case], s).real
+
+
+def test_a_pole_that_is_hardly_seen_from_the_input():
+    """e^(2Ts) grows behind two lines: no frequency tells, a value below zero is found in a spot of some 1e-15."""
+    found = is_positive_real(text_of("line", *NEGATIVE))
+    assert found.refuted
+    with mpmath.workdps(200):
+        s = point(found.witness)
+        assert s.real > 0 > value(*NEGATIVE, s).real
+        assert all(value(*NEGATIVE, mpmath.mpc(1e-9, w / 7)).real > 0 for w in range(1, 100))
