@@ -23,6 +23,7 @@ from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.ladder import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.mixed_modes import with_mixed_modes
+from tline.solver.tolerance.rounded import rounded
 from tline.solver.tolerance.search import Search, Start, within
 from tline.solver.witness.witness import Witness
 
@@ -206,10 +207,12 @@ def _searched(description: Description, how: _How, tol: float | None, whole: Des
         description.refuse_coupled("a ledger")
     warned = _active(description, how.active)
     tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
-    if tol is None or (scene.solver.slab and (scene.solver.order or description.dispersive)):
+    if tol is None or (scene.solver.slab and (scene.solver.order or scene.solver.rounded or description.dispersive)):
         chosen = resolution(description)
         result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
+    elif scene.solver.rounded:
+        result = rounded(Search(description, tol, how.record, how.progress, how.budget))
     else:
         key = tol, frozenset(how.record)
         known = None if how.envelope or how.start else description.known.get(key)
