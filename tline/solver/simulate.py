@@ -23,7 +23,7 @@ from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.ladder import inside_slabs
 from tline.solver.tolerance.lossy import with_losses
 from tline.solver.tolerance.mixed_modes import with_mixed_modes
-from tline.solver.tolerance.rounded import rounded
+from tline.solver.tolerance.rounded import compared, rounded
 from tline.solver.tolerance.search import Search, Start, within
 from tline.solver.witness.witness import Witness
 
@@ -84,8 +84,8 @@ def simulate(
         Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds, and say what all
         runs are expected to take.
     seconds : float or str, optional
-        Time for all runs, above 0; ten minutes if not given. When a further run is expected to end later, the best so
-        far is the result, with what is known of its error; at least two are made, for that takes two.
+        Computing time for all runs, above 0; ten minutes if not given. When a further run is expected to end later, the
+        best so far is the result, with what is known of its error; at least two are made, for that takes two.
 
     Returns
     -------
@@ -147,17 +147,21 @@ def simulated(
     seconds: float | str | None = None,
 ) -> Result:
     """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
-    if seconds is not None:
-        try:
-            seconds = float(SECONDS.parse(seconds, "s"))
-        except InputError as error:
-            raise InputError("seconds", error.problem, error.expected, error.got) from None
-    how = _How([*record], envelope, ledger, active, progress, start, Budget(seconds, progress))
+    budget = Budget(None if seconds is None else as_seconds(seconds), progress)
+    how = _How([*record], envelope, ledger, active, progress, start, budget)
     with user_mistakes(description.scene):
         result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)
     return result
+
+
+def as_seconds(given: float | str) -> float:
+    """The time for runs that a user gives."""
+    try:
+        return float(SECONDS.parse(given, "s"))
+    except InputError as error:
+        raise InputError("seconds", error.problem, error.expected, error.got) from None
 
 
 class _How(NamedTuple):
@@ -271,6 +275,10 @@ def judged(result: Result) -> Accuracy:
     """
     whole = describe(result.scene)
     description = whole.parted()
+    if result.resolution.rounded:
+        both = [run(description, resolution(description, h=result.resolution.h / k), envelope=True) for k in (1, 2)]
+        found, _ = compared(None, *both)
+        return replace(found, attempts=(Attempt.of(both[0], found.worst), Attempt.of(both[1])))
 
     def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h

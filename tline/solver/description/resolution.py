@@ -15,7 +15,7 @@ HELD = 0.5  # cycles per slab up to which circuits hold
 BAND = 2.0  # cycles per slab beyond which they are not asked to
 LOSS_ELEMENTS, ALL_LOSS_ELEMENTS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
-FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 1e5, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
+FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 3e4, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
 LARGEST = 4e8  # samples on the lines at once
 MOST_SLABS = 1e9
 

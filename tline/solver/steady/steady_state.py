@@ -124,9 +124,8 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
 
 
 def _near(description: Description, count: int) -> NDArray | None:
-    """As many unknowns of a description as there were on other slabs, or in the one from which it was changed."""
-    origin = description.origin and description.origin.description
-    known = description.known.get(Before) or (origin and origin.known.get(Before))
+    """As many unknowns of a description as there were in the one from which it was changed."""
+    known = description.origin and description.origin.description.known.get(Before)
     found = None if known is None else known.unknowns
     return None if found is None or len(found) != count else found
 

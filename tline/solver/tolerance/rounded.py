@@ -17,33 +17,32 @@ from tline.solver.result.result import ProbeResult, Result
 from tline.solver.tolerance.compare import relative
 from tline.solver.tolerance.difference import Difference
 from tline.solver.tolerance.ladder import limit_of
-from tline.solver.tolerance.search import CLEAR, Search
+from tline.solver.tolerance.search import Search
 
 CAUTION = 2.0  # errors over differences: delays that are rounded err at random, and by half as much on half the slab
 
 
 def rounded(search: Search) -> Result:
-    """Halve slabs until the extremes of two runs, or of three if they are not far below, differ by what is asked."""
+    """Halve slabs until the extremes of two runs differ by what is asked; two comparisons are made at least."""
     search = search._replace(envelope=True)
     chosen = resolution(search.description)
     result = search.run(chosen)
-    attempts, found, met, limit = [Attempt.of(result)], Accuracy(search.tol), 0, ""
-    while not limit and found.worst > CLEAR * search.tol and met < 2:
+    attempts, found, limit = [Attempt.of(result)], Accuracy(search.tol), ""
+    while not limit and (found.worst > search.tol or len(attempts) < 3):
         try:
             finer = search.run(resolution(search.description, h=result.resolution.h / 2))
         except InputError as error:
             limit = f"{error.where}: {error.problem}"
             break
-        found, result = _judged(search.tol, result, finer)
+        found, result = compared(search.tol, result, finer)
         attempts[-1] = replace(attempts[-1], estimate=found.worst)
         attempts.append(Attempt.of(finer))
-        met = met + 1 if found.worst <= search.tol else 0
         limit = search.budget.limit(attempts, search.tol) or limit_of(attempts, 0, False, search.most)
     limit = limit if found.worst > search.tol else ""
     return replace(result, accuracy=replace(found, attempts=tuple(attempts), limit=limit))
 
 
-def _judged(tol: float, coarse: Result, fine: Result) -> tuple[Accuracy, Result]:
+def compared(tol: float | None, coarse: Result, fine: Result) -> tuple[Accuracy, Result]:
     """Errors by the differences of extremes, and the finer run with those of its envelope.
 
     Those at nodes are relative to the largest change of all: no probe is said to be better than that.
