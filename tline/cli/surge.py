@@ -1,7 +1,6 @@
 """`tline surge`: operate a network without editing a file, and see what is worst."""
 
 import sys
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import Command, FileKind, Output, command, picture
@@ -76,6 +75,7 @@ def surge(
     cavities: bool = True,
     until_settled: bool = False,
     band: bool = False,
+    seconds: str = "20 s",
     files: dict[str, str],
     **given: Any,
 ) -> Output:
@@ -95,6 +95,8 @@ def surge(
         Path of --profile.
     band
         Vary what is guessed, one by one (wave speed, friction, travel of valves, inertia), and say what that leaves.
+    seconds : TIME
+        Computing time for all runs, and again for those of --band: then the best so far is told, and how good it is.
     until_settled
         Run longer, up to an hour, until neither extreme comes at the end of the run.
     cavities
@@ -102,34 +104,37 @@ def surge(
     """
     from tline.cli.report import judgement
     from tline.scene.file import scene_text
-    from tline.surge.band import band_of
-    from tline.surge.operation import SHOWN, run, run_separated
-    from tline.surge.report import as_dict, as_text, band_text
-    from tline.surge.tables import save_tables
-    from tline.surge.worst import worst
+    from tline.solver.simulate import as_seconds
+    from tline.solver.tolerance.budget import Budget
+    from tline.surge.operation import carried_out
+    from tline.surge.report import as_text, band_text
 
     if path is not None and "profile" not in files:
         raise InputError("--path", "nothing shows it", "--profile beside it")
     places = [place.strip() for place in at.split(",")] if at else ()
-    scene, guesses = operated_network(surge, network, t_end=t_end, at=places, **given)
+    with surge.named():
+        budget = Budget(as_seconds(seconds))
+    scene, guesses = operated_network(surge, network, t_end=t_end, at=places, budget=budget, **given)
     if "save" in files:
         write_text(scene_text(scene), files["save"])
     way = _route(scene, path) if "profile" in files else None
     inner = scene.lines if "tables" in files else recorded(scene, way, "map" in files)
-    result, columns, told = run_separated(scene, inner, sys.stderr.isatty(), cavities, until_settled)
+    more = {"cavities": cavities, "until_settled": until_settled, "progress": sys.stderr.isatty()}
+    found = carried_out(scene, guesses, inner, budget, **more)
+    result, columns, highest = found.result, found.columns, found.worst
     if "save" in files and columns:
         write_text(scene_text(result.scene), files["save"])
-    accuracy, found = judgement(result), worst(result, SHOWN, columns.spread if columns else 0.0)
+    accuracy = result.accuracy if columns else judgement(result)
     missed = accuracy and accuracy.tol and accuracy.at_slab_ends > accuracy.tol
     known = [word for key, word in KNOWN.items() if given.get(key)]
-    left = band_of(result.scene, lambda each: run(each, (), sys.stderr.isatty()), known) if band else None
+    left = found.band(known, sys.stderr.isatty(), seconds) if band else None
     wrote = writers(result, way)
     return Output(
-        [as_text(result, accuracy, found, columns), *(band_text(result, left) if left else ())],
-        lambda: as_dict(result, found, columns) | ({"band": left.to_dict()} if left else {}),
-        wrote | {"heads": wrote["plot"], "save": lambda _: None, "tables": partial(save_tables, result)},
-        (*guesses, *told, *result.notes),
-        1 if found.untold or missed else 0,
+        [as_text(result, accuracy, highest, columns), *(band_text(result, left) if left else ())],
+        lambda: found.to_dict() | ({"band": left.to_dict()} if left else {}),
+        wrote | {"heads": wrote["plot"], "save": lambda _: None, "tables": found.save_tables},
+        found.notes,
+        1 if highest.untold or missed else 0,
     )
 
 

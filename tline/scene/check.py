@@ -157,7 +157,9 @@ def conflicts(scene: Scene) -> Iterator[InputError]:
 
 def _slab(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
     slab = scene.solver.slab
-    if slab is None or not scene.lines:
+    if scene.solver.rounded and scene.solver.order not in (None, 1):
+        yield InputError("solver.order", "delays are rounded in the first order alone", "1", f"{scene.solver.order}")
+    if slab is None or not scene.lines or scene.solver.rounded:
         return
     delays = {
         name: line.shortest * min(cut[name].widths if name in cut else [1.0]) for name, line in scene.lines.items()

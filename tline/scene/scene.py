@@ -61,6 +61,11 @@ class Solver(Element):
         default=None, description="order of the method, a whole number from 1 to 16"
     )
     slab: Duration | None = Field(default=None, description="width of a time slab, at most the shortest delay")
+    rounded: bool = Field(
+        default=False,
+        description="whether delays are rounded to whole slabs, in the first order, as in textbooks: quick where pipes "
+        "are many; the tolerance is then of the highest and lowest values at all nodes and probes",
+    )
 
 
 def _line_of_medium(value: Any, info: ValidationInfo) -> Any:

@@ -23,6 +23,7 @@ from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.ladder import Search, inside_slabs, refined
 from tline.solver.tolerance.mixed_modes import Doublings
 from tline.solver.tolerance.places import Places
+from tline.solver.tolerance.rounded import compared, rounded
 from tline.solver.tolerance.search import Start, within
 from tline.solver.witness.witness import Witness
 
@@ -83,8 +84,8 @@ def simulate(
         Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds, and say what all
         runs are expected to take.
     seconds : float or str, optional
-        Time for all runs, above 0; ten minutes if not given. When a further run is expected to end later, the best so
-        far is the result, with what is known of its error; at least two are made, for that takes two.
+        Computing time for all runs, above 0; ten minutes if not given. When a further run is expected to end later, the
+        best so far is the result, with what is known of its error; at least two are made, for that takes two.
 
     Returns
     -------
@@ -146,17 +147,21 @@ def simulated(
     seconds: float | str | None = None,
 ) -> Result:
     """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
-    if seconds is not None:
-        try:
-            seconds = float(SECONDS.parse(seconds, "s"))
-        except InputError as error:
-            raise InputError("seconds", error.problem, error.expected, error.got) from None
-    how = _How([*record], envelope, ledger, active, progress, start, Budget(seconds, progress))
+    budget = Budget(None if seconds is None else as_seconds(seconds), progress)
+    how = _How([*record], envelope, ledger, active, progress, start, budget)
     with user_mistakes(description.scene):
         result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)
     return result
+
+
+def as_seconds(given: float | str) -> float:
+    """The time for runs that a user gives."""
+    try:
+        return float(SECONDS.parse(given, "s"))
+    except InputError as error:
+        raise InputError("seconds", error.problem, error.expected, error.got) from None
 
 
 class _How(NamedTuple):
@@ -207,10 +212,12 @@ def _searched(description: Description, how: _How, tol: float | None) -> Result:
         description.refuse_coupled("a ledger")
     warned = _active(description, how.active)
     tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
-    if tol is None or (scene.solver.slab and (scene.solver.order or description.dispersive)):
+    if tol is None or (scene.solver.slab and (scene.solver.order or scene.solver.rounded or description.dispersive)):
         chosen = resolution(description)
         result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
+    elif scene.solver.rounded:
+        result = rounded(Search(description, tol, how.record, how.progress, how.budget))
     else:
         key = tol, frozenset(how.record)
         known = None if how.envelope or how.start else description.known.get(key)
@@ -268,6 +275,10 @@ def judged(result: Result) -> Accuracy:
     """
     whole = describe(result.scene)
     description = whole.parted()
+    if result.resolution.rounded:
+        both = [run(description, resolution(description, h=result.resolution.h / k), envelope=True) for k in (1, 2)]
+        found, _ = compared(None, *both)
+        return replace(found, attempts=(Attempt.of(both[0], found.worst), Attempt.of(both[1])))
 
     def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h

@@ -11,12 +11,13 @@ from tline.scene.travel import ADDED
 from tline.scene.valve import Orifice
 from tline.solver.description.excitation import varies
 from tline.solver.result.result import Result
+from tline.solver.tolerance.budget import Budget
+from tline.surge.columns import ROUGHLY
 from tline.surge.worst import extremes
 
 FASTER = 0.85, 1.15  # times the wave speed: walls and air are not known
 ROUGHER = 0.9, 1.1  # times the coefficient of Hazen and Williams; of roughness their fifth power
 HEAVIER = 0.5, 2.0  # times the inertia of rotors, as good as regressions over machines are
-ORDER = 2  # of all runs that are compared, in the slabs that suit them
 
 Tables = dict[str, Any]
 
@@ -34,6 +35,7 @@ class Band(NamedTuple):
 
     base: Varied
     varied: tuple[Varied, ...]
+    left: tuple[str, ...] = ()  # guesses for which there was no time
 
     def of(self, key: str) -> tuple[float, float, Varied]:
         """How far below and above the base `highest` or `lowest` may be, Pa, and the run that moves it most."""
@@ -43,33 +45,42 @@ class Band(NamedTuple):
 
     def to_dict(self) -> dict[str, Any]:
         """All runs as plain data in SI."""
-        return {"base": self.base._asdict(), "varied": [one._asdict() for one in self.varied]}
+        varied = [one._asdict() for one in self.varied]
+        return {"base": self.base._asdict(), "varied": varied, "not_varied": list(self.left)}
 
 
-def band_of(scene: Scene, run: Callable[[Scene], Result], known: Collection[str] = ()) -> Band | None:
-    """The band that guesses leave; None if there is nothing to vary.
+def band_of(result: Result, run: Callable[[Scene], Result], budget: Budget, known: Collection[str] = ()) -> Band | None:
+    """The band that guesses leave, by runs with rounded delays; None if there is nothing to vary.
 
     Parameters
     ----------
-    scene : Scene
-        An operated one.
+    result : Result
+        Of an operated scene.
     run : callable
         Of a scene, with an envelope.
+    budget : Budget
+        Time for all of them.
     known : collection of str
         What is no guess: "wave speed", "friction", "travel", "inertia".
     """
+    scene, chosen = result.scene, result.resolution
     changed = {guess: tables for kind, guess, tables in _variations(scene) if kind not in known}
     if not changed:
         return None
-    order = {"solver": {"order": 1 if scene.solver.order == 1 else ORDER}}
-    base = _seen("", run(scene.with_changes(**order)))
-    found = list[Varied]()
+    if not chosen.rounded:
+        chosen = run(scene.with_changes(solver=ROUGHLY)).resolution
+    solver, before = {"solver": {"rounded": True, "slab": chosen.h}}, budget.left
+    base, takes = _seen("", run(scene.with_changes(**solver))), before - budget.left
+    found, left = list[Varied](), list[str]()
     for guess, tables in changed.items():
+        if budget.left < takes:
+            left.append(guess)
+            continue
         try:
-            found.append(_seen(guess, run(scene.with_changes(**tables, **order))))
+            found.append(_seen(guess, run(scene.with_changes(**tables, **solver))))
         except InputError:  # such as a steady state that would be below a vacuum: no guess
             continue
-    return Band(base, tuple(found)) if found else None
+    return Band(base, tuple(found), tuple(left)) if found else None
 
 
 def _seen(guess: str, result: Result) -> Varied:

@@ -1,8 +1,8 @@
 """Columns that separate in an operated network: cavities are laid where the liquid would boil, and the run made again.
 
-They are of vapour alone, at nodes and at equal stretches along the pipes beside them, in the method of textbooks
-(order 1). What spikes between cavities do depends on their places (`tline.design.columns`), so there is a second run
-with twice the places and slabs half as wide, and how far it moves the highest pressure is told as its band.
+They are of vapour alone, at nodes and at equal stretches along the pipes beside them, and delays are rounded to whole
+slabs. What spikes between cavities do depends on their places (`tline.design.columns`), so there is a second run with
+twice the places and slabs half as wide, and how far it moves the highest pressure is told as its band.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -10,29 +10,31 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.cavities import MOST, with_cavities
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.scene import Scene
-from tline.solver.result.interior import inside
-from tline.solver.result.result import Result
+from tline.solver.result.result import LineRecord, Result
 from tline.solver.result.states import StateTrace
-from tline.surge.worst import BOILS, CAVITIES, extremes
+from tline.solver.tolerance.budget import Budget
+from tline.surge.worst import BOILS, CAVITIES, boils, extremes
 
 STRETCHES = 4, 8  # of the longest pipe that boils; shorter ones have as many fewer
-ROUNDS = 4  # of runs in which more nodes may boil
+ROUNDS = 8  # of runs in which more nodes may boil
 PLACES = 12  # of a pipe at which it is looked whether it boils
 GONE = 1e-2  # of its largest volume, below which a cavity has collapsed
 LARGEST = 3  # cavities that are told
+ROUGHLY = {"rounded": True, "tol": 1e-2}  # solver of a run that finds slabs for others
 
 
 class Columns(NamedTuple):
     """What came of columns that separate."""
 
     places: tuple[int, ...]  # cavities at nodes and inside pipes, of each run
-    spread: float  # how far the number of places moves the highest pressure, Pa
+    spread: float  # how far the number of places moves the highest pressure, Pa; 0 if there was time for one alone
     cavities: tuple["Vapour", ...]  # the largest first
 
 
@@ -45,7 +47,9 @@ class Vapour(NamedTuple):
     collapse: float | None  # when it is gone after that, s; None if it is not
 
 
-def separated(result: Result, run: Callable[[Scene], Result]) -> tuple[Result, Columns | None, tuple[str, ...]]:
+def separated(
+    result: Result, run: Callable[[Scene], Result], budget: Budget
+) -> tuple[Result, Columns | None, tuple[str, ...]]:
     """The run with cavities where the first one boils, what these do, and notes; the first one where nothing boils.
 
     Parameters
@@ -54,38 +58,48 @@ def separated(result: Result, run: Callable[[Scene], Result]) -> tuple[Result, C
         Of a run without them, with an envelope.
     run : callable
         Of a scene, with an envelope.
+    budget : Budget
+        Time for all of them.
     """
     scene, nodes, pipes = result.scene, set[str](), set[str]()
     still = held_nodes(scene) | {load.at for load in scene.loads.values() if load.kind in (*CAVITIES, "air valve")}
-    seen, found = result, list[Result]()
+    seen, found, notes, takes = result, list[Result](), list[str](), 0.0
     try:
         for _ in range(ROUNDS):
-            wet = {one.node for one in extremes(seen) if one.lowest < BOILS <= one.before} - still - nodes
+            wet = {one.node for one in extremes(seen) if boils(one) and one.before >= BOILS} - still - nodes
             inner = {*_boiling_inside(seen)} - pipes
-            if not wet and not inner:
+            if wet or inner:
+                found, nodes = [], nodes | wet
+                pipes |= inner | {name for name, line in scene.lines.items() if wet & {*line.nodes}}
+            if len(found) == 2 or not nodes | pipes:
                 break
-            nodes |= wet
-            pipes |= inner | {name for name, line in scene.lines.items() if wet & {*line.nodes}}
-            seen = run(laid(scene, nodes, pipes, STRETCHES[0]))
-        if seen is result:
-            return result, None, ()
-        found = [seen, run(laid(scene, nodes, pipes, STRETCHES[1], seen.resolution.h / 2))]
+            if budget.left < takes:
+                notes.append(f"columns that separate: another run would take the total beyond {budget.seconds:g} s")
+                break
+            if not result.resolution.rounded:
+                result = run(scene.with_changes(solver=ROUGHLY))
+            before, parts = budget.left, len(found)
+            slab = result.resolution.h * (2 - parts)
+            seen = run(laid(scene, nodes, pipes, STRETCHES[parts], slab))
+            found, takes = [*found, seen], (before - budget.left) * (2 - parts)
     except InputError as error:
-        return result, None, (f"columns that separate could not be computed: {error}",)
-    coarse, fine = found
+        notes.append(f"columns that separate could not be computed: {error}")
+    if not found:
+        return result, None, tuple(notes)
+    coarse, fine = found[0], found[-1]
     assert fine.envelope is not None
     assert coarse.envelope is not None
-    spread = abs(_highest(fine) - _highest(coarse))
-    told = Columns(tuple(_places(each) for each in found), spread, tuple(_cavities(fine)))
-    return replace(fine, envelope=fine.envelope.compared(coarse.envelope, 1.0)), told, ()
+    told = Columns(
+        tuple(_places(each) for each in found), abs(_highest(fine) - _highest(coarse)), tuple(_cavities(fine))
+    )
+    envelope = fine.envelope.compared(coarse.envelope, 1.0) if len(found) > 1 else fine.envelope
+    return replace(fine, envelope=envelope), told, tuple(notes)
 
 
-def laid(
-    scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches: int, slab: float | None = None
-) -> Scene:
+def laid(scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches: int, slab: float) -> Scene:
     """The scene with cavities of vapour at nodes, and inside pipes of which the longest has so many stretches.
 
-    It runs with order 1, in slabs that suit it or have that width, s.
+    It runs on slabs of this width, s, and no stretch is shorter.
     """
     tables: dict[str, Any] = scene.table()
     for node in nodes:
@@ -94,25 +108,38 @@ def laid(
             del loads[name]  # a node with a cavity lets nothing else pass
         loads[f"{node}:cavity"] = {"at": node, "kind": "vapour cavity"}
     delays = {name: float(scene.lines[name].parameters.delay or 0.0) for name in pipes}
-    reach = max(delays.values(), default=1.0) / stretches
+    reach = max(max(delays.values(), default=1.0) / stretches, slab)
     for name in delays.keys() - with_cavities(scene.lines).keys():
         number = min(round(delays[name] / reach), MOST) - 1
         if number > 0:
             tables["lines"][name]["cavities"] = {"places": number}
-    return Scene(scene.folder, **tables | {"solver": {"order": 1} | ({"slab": slab} if slab else {})})
+    return Scene(scene.folder, **tables | {"solver": {"rounded": True, "slab": slab}})
 
 
 def _boiling_inside(result: Result) -> Iterator[str]:
     """Recorded pipes in which the liquid boils between their ends, without cavities that follow it."""
     weight = weight_at(result.scene)
-    followed = with_cavities(result.scene.lines)
-    for name in result.lines.keys() - followed.keys():
+    for name in result.lines.keys() - with_cavities(result.scene.lines).keys():
         near, far = (weight.get(node, 0.0) for node in result.scene.lines[name].nodes)
-        seen = inside(result, name, PLACES)
-        start, lowest, _ = seen.extremes(result.t)
-        ground = near + seen.places * (far - near)
-        if ((lowest - ground < BOILS) & (start - ground >= BOILS))[1:-1].any():
+        record, least = result.lines[name], BOILS + min(near, far)
+        ends = [each.values[:, -1] for each in (record.a1, record.a2, record.b1, record.b2)]
+        if sum(min(each.min() for each in pair) for pair in (ends[:2], ends[2:])) / 2 >= least:
+            continue  # whatever meets whatever
+        places = np.arange(1, PLACES) / PLACES
+        seen = np.array([_inside(record, place, *ends) for place in places]) - (near + places * (far - near))[:, None]
+        if ((seen[:, 1:].min(axis=1) < BOILS) & (seen[:, 0] >= BOILS)).any():
             yield name
+
+
+def _inside(record: LineRecord, place: float, a1: NDArray, a2: NDArray, b1: NDArray, b2: NDArray) -> NDArray:
+    """Effort at a share of the delay, before the run and at slab ends, where waves lose evenly on their way."""
+    whole = max(round(record.delay / record.a1.h), 1)
+    way = round(place * whole)
+    a, b = (np.append(np.full(whole + 1, wave.before), at) for wave, at in ((record.a1, a1), (record.b2, b2)))
+    n, share = len(a1) + 1, way / whole
+    lost_a, lost_b = a[:n] - np.append(record.a2.before, a2), b[:n] - np.append(record.b1.before, b1)
+    from_1, from_2 = a[whole - way :][:n] - share * lost_a, b[way:][:n] - (1 - share) * lost_b
+    return (from_1 + from_2) / 2
 
 
 def _highest(result: Result) -> float:
@@ -128,7 +155,7 @@ def _places(result: Result) -> int:
 
 
 def _cavities(result: Result) -> Iterator[Vapour]:
-    traces = [trace for trace in result.states if trace.word == "cavity"]
+    traces = [trace for trace in result.states if trace.word == "cavity" and trace.values.max() > 0]
     for trace in sorted(traces, key=lambda trace: -trace.values.max())[:LARGEST]:
         yield _vapour(trace)
 

@@ -15,9 +15,10 @@ from tline.scene.file import EPANET, as_scene
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
-from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.solver.simulate import UnresolvedWarning, as_seconds, simulate
+from tline.solver.tolerance.budget import Budget
 from tline.surge.band import Band, band_of
-from tline.surge.columns import Columns, separated
+from tline.surge.columns import ROUGHLY, Columns, separated
 from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
 from tline.surge.file_controls import acting
@@ -25,14 +26,16 @@ from tline.surge.group import each_of
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
-from tline.surge.worst import Extreme, Worst, extremes, worst
+from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst
 from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
-SHOWN, USUAL_TOL = 5, 1e-2  # nodes in tables; of a scene that states none
+SHOWN = 5  # nodes in tables
+SECONDS, LEAST_SECONDS = 20.0, 1e-3  # computing time for all runs, and for one, in which there are two all the same
+FIRST_SHARE, WAITING_SHARE = 0.5, 0.2  # of what is left: for the run without cavities, and for one that finds instants
 LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
 SMALL = 300  # lines of a network all of which are recorded
 
@@ -70,9 +73,11 @@ class Operation:
     @cached_property
     def worst(self) -> Worst:
         """The nodes with the largest rise and fall, where water boils, and the pressure class that is needed."""
-        return worst(self.result, SHOWN, self.columns.spread if self.columns else 0.0)
+        columns = self.columns
+        alone = ALONE if columns and len(columns.places) == 1 else ""
+        return worst(self.result, SHOWN, columns.spread if columns else 0.0, alone)
 
-    def band(self, known: Iterable[str] = (), progress: bool = False) -> Band | None:
+    def band(self, known: Iterable[str] = (), progress: bool = False, seconds: float | str = SECONDS) -> Band | None:
         """What guesses leave of the highest and lowest pressure: runs with each of them varied.
 
         Parameters
@@ -81,13 +86,16 @@ class Operation:
             What is no guess: "wave speed", "friction", "travel", "inertia".
         progress : bool
             Show a progress bar on stderr if a run takes more than two seconds.
+        seconds : float or str
+            Computing time for all runs, above 0; guesses for which none is left are named.
 
         Returns
         -------
         Band or None
             None if there is nothing to vary.
         """
-        return band_of(self.scene, lambda scene: run(scene, (), progress), tuple(known))
+        budget = Budget(as_seconds(seconds))
+        return band_of(self.result, lambda scene: run(scene, (), progress, budget.left), budget, tuple(known))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -158,6 +166,7 @@ def operate(
     material: str | None = None,
     hour: float | None = None,
     moving_tanks: bool = False,
+    seconds: float | str = SECONDS,
     progress: bool = False,
 ) -> Operation:
     """Operate a network of pipes in its steady state, and find the worst of it.
@@ -188,7 +197,9 @@ def operate(
     t_end : number or text
         How long to run, s.
     tol : float, 1e-13 to 0.1
-        Largest error at the probes, relative to their amplitudes; 0.01 if neither it nor `order` is given.
+        Largest error at the probes at any instant, relative to their amplitudes. If neither it nor `order` is given,
+        delays are rounded to whole slabs, which are halved until the highest and lowest pressures at all nodes are
+        known within 0.01 of the largest change.
     order : int, 1 to 16
         One run of this order instead, in the slabs that suit it.
     inertia : number or text, optional
@@ -209,6 +220,9 @@ def operate(
         Run longer, up to an hour, until neither the highest nor the lowest pressure comes at the end of the run.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
+    seconds : float or str
+        Computing time for all runs, above 0. When a further run is expected to end later, the best so far is the
+        result, with what is known of its error; a class is named if that is enough for one.
     progress : bool
         Show a progress bar on stderr if a run takes more than two seconds.
 
@@ -240,6 +254,7 @@ def operate(
     >>> rise.node, round(rise.highest / 1e5, 1), surge.worst.needed / 1e5, surge.worst.boiling
     ('c', 8.8, 10.0, [])
     """
+    budget = Budget(as_seconds(seconds))
     given = {"trip": trip, "start": start, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
     scene, read, controls = read_network(
         network, wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks
@@ -256,12 +271,13 @@ def operate(
         units=units,
         at=at,
         controls=controls,
+        budget=budget,
         progress=progress,
         **rotor,
     )
     lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
-    result, columns, told = run_separated(planned, lines, progress, cavities, until_settled)
-    return Operation(result, (*read, *guesses, *told), columns)
+    more = {"cavities": cavities, "until_settled": until_settled, "progress": progress}
+    return carried_out(planned, (*read, *guesses), lines, budget, **more)
 
 
 def read_network(
@@ -296,11 +312,12 @@ def plan(
     units: str | None = None,
     at: Texts = (),
     controls: Iterable[WaterControl] = (),
+    budget: Budget | None = None,
     progress: bool = False,
     **rotor: float | str | None,
 ) -> Planned:
     """The scene with operations by kind and controls of a file, and notes on guesses and instants; see `operate`."""
-    solver = {"order": order} if order else {"tol": tol or USUAL_TOL}
+    solver = {"order": order} if order else {"tol": tol} if tol else ROUGHLY
     more = {"t_end": t_end, "solver": solver} | {
         key: value for key, value in (("rating", rating), ("units", units)) if value
     }
@@ -320,35 +337,44 @@ def plan(
         return changed.with_changes(probes=probes, **more), tuple(notes)
 
     if waiting:
-        events, told = triggered(waiting, events, lambda done: build(done)[0], lambda each: run(each, (), progress))
+        left = budget or Budget(SECONDS)
+        found = {"run": lambda each: run(each, (), progress, WAITING_SHARE * left.left)}
+        events, told = triggered(waiting, events, lambda done: build(done)[0], **found)
         notes += told
     planned, guesses = build(events)
     return planned, (*notes, *guesses)
 
 
-def run(scene: Scene, record: Iterable[str], progress: bool) -> Result:
+def run(scene: Scene, record: Iterable[str], progress: bool, seconds: float) -> Result:
     """Simulate with an envelope; what is not resolved is among the notes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
-        return simulate(scene, record=record, envelope=True, ledger=False, progress=progress)
+        seconds = max(seconds, LEAST_SECONDS)
+        return simulate(scene, record=record, envelope=True, ledger=False, progress=progress, seconds=seconds)
 
 
-def run_separated(
-    scene: Scene, record: Iterable[str], progress: bool, cavities: bool, until_settled: bool = False
-) -> tuple[Result, Columns | None, tuple[str, ...]]:
-    """The same, with cavities where columns separate, and until the extremes are none of its end, if so wanted."""
-    result, columns, notes = run(scene, record, progress), None, ()
+def carried_out(
+    scene: Scene,
+    guesses: Iterable[str],
+    record: Iterable[str],
+    budget: Budget,
+    *,
+    cavities: bool = True,
+    until_settled: bool = False,
+    progress: bool = False,
+) -> Operation:
+    """Run an operated scene, with cavities where columns separate, and until no extreme lies at its end, if wanted."""
+    share = FIRST_SHARE if cavities or until_settled else 1.0
+    result, columns, notes = run(scene, record, progress, share * budget.left), None, ()
     if cavities:
-        result, columns, notes = separated(result, lambda laid: run(laid, record, progress))
-    longer = 2 * float(scene.t_end)
-    if until_settled and worst(result).unfinished and longer <= LONGEST:
-        longer_scene = scene.with_changes(t_end=longer)
-        result, columns, notes = run_separated(longer_scene, record, progress, cavities, until_settled)
-        notes = (
-            *notes,
-            f"an extreme lay at the end of a run of {float(scene.t_end):g} s: it was made again, up to {longer:g} s",
-        )
-    return result, columns, notes
+        result, columns, notes = separated(result, lambda laid: run(laid, record, progress, budget.left), budget)
+    found = Operation(result, (*guesses, *notes), columns)
+    now, longer = float(scene.t_end), 2 * float(scene.t_end)
+    if not until_settled or not found.worst.unfinished or longer > LONGEST or budget.left < 0.5 * budget.seconds:
+        return found
+    told = f"an extreme lay at the end of a run of {now:g} s: it was made again, up to {longer:g} s"
+    again = {"cavities": cavities, "until_settled": True, "progress": progress}
+    return carried_out(scene.with_changes(t_end=longer), (*guesses, told), record, budget, **again)
 
 
 def _texts(where: str, given: Texts) -> tuple[str, ...]:

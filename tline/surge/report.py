@@ -54,7 +54,7 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
     """Two tables of nodes, the class of pressure, and where water boils."""
     lines = [
         result.scene.title or "a surge",
-        *([_accuracy(accuracy)] if columns is None else _separate(result, columns)),
+        *([_accuracy(result, accuracy)] if columns is None else _separate(result, columns)),
     ]
     lines.append(f"worst within {result.t[-1]:.4g} s, gauge pressures")
     size, unit = result.medium.unit("effort")
@@ -82,7 +82,7 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
     asks = (
         f"asks for PN {at_least}{found.needed / BAR:g}{bears}" if found.needed else "is above all classes up to PN 100"
     )
-    by = f" ± {columns.spread / size:.2g} by places" if columns else ""
+    by = f" ± {columns.spread / size:.2g} by places" if columns and len(columns.places) > 1 else ""
     where = f"{top.highest / size:.4g} {unit}{by} at {top.node} after {top.highest_at:.4g} s"
     named = f", {asks}" if not found.untold else f"; no pressure class is named, for {found.untold}"
     lines += ["", f"the highest pressure, {where}{named}"]
@@ -100,11 +100,9 @@ def _separate(result: Result, columns: Columns) -> list[str]:
     """Where columns separate, how that was computed, and the largest cavities."""
     cubic = result.medium.shown.get("m^3", "L")
     size = to_si(f"1 {cubic}", "m^3")
-    few, many = columns.places
-    lines = [
-        f"columns separate: computed with {few} and {many} cavities, by a method of first order",
-        "± is by their number and the slabs",
-    ]
+    many = " and ".join(map(str, columns.places))
+    lines = [f"columns separate: computed with {many} cavities, by a method of first order"]
+    lines += ["± is by their number and the slabs"] * (len(columns.places) > 1)
     for one in columns.cavities:
         gone = f"gone after {one.collapse:.4g} s" if one.collapse is not None else "there to the end"
         lines.append(f"cavity of up to {one.volume / size:.3g} {cubic} at {one.where} after {one.at:.4g} s, {gone}")
@@ -155,11 +153,14 @@ def _cells(one: Extreme, size: float) -> list[str]:
     ]
 
 
-def _accuracy(accuracy: Accuracy | None) -> str:
+def _accuracy(result: Result, accuracy: Accuracy | None) -> str:
     if accuracy is None:
         return "error not estimated: the run is long, and fixed by hand"
-    words = f"estimated error {accuracy.at_slab_ends:.1g} of the amplitude at slab ends"
-    missed = " and NOT met" * (accuracy.tol is not None and accuracy.at_slab_ends > accuracy.tol)
-    asked = "" if accuracy.tol is None else f", {accuracy.tol:g} asked{missed}"
+    rounded, missed = result.resolution.rounded, accuracy.tol is not None and accuracy.at_slab_ends > accuracy.tol
+    what = "largest change, of extremes" if rounded else "amplitude at slab ends"
+    words = f"estimated error {accuracy.at_slab_ends:.1g} of the {what}"
+    asked = "" if accuracy.tol is None else f", {accuracy.tol:g} asked" + f" and NOT met: {accuracy.limit}" * missed
+    if rounded:
+        return f"{words}{asked}; delays are rounded to {result.resolution.h:.3g} s"
     inside = f"; up to {accuracy.worst:.1g} inside the slabs of jumps" * (accuracy.worst > 10 * accuracy.at_slab_ends)
     return words + asked + inside

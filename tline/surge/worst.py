@@ -17,6 +17,7 @@ CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column th
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
 EMPTIES = "a vessel runs empty, and gas in the pipe is not computed"
+ALONE = "there was time for one number of places for cavities alone"
 RISES = "the highest pressure comes at the end of the run and may be higher later"
 
 
@@ -54,7 +55,7 @@ class Worst(NamedTuple):
     highest: Extreme  # the highest pressure of all
     needed: float | None  # the class that bears it, Pa; None if there is none in EN 1333, or none can be told
     untold: str  # why no class can be told; empty if one can
-    spread: float  # how far the number of places of cavities moves the highest pressure, Pa; in `needed`
+    spread: float  # how far slabs, and places of cavities, may move the highest pressure, Pa; in `needed`
     # nodes of the highest and the lowest pressure of all that have it at the end of the run
     unfinished: Sequence[Extreme]
 
@@ -71,20 +72,26 @@ def extremes(result: Result) -> list[Extreme]:
     return [Extreme(*row) for row in zip(seen.nodes, *(column.tolist() for column in columns), strict=True)]
 
 
-def worst(result: Result, most: int = 5, spread: float = 0.0) -> Worst:
-    """What is worst, of so many nodes, where the highest pressure may be higher by a spread, Pa."""
+def boils(node: Extreme) -> bool:
+    """Whether water of 20 °C may boil there, as far as errors tell."""
+    return node.lowest - np.nan_to_num(node.lowest_error) < BOILS
+
+
+def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") -> Worst:
+    """What is worst, of so many nodes, where the highest pressure may be higher by a spread, Pa, or for some reason
+    no class can be told."""
     nodes = extremes(result)
     largest = max(max(node.rise, node.fall) for node in nodes)
     risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)
     fallen = sorted((node for node in nodes if node.fall > FAINT * largest), key=lambda node: -node.fall)
     followed = {load.at for load in result.scene.loads.values() if load.kind in CAVITIES}
-    boils = (node for node in nodes if node.lowest < BOILS and node.node not in followed)
-    boiling = sorted(boils, key=lambda node: node.lowest)
+    boiling = sorted((node for node in nodes if boils(node) and node.node not in followed), key=lambda n: n.lowest)
     highest, lowest = max(nodes, key=lambda node: node.highest), min(nodes, key=lambda node: node.lowest)
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
-    untold = SEPARATES if boiling else EMPTIES if emptied(result) else RISES if rising else ""
+    untold = SEPARATES if boiling else EMPTIES if emptied(result) else untold or (RISES if rising else "")
+    spread = max(spread, float(np.nan_to_num(highest.highest_error)))
     needed = None if untold else class_of(highest.highest + spread)
     return Worst(risen[:most], fallen[:most], boiling, highest, needed, untold, spread, [*rising, *falling])
 

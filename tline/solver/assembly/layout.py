@@ -122,7 +122,7 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
     progress : bool
         Show a bar on stderr if this takes long.
     """
-    key = chosen.h, tuple(chosen.sections.items()), _losses(description, chosen)
+    key = chosen.h, chosen.rounded, tuple(chosen.sections.items()), _losses(description, chosen)
 
     def laid_out() -> Layout:
         with Progress(STAGES, "stage", progress, "assembling") as bar:
@@ -156,6 +156,8 @@ def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], m
 def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     order, h = basis(chosen.s), chosen.h
     lines = {name: line for name, line in description.lines.items() if name not in chosen.sections}
+    if chosen.rounded:
+        lines = {name: line._replace(delay=max(round(line.delay / h), 1) * h) for name, line in lines.items()}
     delay, shift_row, rests = _delays(lines, h)
     losses = _losses(description, chosen)
     circuits = circuits_of(lines, losses[1]) if losses else {}

@@ -127,7 +127,8 @@ class Description:
         Not with order 1 by hand: constants do not hold what a steady flow loses along a line. And not where the
         shortest line makes slabs so narrow that there would be too many; places on long lines are far fewer then.
         """
-        lossy = [line for line in self.lines.values() if line.dispersive and self.scene.solver.order != 1]
+        given = self.scene.solver
+        lossy = [line for line in self.lines.values() if line.dispersive and given.order != 1 and not given.rounded]
         if not lossy or not all(line.in_diamonds for line in lossy):
             return False
         shortest, whole = min(line.delay for line in lossy), sum(line.delay for line in lossy)

@@ -1,6 +1,7 @@
 """Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
 
 from collections.abc import Mapping
+from math import ceil, floor, log2, sqrt
 from typing import NamedTuple
 
 from tline.errors import InputError
@@ -12,6 +13,7 @@ from tline.words.wording import place
 FIT = 1e-7
 LOSS_ELEMENTS, ALL_LOSS_ELEMENTS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
+FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 3e4, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
 LARGEST = 4e8  # samples on the lines at once
 MOST_SLABS = 1e9
 
@@ -34,6 +36,7 @@ class Resolution(NamedTuple):
     convolved: bool = False  # whether slabs are chosen for convolutions; by hand they may be any
     near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
+    rounded: bool = False  # whether delays are whole slabs, one at least: those nearest to what they are
 
     @property
     def resolved(self) -> float:
@@ -60,13 +63,17 @@ def resolution(
     """
     lines, fixed, t_end = description.lines, description.scene.solver, description.t_end
     delays = {name: line.delay for name, line in lines.items() if name not in sections}
-    s = s or fixed.order or ORDER
+    s = 1 if fixed.rounded else s or fixed.order or ORDER
     by_hand = h is None and fixed.slab is not None
     loss_elements = LOSS_ELEMENTS if h is None and not by_hand else ALL_LOSS_ELEMENTS
     scales = description.time_scales
-    h = h or float(fixed.slab or 0.0) or slab_of(description, delays, scales, settle)
+    h = h or float(fixed.slab or 0.0)
+    h = h or (_first_rounded(delays, t_end) if fixed.rounded else slab_of(description, delays, scales, settle))
     _check(t_end, delays, s, h, by_hand)
     chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
+    if fixed.rounded:
+        places = ceil(sqrt(max(delays.values()) / h))  # of second order in these, so of first order in the slab
+        chosen = chosen._replace(loss_elements=places, plain=True, rounded=True)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
@@ -75,6 +82,12 @@ def resolution(
     ]
     blind = any(period < chosen.resolved for _, period in scales.values())
     return chosen._replace(notes=tuple(notes), blind=blind)
+
+
+def _first_rounded(delays: Mapping[str, float], t_end: float) -> float:
+    """The first slab of runs whose delays are rounded: a power of two times the shortest delay, cheap, and many."""
+    wanted, shortest = max(2 * len(delays) / FIRST_ROUNDED, 1 / MOST_FIRST) * t_end, min(delays.values())
+    return min(shortest * 2.0 ** floor(log2(wanted / shortest)), t_end / LEAST_FIRST)
 
 
 def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:

@@ -15,7 +15,7 @@ SAMPLES = 2.0  # times as many in the next run, at least
 
 
 class Budget:
-    """Time from now on for all runs of a search.
+    """Computing time from now on for all runs of a search.
 
     Parameters
     ----------
@@ -27,11 +27,16 @@ class Budget:
 
     def __init__(self, seconds: float | None = None, shown: bool = False):
         self.asked, self.seconds, self._shown = seconds is not None, seconds or MOST_SECONDS, shown
-        self._started = time.perf_counter()
+        self._started = time.process_time()
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left; below zero if they are over."""
+        return self.seconds - (time.process_time() - self._started)
 
     def limit(self, attempts: Sequence[Attempt], tol: float) -> str:
         """What forbids one more run beside these, each with the time of its comparison; empty if nothing does."""
-        passed = time.perf_counter() - self._started
+        passed = self.seconds - self.left
         stepping = sum(attempt.seconds for attempt in attempts)
         last = passed * attempts[-1].seconds / stepping if stepping else 0.0
         growth = max([SAMPLES, *(fine.samples / rough.samples for rough, fine in pairwise(attempts[-2:]))])
