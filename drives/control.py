@@ -61,6 +61,11 @@ def closed_poles(controller: "PI", plant: TransferFunction) -> list[complex]:
 def margins(controller: "PI", plant: TransferFunction) -> Margins:
     """Margins of L = controller*plant, from the exact frequencies where |L| = 1 and where L is real and negative.
 
+    Parameters
+    ----------
+    controller : PI
+    plant : TransferFunction
+
     Examples
     --------
     >>> from drives import PI, CoupledDrives, decoupled
@@ -125,9 +130,9 @@ class Bandwidth:
     Attributes
     ----------
     asked : float or None
-        By the user.
+        By the user [rad/s].
     reached : float
-        With the margins of the rule.
+        With the margins of the rule [rad/s].
     """
 
     asked: float | None
@@ -224,7 +229,17 @@ class Design(Presentation):
 
 
 def alike(drives: CoupledDrives) -> CoupledDrives:
-    """The drives with two spools of the mean M and D, which is what the inner feedback makes of them."""
+    """The drives with two spools of the mean M and D, which is what the inner feedback makes of them.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
+
+    Examples
+    --------
+    >>> alike(CoupledDrives()) == CoupledDrives()
+    True
+    """
     (m1, d1), (m2, d2) = drives.mobility(drives.left), drives.mobility(drives.right)
     m, d = (m1 + m2) / 2, (d1 + d2) / 2
     left, right = (Spool(m * x.radius**2, d * x.radius**2, x.radius) for x in (drives.left, drives.right))
@@ -232,7 +247,17 @@ def alike(drives: CoupledDrives) -> CoupledDrives:
 
 
 class Share(NamedTuple):
-    """What one motor does: T = share*(tau_f -/+ tau_v)/2 + per_speed*w + per_tension*f, minus for spool 1."""
+    """What one motor does: T = share*(tau_f -/+ tau_v)/2 + per_speed*w + per_tension*f, minus for spool 1.
+
+    Attributes
+    ----------
+    share : Fraction
+        Of the torque asked for, dimensionless.
+    per_speed : Fraction
+        Feedback of the spool's own speed [N m s/rad].
+    per_tension : Fraction
+        Feedback of the tension [m].
+    """
 
     share: Fraction
     per_speed: Fraction
@@ -241,6 +266,10 @@ class Share(NamedTuple):
 
 def decoupler(drives: CoupledDrives) -> tuple[Share, Share]:
     """The decoupler with the inner feedback that makes unequal spools alike.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
 
     Examples
     --------
@@ -258,6 +287,10 @@ def decoupler(drives: CoupledDrives) -> tuple[Share, Share]:
 
 def decoupled(drives: CoupledDrives) -> tuple[TransferFunction, TransferFunction]:
     """belt_speed/tau_v and tension/tau_f behind the decoupler.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
 
     Examples
     --------
@@ -357,6 +390,17 @@ def _tried(plant: TransferFunction, bandwidth: float) -> PI | None:
 
 def relative_gain_array(drives: CoupledDrives, omega: ArrayLike) -> NDArray[np.complex128]:
     """Bristol's array from (T1, T2) to (belt_speed, tension), shape (2, 2, n).
+
+    Parameters
+    ----------
+    drives : CoupledDrives
+    omega : array_like, shape (n,)
+        Angular frequencies [rad/s], 0 or more.
+
+    Raises
+    ------
+    InputError
+        A frequency is negative or not finite.
 
     Examples
     --------

@@ -39,6 +39,12 @@ class PulleyCheck:
 def check_pulley(pulley: Pulley, x_k: float = DEFLECTION) -> PulleyCheck:
     """Solve both balances for F1 and F2 and compare.
 
+    Parameters
+    ----------
+    pulley : Pulley
+    x_k : float
+        Deflection [m], negative under tension.
+
     Examples
     --------
     >>> found = check_pulley(CoupledDrives().pulley)
@@ -61,6 +67,10 @@ def check_pulley(pulley: Pulley, x_k: float = DEFLECTION) -> PulleyCheck:
 
 def wrong_sign(drives: CoupledDrives) -> complex:
     """Rightmost pole of the tension if the pulley had F_k = +k x_k, rad/s: a spring of negative stiffness.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
 
     Examples
     --------

@@ -54,6 +54,11 @@ class Artefact:
 def eigenvalues(matrix: fmpq_mat) -> list[complex]:
     """All eigenvalues of an exact matrix with their multiplicity, zeros as exact zeros; see `drives.roots.roots`.
 
+    Parameters
+    ----------
+    matrix : flint.fmpq_mat
+        Square.
+
     Examples
     --------
     >>> eigenvalues(CoupledDrives().state_space().a)[-1]
@@ -65,6 +70,11 @@ def eigenvalues(matrix: fmpq_mat) -> list[complex]:
 def zero_eigenvalues(matrix: fmpq_mat) -> int:
     """How often 0 is an eigenvalue, exactly.
 
+    Parameters
+    ----------
+    matrix : flint.fmpq_mat
+        Square.
+
     Examples
     --------
     >>> zero_eigenvalues(CoupledDrives().state_space().a), zero_eigenvalues(literal_jacobian(CoupledDrives()))
@@ -74,7 +84,20 @@ def zero_eigenvalues(matrix: fmpq_mat) -> int:
 
 
 def forward_difference(rates: Callable[[NDArray], ArrayLike], at: NDArray) -> NDArray[np.float64]:
-    """The Jacobian as most tools compute it: (f(x + h) - f(x))/h with h = 1.5e-8*max(1, |x|), column by column."""
+    """The Jacobian as most tools compute it: (f(x + h) - f(x))/h with h = 1.5e-8*max(1, |x|), column by column.
+
+    Parameters
+    ----------
+    rates : callable
+        dx/dt of a state.
+    at : numpy.ndarray, shape (n,)
+        Where, each in the unit of its state.
+
+    Examples
+    --------
+    >>> forward_difference(lambda x: -3.0 * x, np.array([0.0]))
+    array([[-3.]])
+    """
     base, columns = np.array(rates(at)), []
     for k in range(len(at)):
         moved = at.copy()
@@ -119,6 +142,10 @@ def literal_rates(
 def literal_jacobian(drives: CoupledDrives) -> fmpq_mat:
     """The exact Jacobian of `literal_rates`, which are linear: its columns are the rates at unit vectors.
 
+    Parameters
+    ----------
+    drives : CoupledDrives
+
     Examples
     --------
     >>> literal_jacobian(CoupledDrives())[1, 1]
@@ -131,6 +158,14 @@ def literal_jacobian(drives: CoupledDrives) -> fmpq_mat:
 
 def artefact(drives: CoupledDrives, runs: int = 400, seed: int = 1) -> Artefact:
     """Linearise the literal model by forward differences at random operating points and count what looks unstable.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
+    runs : int
+        Number of linearisations.
+    seed : int
+        Of the random operating points.
 
     Examples
     --------

@@ -68,6 +68,10 @@ def closed_loop(design: Design) -> StateSpace:
     outputs those of the drives and the motors' T1 and T2. The free angle's 0 and the belts' hidden mode are among its
     poles.
 
+    Parameters
+    ----------
+    design : Design
+
     Examples
     --------
     >>> from drives import CoupledDrives, design

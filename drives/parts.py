@@ -1,4 +1,4 @@
-"""Spool, belt and pulley: each with its own equation, its stored energy and what it turns into heat.
+"""Spool, belt and pulley: the numbers of each, and the spring that a pulley is to the belt.
 
 Signs: belt speeds count positive from spool 1 to spool 2, tension is positive. T1 > 0 brakes spool 1 and T2 > 0 pulls
 spool 2, so both tighten the belt; the power supplied is T2*w2 - T1*w1. The pulley's deflection x_k is negative under
@@ -36,8 +36,8 @@ class Spool:
 
     Examples
     --------
-    >>> Spool(1e-3, 0.1, 0.1).acceleration(torque=1.0, belt_force=-5.0, speed=2.0)
-    300.0
+    >>> Spool(1e-3, 0.1, 0.1).inertia
+    Fraction(1, 1000)
     """
 
     inertia: Fraction
@@ -51,18 +51,6 @@ class Spool:
             friction=positive(friction, "friction", or_zero=True),
             radius=positive(radius, "radius"),
         )
-
-    def acceleration(self, torque: float, belt_force: float, speed: float) -> float:
-        """Angular acceleration, rad/s^2."""
-        return float((torque + self.radius * belt_force - self.friction * speed) / self.inertia)
-
-    def stored(self, speed: float) -> float:
-        """Kinetic energy, J."""
-        return float(self.inertia) * speed**2 / 2
-
-    def dissipated(self, speed: float) -> float:
-        """Heat flow of the bearing, W."""
-        return float(self.friction) * speed**2
 
 
 @dataclass(frozen=True, init=False)
@@ -83,9 +71,8 @@ class Belt:
 
     Examples
     --------
-    >>> belt = Belt(50, 0.5)
-    >>> belt.force(elongation=0.1, rate=2.0), belt.rate(force=6.0, elongation=0.1)
-    (6.0, 2.0)
+    >>> Belt(50, 0.5).stiffness
+    Fraction(50, 1)
     """
 
     stiffness: Fraction
@@ -93,22 +80,6 @@ class Belt:
 
     def __init__(self, stiffness: Number, damping: Number):
         fill(self, stiffness=positive(stiffness, "stiffness"), damping=positive(damping, "damping", or_zero=True))
-
-    def force(self, elongation: float, rate: float) -> float:
-        """Tension, N."""
-        return float(self.stiffness) * elongation + float(self.damping) * rate
-
-    def rate(self, force: float, elongation: float) -> float:
-        """Rate of elongation under a tension, m/s; of a damped belt only."""
-        return (force - float(self.stiffness) * elongation) / float(self.damping)
-
-    def stored(self, elongation: float) -> float:
-        """Elastic energy, J."""
-        return float(self.stiffness) * elongation**2 / 2
-
-    def dissipated(self, rate: float) -> float:
-        """Heat flow, W."""
-        return float(self.damping) * rate**2
 
 
 @dataclass(frozen=True, init=False)
@@ -134,8 +105,8 @@ class Pulley:
     Examples
     --------
     >>> pulley = Pulley(200, math.radians(45))
-    >>> pulley.belt_stiffness, round(pulley.deflection(tension=1.0), 9)
-    (Fraction(100, 1), -0.007071068)
+    >>> pulley.belt_stiffness, round(pulley.tension(deflection=-0.01), 9)
+    (Fraction(100, 1), 1.414213562)
     """
 
     stiffness: Fraction
@@ -162,15 +133,3 @@ class Pulley:
     def tension(self, deflection: float) -> float:
         """Tension of the belt around it, N."""
         return -float(self.stiffness) * deflection / (2 * float(self.cosine))
-
-    def deflection(self, tension: float) -> float:
-        """x_k in m, negative under tension."""
-        return -2 * float(self.cosine) * tension / float(self.stiffness)
-
-    def speed(self, before: float, after: float) -> float:
-        """v_k in m/s, from the belt speeds v1 and v2 on its two sides."""
-        return (before - after) / (2 * float(self.cosine))
-
-    def stored(self, deflection: float) -> float:
-        """Elastic energy, J."""
-        return float(self.stiffness) * deflection**2 / 2

@@ -34,6 +34,13 @@ def draw_bode(transfers: Sequence[TransferFunction], omega: NDArray, ax: Axes | 
         rad/s, more than 0, increasing.
     ax : matplotlib Axes, optional
         Where to draw the magnitude alone.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from drives import CoupledDrives, draw_bode
+    >>> len(draw_bode([CoupledDrives().transfer("x_k", "T1")], np.logspace(-1, 4, 50)).axes)
+    2
     """
     drawn, both = cells_of(ax, 8.0, 6.0, rows=2, sharex=True)
     for k, h in enumerate(transfers):
@@ -53,7 +60,18 @@ def draw_bode(transfers: Sequence[TransferFunction], omega: NDArray, ax: Axes | 
 
 @styled
 def draw_poles(transfers: Sequence[TransferFunction]) -> Figure:
-    """Poles as crosses and zeros as circles, one plane for each transfer function."""
+    """Poles as crosses and zeros as circles, one plane for each transfer function.
+
+    Parameters
+    ----------
+    transfers : sequence of TransferFunction
+
+    Examples
+    --------
+    >>> from drives import CoupledDrives, draw_poles
+    >>> len(draw_poles([CoupledDrives().transfer("w1", "T1")]).axes)
+    1
+    """
     drawn, cells = cells_of(None, 8.0, 0.6 + 2.2 * len(transfers), rows=len(transfers))
     for axes, h in zip(cells, transfers, strict=True):
         for found, mark, name in ((h.poles, "x", "pole"), (h.zeros, "o", "zero")):

@@ -35,7 +35,7 @@ class Peak:
     frequency : float
         rad/s.
     ratio : float
-        Of the value there to |H(0)|; infinite at an undamped pole.
+        Ratio of the value there to |H(0)|; infinite at an undamped pole.
     """
 
     frequency: float
@@ -46,6 +46,10 @@ def peak(transfer: TransferFunction) -> Peak | None:
     """Peak of |H(j omega)| above its value at omega = 0, None if there is none.
 
     The stationary points are the roots of an exact polynomial in omega^2.
+
+    Parameters
+    ----------
+    transfer : TransferFunction
 
     Raises
     ------
@@ -75,6 +79,10 @@ def peak(transfer: TransferFunction) -> Peak | None:
 def undamped_frequency(drives: CoupledDrives) -> float:
     """Natural frequency of the tension without any damping, rad/s: sqrt((1/M1 + 1/M2)*K_eff).
 
+    Parameters
+    ----------
+    drives : CoupledDrives
+
     Examples
     --------
     >>> undamped_frequency(CoupledDrives())
@@ -85,13 +93,27 @@ def undamped_frequency(drives: CoupledDrives) -> float:
 
 
 def effective_stiffness(drives: CoupledDrives) -> Fraction:
-    """K_eff, N/m: both belts and the pulley's spring in series."""
+    """K_eff, N/m: both belts and the pulley's spring in series.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
+
+    Examples
+    --------
+    >>> effective_stiffness(CoupledDrives())
+    Fraction(20, 1)
+    """
     parts = (drives.left_belt.stiffness, drives.right_belt.stiffness, drives.pulley.belt_stiffness)
     return 1 / sum((1 / part for part in parts), Fraction(0))
 
 
 def largest_friction_with_peak(drives: CoupledDrives) -> float:
     """Friction B of each spool, N m s/rad, from which on |f/T| has no peak; other parameters as given.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
 
     Raises
     ------

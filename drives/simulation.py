@@ -158,6 +158,12 @@ def initial_state(names: tuple[str, ...], given: Mapping[str, float] | None) -> 
 def steady_state(drives: CoupledDrives, T1: float, T2: float) -> dict[str, float]:
     """States under constant torques once all has settled, with phi1 = 0; the angles go on from there.
 
+    Parameters
+    ----------
+    drives : CoupledDrives
+    T1, T2 : float
+        Torques [N m].
+
     Raises
     ------
     InputError
@@ -190,6 +196,19 @@ def simulate_slack(
     initial: Mapping[str, float] | None = None,
 ) -> Run:
     """Run the mechanism with a belt that pulls but does not push; arguments as in `drives.simulation`.
+
+    Parameters
+    ----------
+    drives : CoupledDrives
+    T1, T2 : Torque, optional
+        N m; nothing if not given.
+    t_end, step, initial :
+        As of `drives.simulate`.
+
+    Raises
+    ------
+    InputError
+        A step or t_end that is not more than 0; too many samples; an unknown state.
 
     Examples
     --------

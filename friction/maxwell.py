@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction.motion import Motion
-from friction.number import check_number
+from friction.parameters import check_number
 from tline.errors import InputError
 
 GRID = 64  # instants of an interval at which onsets are looked for
@@ -30,7 +30,7 @@ class MaxwellSlip:
     limits : sequence of float
         Force at which each slides quickly, W_i [N], positive; their sum is F_c.
     peak : float, optional
-        F_s/F_c, at least 1.
+        Ratio F_s/F_c, at least 1.
     v_s : float, optional
         Stribeck velocity [m/s], positive.
     F_v : float, optional

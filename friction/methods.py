@@ -10,7 +10,21 @@ ALL = STATIC + SMOOTH
 
 
 class Method(NamedTuple):
-    """A way to integrate, with its declared order where the law is smooth, and its known failure."""
+    """A way to integrate, with its declared order where the law is smooth, and its known failure.
+
+    Attributes
+    ----------
+    name : str
+        As `simulate` takes it.
+    order : int
+        Declared, where the law is smooth.
+    models : tuple of type
+        Laws that it fits.
+    step : str
+        "fixed", "adaptive" or "events".
+    failure : str
+        How it is known to fail.
+    """
 
     name: str
     order: int

@@ -11,33 +11,26 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.number import check_number
+from friction.parameters import TOLD, Parameters
 from tline.errors import InputError
 
 if TYPE_CHECKING:
     from friction.kernel import Law
 
-UNITS = {
-    "F_c": "N", "F_s": "N", "F_v": "N s/m", "v_s": "m/s", "delta": "m/s", "sigma0": "N/m", "sigma1": "N s/m",
-    "sigma2": "N s/m", "z_ba": "m", "epsilon": "m/s",
-}  # fmt: skip
-LEAST = {"F_v": 0.0, "delta": 0.0, "sigma1": 0.0, "sigma2": 0.0, "z_ba": 0.0}  # all others are positive
-
 
 @dataclass(frozen=True)
-class Model:
-    """A friction law; checks its parameters."""
+class Model(Parameters):
+    """A friction law."""
 
     name: ClassVar[str]
     kind: ClassVar[str]  # its constant in the kernels
+    place = "model"
+
+    def __init_subclass__(cls):
+        super().__init_subclass__((f"{cls.__name__}(F_c=0.9).sliding", "0.9"))
 
     def __post_init__(self):
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in LEAST:
-                check_number(f"model.{field.name}", value, least=LEAST[field.name])
-            else:
-                check_number(f"model.{field.name}", value, above=0.0)
+        super().__post_init__()
         if self.stiction < self.sliding:
             raise InputError("model.F_s", "below F_c", f"at least F_c = {self.sliding:g}", f"{self.stiction:g}")
 
@@ -188,3 +181,4 @@ class Tanh(Model):
 
 
 MODELS: dict[str, type[Model]] = {model.name: model for model in (Coulomb, Karnopp, LuGre, Dahl, ElastoPlastic, Tanh)}
+UNITS = {name: told.unit for name, told in TOLD.items() if any(name in vars(model) for model in MODELS.values())}

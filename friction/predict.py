@@ -6,12 +6,24 @@ from typing import NamedTuple
 import numpy as np
 
 from friction.models import Coulomb, LuGre, Model, Tanh
-from friction.number import check_number
+from friction.parameters import check_number
 from tline.errors import InputError
 
 
 class Chatter(NamedTuple):
-    """What Euler's method makes of a mass that should stand still, from F_a = 0 up to F_c; see `euler_chatter`."""
+    """What Euler's method makes of a mass that should stand still, from F_a = 0 up to F_c; see `euler_chatter`.
+
+    Attributes
+    ----------
+    sign_changes : float
+        Of the velocity, from F_a = 0 to F_c, dimensionless.
+    drift : float
+        Way by then [m].
+    friction_work : float
+        Work of friction [J].
+    kinetic_energy : float
+        Its mean [J].
+    """
 
     sign_changes: float
     drift: float
@@ -64,7 +76,17 @@ def euler_chatter(F_c: float, slope: float, h: float, mass: float = 1.0) -> Chat
 
 
 class DeadZone(NamedTuple):
-    """Whether Euler's method with a dead zone comes to rest, and at which velocity."""
+    """Whether Euler's method with a dead zone comes to rest, and at which velocity.
+
+    Attributes
+    ----------
+    certain : bool
+        Whether no step can jump over the zone.
+    escapes : float
+        Probability that chatter goes on for ever.
+    frozen_low, frozen_high : float
+        Range of the velocity that is left [m/s].
+    """
 
     certain: bool
     escapes: float
@@ -121,6 +143,15 @@ def dead_zone(delta: float, F_c: float, h: float, F_a: float = 0.0, mass: float 
 def tanh_creep(epsilon: float, F_a: float, F_c: float) -> float:
     """Velocity [m/s] with which F_c·tanh(v/ε) gives way to a force that should not move it: ε·atanh(F_a/F_c).
 
+    Parameters
+    ----------
+    epsilon : float
+        Velocity scale of tanh [m/s], positive.
+    F_a : float
+        Applied force [N], |F_a| < F_c.
+    F_c : float
+        Coulomb friction [N], positive.
+
     Raises
     ------
     InputError
@@ -145,6 +176,12 @@ def lugre_drift(model: LuGre, low: float, high: float) -> float:
     Quasi-static: (F_s/σ0)·ln((1 − u1²)/(1 − u2²)) with u1 = low/F_s, u2 = high/F_s. Karnopp's model and the
     elasto-plastic one have none.
 
+    Parameters
+    ----------
+    model : LuGre
+    low, high : float
+        Smallest and largest load of a cycle [N].
+
     Raises
     ------
     InputError
@@ -167,6 +204,10 @@ def passive_damping(model: LuGre) -> float:
 
     N. Barabanov and R. Ortega, IEEE Trans. Autom. Control 45 (2000) 675, doi:10.1109/9.847100.
 
+    Parameters
+    ----------
+    model : LuGre
+
     Examples
     --------
     >>> from friction import LuGre, passive_damping
@@ -178,7 +219,15 @@ def passive_damping(model: LuGre) -> float:
 
 
 class Limits(NamedTuple):
-    """Largest steps [s] that keep a small disturbance from growing, and the eigenvalues [1/s] they follow from."""
+    """Largest steps [s] that keep a small disturbance from growing, and the eigenvalues [1/s] they follow from.
+
+    Attributes
+    ----------
+    euler, rk4 : float
+        Steps [s].
+    eigenvalues : tuple of complex
+        Of velocity and bristle [1/s].
+    """
 
     euler: float
     rk4: float

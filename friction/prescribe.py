@@ -11,7 +11,7 @@ from friction.maxwell import MaxwellSlip
 from friction.methods import STATIC
 from friction.models import Karnopp, Model
 from friction.motion import Motion, moved_along, moved_with
-from friction.number import check_number
+from friction.parameters import check_number
 from friction.simulate import checked_times
 from friction.testbench import Force
 from tline.compiled.structure import pack
@@ -33,6 +33,8 @@ class Prescribed(Presentation):
 
     Attributes
     ----------
+    model : Model or MaxwellSlip
+        The law.
     t, x, v : ndarray
         Time [s], place [m], velocity [m/s].
     z : ndarray

@@ -26,7 +26,16 @@ class Kind(StrEnum):
 
 
 class Event(NamedTuple):
-    """Something that happened, at a time [s] and a place [m]."""
+    """Something that happened, at a time [s] and a place [m].
+
+    Attributes
+    ----------
+    kind : Kind
+    t : float
+        Instant [s].
+    x : float
+        Place [m].
+    """
 
     kind: Kind
     t: float
@@ -48,6 +57,15 @@ class Ledger(NamedTuple):
     """Energy up to the end [J]: work of the applied force and of friction, what is stored, what became heat.
 
     The residual is applied − friction − gain of kinetic energy, relative to all work that was done.
+
+    Attributes
+    ----------
+    applied, friction : float
+        Work of the applied force, and work that friction took [J].
+    kinetic_gain, bristle_gain, heat : float
+        What is stored in the motion and in the bristles, and what is lost [J].
+    residual : float
+        Relative to all work that was done.
     """
 
     applied: float
@@ -64,6 +82,8 @@ class Result(Presentation):
 
     Attributes
     ----------
+    model, bench, method : Model, Testbench, Method
+        As they were given.
     t, x, v : ndarray
         Time [s], place [m], velocity [m/s].
     z : ndarray

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from friction import witness
 from friction.methods import Method, method_for
 from friction.models import Model
-from friction.number import check_number
+from friction.parameters import check_number
 from friction.result import COLUMNS, Result, Status, events_of
 from friction.testbench import Testbench
 from tline.compiled.structure import pack

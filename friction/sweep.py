@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from friction.methods import SMOOTH
-from friction.models import LEAST, Model
-from friction.number import check_number
+from friction.models import Model
+from friction.parameters import TOLD, Told, check_number
 from friction.testbench import Testbench
 from tline.compiled.structure import pack
 from tline.errors import InputError
@@ -98,9 +98,10 @@ def _check(model: Model, table: dict[str, NDArray]) -> None:
             raise InputError(name, "unknown column", " or ".join(sorted(names.union(BENCH))))
         if not np.isfinite(column).all():
             raise InputError(name, "not finite", "finite numbers")
-        may_vanish = name in LEAST
-        if name not in ("v0", "force") and (column < 0.0 if may_vanish else column <= 0.0).any():
-            raise InputError(name, "too small", "at least 0" if may_vanish else "more than 0", f"{column.min():g}")
+        told = TOLD.get(name, Told("", "A factor"))
+        if (column <= told.above).any() or (column < told.least).any():
+            expected = "more than 0" if told.above == 0.0 else "at least 0"
+            raise InputError(name, "too small", expected, f"{column.min():g}")
 
     def given(name: str) -> NDArray:
         return table.get(name, np.array(getattr(model, name)))

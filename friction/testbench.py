@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.number import check_number
+from friction.parameters import Parameters, check_number
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -32,16 +32,13 @@ class Force(Protocol):
 
 
 @dataclass(frozen=True)
-class Ramp:
-    """Offset + slope·t [N, N/s]."""
+class Ramp(Parameters, example=("Ramp(slope=2.0).offset", "0.0")):
+    """Offset + slope·t."""
 
     slope: float = 0.5
     offset: float = 0.0
+    place = "force"
     sine = (0.0, 0.0, 0.0)
-
-    def __post_init__(self):
-        check_number("force.slope", self.slope)
-        check_number("force.offset", self.offset)
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """One straight piece."""
@@ -49,18 +46,14 @@ class Ramp:
 
 
 @dataclass(frozen=True)
-class Sine:
-    """Offset + amplitude·sin(2π·frequency·t + phase) [N, Hz, rad]."""
+class Sine(Parameters, example=("Sine(1.0, 0.5, phase=2.0).sine", "(1.0, 3.141592653589793, 2.0)")):
+    """Offset + amplitude·sin(2π·frequency·t + phase)."""
 
     amplitude: float
     frequency: float
     offset: float = 0.0
     phase: float = 0.0
-
-    def __post_init__(self):
-        for name in ("amplitude", "offset", "phase"):
-            check_number(f"force.{name}", getattr(self, name))
-        check_number("force.frequency", self.frequency, above=0.0)
+    place = "force"
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """The offset."""
@@ -73,8 +66,8 @@ class Sine:
 
 
 @dataclass(frozen=True)
-class _Points:
-    """Values [N] at times [s]."""
+class _Points(Parameters):
+    """Values at times."""
 
     times: Sequence[float]
     values: Sequence[float]
@@ -85,8 +78,8 @@ class _Points:
 
 
 @dataclass(frozen=True)
-class Steps(_Points):
-    """`values[k]` [N] from `times[k]` [s] on; 0 before the first."""
+class Steps(_Points, example=("Steps([1.0], [5.0]).pieces()[1].tolist()", "[0.0, 5.0]")):
+    """`values[k]` from `times[k]` on; 0 before the first."""
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """One level piece each."""
@@ -97,8 +90,8 @@ class Steps(_Points):
 
 
 @dataclass(frozen=True)
-class Table(_Points):
-    """Straight lines between points (times [s], values [N]); constant before the first and after the last."""
+class Table(_Points, example=("Table([0.0, 2.0], [0.0, 1.0]).pieces()[2].tolist()", "[0.5, 0.0]")):
+    """Straight lines between points; constant before the first and after the last."""
 
     def __post_init__(self):
         super().__post_init__()
@@ -119,19 +112,16 @@ class Table(_Points):
 
 
 @dataclass(frozen=True)
-class Spring:
-    """A spring of a stiffness [N/m], slack at x = 0, whose far end moves with a speed [m/s]: the stick–slip rig."""
+class Spring(Parameters, example=("Spring(20.0, 0.05).speed", "0.05")):
+    """A spring, slack at x = 0, whose far end moves: the stick–slip rig."""
 
     stiffness: float
     speed: float
-
-    def __post_init__(self):
-        check_number("spring.stiffness", self.stiffness, above=0.0)
-        check_number("spring.speed", self.speed)
+    place = "spring"
 
 
 @dataclass(frozen=True)
-class Testbench:
+class Testbench(Parameters):
     """A mass that starts at x = 0 with velocity v0, pushed by a force and pulled by a spring.
 
     Parameters
@@ -163,10 +153,7 @@ class Testbench:
     mass: float = 1.0
     v0: float = 0.0
     spring: Spring | None = None
-
-    def __post_init__(self):
-        check_number("bench.mass", self.mass, above=0.0)
-        check_number("bench.v0", self.v0)
+    place = "bench"
 
     @property
     def drive(self) -> "Drive":

@@ -29,7 +29,17 @@ from passivity.symbolic.delay import delayed_witness
 
 @dataclass(frozen=True)
 class Step(Decided):
-    """One link of the chain: what is claimed, how that ended, and why."""
+    """One link of the chain: what is claimed, how that ended, and why.
+
+    Attributes
+    ----------
+    claim : str
+        What is claimed.
+    status : Status
+        How that ended.
+    reason : str
+        Why.
+    """
 
     claim: str
     status: Status

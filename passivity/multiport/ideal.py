@@ -12,6 +12,16 @@ from passivity.rational.evaluate import Exact, exact
 def transformer_scattering(ratio: Exact) -> RationalMatrix:
     """S of the ideal transformer u1 = n u2, y2 = -n y1; it has no impedances.
 
+    Parameters
+    ----------
+    ratio : int, float, Fraction, Decimal or str
+        n, dimensionless.
+
+    Raises
+    ------
+    ExpressionError
+        It is no number.
+
     Examples
     --------
     >>> print(transformer_scattering(2))
@@ -24,6 +34,16 @@ def transformer_scattering(ratio: Exact) -> RationalMatrix:
 
 def gyrator_impedances(resistance: Exact) -> RationalMatrix:
     """Z of the gyrator u1 = -r y2, u2 = r y1.
+
+    Parameters
+    ----------
+    resistance : int, float, Fraction, Decimal or str
+        r, ohm or Pa s/m³.
+
+    Raises
+    ------
+    ExpressionError
+        It is no number.
 
     Examples
     --------
@@ -44,6 +64,11 @@ def gyrator_scattering(resistance: Exact, z0: Exact = 1) -> RationalMatrix:
     z0 : int, float, Fraction, Decimal or str
         Reference resistance of all ports, above zero.
 
+    Raises
+    ------
+    ExpressionError
+        One is no number, or z0 is not above zero.
+
     Examples
     --------
     >>> print(gyrator_scattering("50 ohm", 50))
@@ -54,6 +79,16 @@ def gyrator_scattering(resistance: Exact, z0: Exact = 1) -> RationalMatrix:
 
 def circulator_scattering(ports: int = 3) -> RationalMatrix:
     """S of the circulator that hands what enters at a port to the next; 2 to MAX_PORTS ports.
+
+    Parameters
+    ----------
+    ports : int
+        Number of ports.
+
+    Raises
+    ------
+    ExpressionError
+        There are too few or too many.
 
     Examples
     --------

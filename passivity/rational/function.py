@@ -18,6 +18,11 @@ from passivity.rational.systems import coefficients
 class RationalFunction(Quotient):
     """A rational function p(s)/q(s) with exact coefficients; see `Quotient` for the arithmetic.
 
+    Parameters
+    ----------
+    p, q : flint.fmpq_poly
+        Numerator and denominator.
+
     Examples
     --------
     >>> z = RationalFunction.from_expression("R + s*L", {"R": "50 ohm", "L": "10 nH"})

@@ -50,32 +50,12 @@ def test_every_public_name_can_be_had():
         _ = drives.nothing
 
 
-def test_power_of_a_spool():
-    spool, torque, force, speed = Spool(2e-3, 0.03, 0.1), 0.7, -3.0, 11.0
-    gained = float(spool.inertia) * speed * spool.acceleration(torque, force, speed)
-    supplied = torque * speed + force * float(spool.radius) * speed
-    assert math.isclose(supplied, gained + spool.dissipated(speed), rel_tol=1e-14)
-    assert spool.stored(speed) == 0.5 * 2e-3 * 121
-
-
-def test_power_of_a_belt():
-    belt, e, rate = Belt(50, 0.5), 0.03, -0.2
-    force = belt.force(e, rate)
-    assert math.isclose(force * rate, 50 * e * rate + belt.dissipated(rate), rel_tol=1e-14)
-    assert math.isclose(belt.rate(force, e), rate, rel_tol=1e-14)
-    assert math.isclose(belt.stored(e), 0.0225, rel_tol=1e-14)
-
-
-def test_power_of_the_pulley_is_stored_whatever_the_signs_of_its_motion():
+def test_the_pulley_is_a_spring_whatever_the_signs_of_its_motion():
     pulley, deflection = Pulley(200, math.radians(25)), -0.02
     tension = pulley.tension(deflection)
     assert tension > 0  # pulled: x_k < 0
-    for before, after in ((0.1, 0.4), (0.4, 0.1)):
-        gained = 200 * deflection * pulley.speed(before, after)
-        assert math.isclose(tension * (after - before), gained, rel_tol=1e-14)
-    assert math.isclose(pulley.deflection(tension), deflection, rel_tol=1e-14)
     e_p = -2 * float(pulley.cosine) * deflection
-    assert math.isclose(float(pulley.belt_stiffness) * e_p**2 / 2, pulley.stored(deflection), rel_tol=1e-14)
+    assert math.isclose(float(pulley.belt_stiffness) * e_p**2 / 2, 200 * deflection**2 / 2, rel_tol=1e-14)
     assert math.isclose(float(pulley.belt_stiffness) * e_p, tension, rel_tol=1e-14)
 
 
@@ -86,8 +66,9 @@ def test_the_state_space_obeys_every_part(drives_):
     rate = dict(zip(model.states, model.A @ x + model.B @ u, strict=True))
     now = dict(zip(model.states, x, strict=True)) | dict(zip(model.outputs, model.C @ x, strict=True))
     f, left, right = now["tension"], drives_.left, drives_.right
-    assert math.isclose(rate["w1"], left.acceleration(-u[0], f, now["w1"]), rel_tol=1e-12)
-    assert math.isclose(rate["w2"], right.acceleration(u[1], -f, now["w2"]), rel_tol=1e-12)
+    for spool, name, torque, pull in ((left, "w1", -u[0], f), (right, "w2", u[1], -f)):
+        braked = torque + float(spool.radius) * pull - float(spool.friction) * now[name]
+        assert math.isclose(rate[name], braked / float(spool.inertia), rel_tol=1e-12)
     assert math.isclose(drives_.pulley.tension(now["x_k"]), f, rel_tol=1e-12)
     left_over, apart = f / float(drives_.pulley.belt_stiffness), float(right.radius) * now["phi2"]
     apart -= float(left.radius) * now["phi1"]
@@ -95,7 +76,7 @@ def test_the_state_space_obeys_every_part(drives_):
         e = now.get(name, f / float(belt.stiffness))
         left_over += e
         if belt.damping:
-            assert math.isclose(belt.force(e, rate[name]), f, rel_tol=1e-12)
+            assert math.isclose(float(belt.stiffness) * e + float(belt.damping) * rate[name], f, rel_tol=1e-12)
     assert math.isclose(left_over, apart, rel_tol=1e-12)
 
 

@@ -48,6 +48,12 @@ def read(
     -----
     LeftOutWarning
         For each thing that is left out of a netlist or a water network, or taken otherwise.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> read(tl.examples.path("cable_rc")).title
+    '50 Ω cable into 100 Ω ∥ 4 pF'
     """
     if not isinstance(path, str | Path):
         raise InputError("path", "not a path", "the path of a file", shown(path))

@@ -73,6 +73,12 @@ def plot(
     ------
     InputError
         There is no result, probe or quantity of that name, or the media differ.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> len(plot(tl.simulate(tl.examples["cable_rc"])).axes)
+    2
     """
     named = {"": results} if isinstance(results, Result) else results
     if not isinstance(named, Mapping) or not named or not all(isinstance(each, Result) for each in named.values()):

@@ -56,7 +56,7 @@ class Sweep:
     method : str
         ``"vectorised"``, or why runs were made one at a time.
     seconds : float
-        Time that the sweep took.
+        Time that the sweep took [s].
     origin : dict of str to Any
         What else a file tells to who goes on with it.
     """

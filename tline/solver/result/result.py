@@ -277,6 +277,8 @@ class Result(Display, Export):
 
     Attributes
     ----------
+    scene : Scene
+        As it was run.
     slabs : Slabs
         Their number and width, and the end of the run.
     probes : mapping
@@ -292,7 +294,7 @@ class Result(Display, Export):
     samples : int
         Line-end samples computed.
     seconds : float
-        Time spent stepping.
+        Time spent stepping [s].
     fronts : Tally
         What became of the fronts that did not fit the slabs.
     accuracy : Accuracy or None

@@ -1,0 +1,87 @@
+"""Numbers of laws and of the testbench: unit, meaning and range of each, told once for checks and docstrings."""
+
+from dataclasses import fields
+from inspect import cleandoc
+from math import inf, isfinite
+from typing import ClassVar, NamedTuple
+
+from tline.errors import InputError
+
+LARGEST = 1e12  # of any number in SI; its powers are still numbers
+
+
+class Told(NamedTuple):
+    """What a number is, and what it may be."""
+
+    unit: str
+    meaning: str
+    above: float = -inf
+    least: float = -inf
+    kind: str = "float"
+
+
+TOLD = {
+    "F_c": Told("N", "Coulomb friction", above=0.0),
+    "F_s": Told("N", "Break-away force, at least F_c", above=0.0),
+    "F_v": Told("N s/m", "Viscous friction", least=0.0),
+    "v_s": Told("m/s", "Stribeck velocity", above=0.0),
+    "delta": Told("m/s", "Half width of the dead zone", least=0.0),
+    "sigma0": Told("N/m", "Stiffness of the bristles", above=0.0),
+    "sigma1": Told("N s/m", "Damping of the bristles", least=0.0),
+    "sigma2": Told("N s/m", "Viscous friction", least=0.0),
+    "z_ba": Told("m", "Deflection below which bristles do not slip, less than F_c/sigma0", least=0.0),
+    "epsilon": Told("m/s", "Velocity scale of tanh", above=0.0),
+    "slope": Told("N/s", "Growth"),
+    "offset": Told("N", "Value at t = 0, or beside a sine"),
+    "amplitude": Told("N", "Largest value of the sine"),
+    "frequency": Told("Hz", "Frequency of the sine", above=0.0),
+    "phase": Told("rad", "Phase of the sine at t = 0"),
+    "times": Told("s", "Rising, 0 or more", kind="sequence of float"),
+    "values": Told("N", "As many", kind="sequence of float"),
+    "stiffness": Told("N/m", "Stiffness of the spring", above=0.0),
+    "speed": Told("m/s", "Speed of the spring's far end"),
+    "mass": Told("kg", "Mass", above=0.0),
+    "v0": Told("m/s", "Velocity at t = 0"),
+}
+
+
+class Parameters:
+    """Base of dataclasses of such numbers: checks them, and completes the docstring by what they are.
+
+    A subclass gives its example as an expression and what Python answers.
+    """
+
+    place: ClassVar[str]  # where an error points at
+
+    def __init_subclass__(cls, example: tuple[str, str] = ("", "")):
+        named = [name for each in cls.__mro__[::-1] for name in vars(each).get("__annotations__", {}) if name in TOLD]
+        if not example[0]:
+            return
+        told = []
+        for name in dict.fromkeys(named):
+            each, default = TOLD[name], ", optional" if hasattr(cls, name) else ""
+            bound = ", positive" if each.above == 0.0 else ", 0 or more" if each.least == 0.0 else ""
+            told.append(f"{name} : {each.kind}{default}\n    {each.meaning}{bound} [{each.unit}].")
+        cls.__doc__ = "\n".join([
+            f"{cleandoc(cls.__doc__ or '')}\n", "Parameters", "----------", *told, "\nRaises", "------", "InputError",
+            "    A number is out of range.\n", "Examples", "--------", f">>> from friction import {cls.__name__}",
+            f">>> {example[0]}", f"{example[1]}\n",
+        ])  # fmt: skip
+
+    def __post_init__(self):
+        for field in fields(self):  # pyright: ignore[reportArgumentType] (subclasses are dataclasses)
+            if told := TOLD.get(field.name):
+                where = f"{self.place}.{field.name}"
+                check_number(where, getattr(self, field.name), above=told.above, least=told.least)
+
+
+def check_number(where: str, value: object, *, above: float = -inf, least: float = -inf) -> None:
+    """Refuse what is not a finite number above one bound and at least another."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise InputError(where, "not a finite number", "a number", repr(value)[:30])
+    if abs(value) > LARGEST:
+        raise InputError(where, "too large", f"at most {LARGEST:g}", f"{value:g}")
+    if value <= above:
+        raise InputError(where, "too small", f"more than {above:g}", f"{value:g}")
+    if value < least:
+        raise InputError(where, "too small", f"at least {least:g}", f"{value:g}")
