@@ -116,11 +116,11 @@ def draw_run(run: Run, ax: Axes | None = None) -> Figure | Axes:
         if names[0] in run.set_points:
             axes.plot(run.t, run.set_points[names[0]], color=FAINT, linestyle="--", linewidth=1.3, label="set point")
         for n, name in enumerate(names):
-            label = name.replace("_", " ")
+            label = name.replace("belt_", "belt ")
             axes.plot(run.t, run.outputs[name], color=COLOURS[k + n], linestyle=DASHES[n], label=label)
         for bound in () if run.limit is None or len(names) == 1 else (-run.limit, run.limit):
             axes.axhline(bound, color=INK, linewidth=0.8, linestyle=":")
-        what = "torque" if len(names) > 1 else names[0].replace("_", " ")
+        what = "torque" if len(names) > 1 else names[0].replace("belt_", "belt ")
         axes.set(ylabel=f"{what}\n[{ALL_UNITS[names[0]]}]", xlim=(run.t[0], run.t[-1]))
         axes.grid(True)
         if all(np.abs(run.outputs[name]).max() < NOISE for name in names):

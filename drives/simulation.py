@@ -202,7 +202,7 @@ def simulate_slack(
     drives : CoupledDrives
     T1, T2 : Torque, optional
         N m; nothing if not given.
-    t_end, step, initial :
+    t_end, step, initial
         As of `drives.simulate`.
 
     Raises

@@ -189,7 +189,6 @@ def draw_fit(found: Identification, ax: Axes | None = None) -> Figure | Axes:
         axes.plot(over, found.force, ".", color=FAINT, markersize=2.5, label="measured")
         axes.plot(over, best.force, color=COLOURS[0], linewidth=1.0, label=found.chosen)
         axes.set(xlabel=NAMES[name], ylabel=NAMES["F_f"])
-        axes.legend(loc="lower right")
     for axes in cells[1:2]:
         axes.hist(best.force - found.force, 60, color=COLOURS[0], density=True)
         grid = np.linspace(-4.0, 4.0, 201)
@@ -198,4 +197,7 @@ def draw_fit(found: Identification, ax: Axes | None = None) -> Figure | Axes:
             axes.plot(grid * best.rms, bell, color=COLOURS[1], label="normal, same rms")
             axes.legend()
         axes.set(xlabel=label, ylabel="density [1/N]")
+        cells[-1].legend(loc="lower right")
+    for axes in cells:
+        axes.grid(True)
     return drawn
