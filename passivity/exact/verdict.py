@@ -196,6 +196,8 @@ class Verdict(Decided):
         As given.
     status : Status
         `PROVED` comes with a certificate, `REFUTED` with a witness, `UNDECIDED` with the budget that ran out.
+    certificate : Certificate, StorageCertificate or None
+    witness : Witness or None
     lossless : bool
         Re Z = 0 or |H| = 1, Z + Z^H = 0 or S^H S = I, on the whole imaginary axis.
     hidden : fmpz_poly or None

@@ -99,6 +99,16 @@ def _positive(given: Exact, name: str) -> Fraction:
 def transformer_scattering(ratio: Exact) -> RationalMatrix:
     """S of the ideal transformer u1 = n u2, y2 = -n y1; it has no impedances.
 
+    Parameters
+    ----------
+    ratio : int, float, Fraction, Decimal or str
+        n, dimensionless.
+
+    Raises
+    ------
+    ExpressionError
+        It is no number.
+
     Examples
     --------
     >>> print(transformer_scattering(2))

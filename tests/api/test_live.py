@@ -98,9 +98,9 @@ def test_copies_give_the_same_scene(server, tmp_path):
         ({"t_end": "1 s"}, "t_end: not a finite number, expected a number in SI, got '1 s'"),
         ({"t_end": True}, "t_end: not a finite number"),
         ({"lines.pipe.length": -1.0}, "lines.pipe.length: "),
-        ([1], "values: not a table"),
+        ([1], "values: not a table, or too long"),
         ("{", "Expecting property name"),
-        ("[" * 100_001, "values: too long"),
+        ("[" * 100_001, "values: not a table, or too long"),
     ],
 )
 def test_mistakes_get_one_sentence(server, body, sentence):

@@ -13,7 +13,6 @@ from tline.pictures.along import effort_along
 from tline.pictures.bounds import scale
 from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis, route
-from tline.presentation import as_image
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.prepared import prepare
@@ -66,10 +65,7 @@ class Desk:
 
     def first(self) -> dict[str, Any]:
         """What the page begins with: title, sliders, drawing of the network, and the run as it was given."""
-        try:
-            network = as_image(self.scene.plot())
-        except InputError:  # too many nodes
-            network = ""
+        network = self.scene._repr_html_().partition("<pre>")[0]  # none of too many nodes
         told = {"title": self.scene.title or "scene", "sliders": self.sliders, "network": network}
         return told | self.seen({})
 

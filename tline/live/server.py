@@ -14,11 +14,7 @@ LONGEST, IDLE = 100_000, 3600.0  # bytes of a question, and seconds without one 
 
 
 class Server(ThreadingHTTPServer):
-    """A server of one desk at a free port; `address` is what to open.
-
-    Whoever does not know the token gets nothing, and neither does a page from elsewhere whose name was made to lead
-    here: the host that is asked for has to be this one.
-    """
+    """A server of one desk at a free port; `address` is what to open: nothing is told without its token and host."""
 
     daemon_threads = True
 
@@ -52,11 +48,9 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._may(answers):
             return
         try:
-            if not length.isdecimal() or int(length) > LONGEST:
-                raise InputError("values", "too long", f"at most {LONGEST:,} bytes")
-            values = json.loads(self.rfile.read(int(length)))
+            values = json.loads(self.rfile.read(int(length))) if length.isdecimal() and int(length) <= LONGEST else None
             if not isinstance(values, dict):
-                raise InputError("values", "not a table", "numbers by path")
+                raise InputError("values", "not a table, or too long", f"numbers by path, at most {LONGEST:,} bytes")
             with vars(self.server)["busy"]:
                 told = answers[self.path.rpartition("/")[2]](values)
         except (InputError, ValueError) as error:
@@ -72,8 +66,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _say(self, status: int, kind: str, body: bytes) -> None:
         self.send_response(status)
-        for name, value in (("Content-Type", kind), ("Content-Length", str(len(body)))):
-            self.send_header(name, value)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
         self.end_headers()
         self.wfile.write(body)
 
