@@ -6,8 +6,9 @@ import pytest
 from lossy_scenes import cable
 
 from tline.errors import InputError
+from tline.solver.description import slab
 from tline.solver.result.accuracy import Attempt
-from tline.solver.simulate import simulate
+from tline.solver.simulate import UnresolvedWarning, simulate
 from tline.solver.tolerance.budget import Budget
 
 
@@ -46,3 +47,20 @@ def test_what_is_expected_is_said_once_after_two_seconds(monkeypatch, capsys):
     assert capsys.readouterr().err == said
     now[0] = 60.0
     assert budget.limit(runs, 1e-4) == "a finer run would take the total beyond 100 s"
+
+
+def test_an_oscillation_that_no_affordable_run_follows_ends_a_search_at_once(monkeypatch):
+    """An LC section rings a hundred million times until the end."""
+    monkeypatch.setattr(slab, "CHEAP", 1e4)
+    scene = {
+        "medium": "electrical", "t_end": "1 ms", "probes": {"p": {"at": "c"}},
+        "lines": {"line": {"nodes": ["a", "b"], "z0": 50, "delay": "10 us"}},
+        "sources": {"s": {"at": "a", "kind": "voltage", "resistance": 50,
+                          "value": {"shape": "sine", "amplitude": 1, "frequency": "5 kHz"}}},
+        "links": {"l": {"kind": "inductor", "nodes": ["b", "c"], "inductance": "1 nH"}},
+        "loads": {"c": {"at": "c", "kind": "capacitor", "capacitance": "0.4 pF"}},
+    }  # fmt: skip
+    with pytest.warns(UnresolvedWarning, match="damped, not resolved"):
+        accuracy = simulate(scene, tol=1e-4, seconds=5).accuracy
+    assert accuracy.limit == "a run in which no oscillation passes unseen would take the total beyond 5 s"
+    assert len(accuracy.attempts) == 2

@@ -68,6 +68,8 @@ class Layers:
         Slabs of each width, behind which those of twice the width follow a front.
     padded : int
         Times the slabs that transforms are long.
+    halvings : int
+        Times that slabs are halved, at most.
     """
 
     def __init__(
@@ -80,12 +82,13 @@ class Layers:
         slabs: NDArray,
         near: int,
         padded: int,
+        halvings: int = LEVELS,
     ):
         self.sources = [source for source in sources if len(source.changes.at)]
         self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4, padded)
-        self.near = near
+        self.near, self.halvings = near, halvings
         self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
-        points = 2.0 ** np.arange(LEVELS + 1)[:, None] * self.rule.points
+        points = 2.0 ** np.arange(self.halvings + 1)[:, None] * self.rule.points
         self.rays = Rays(network, points.ravel(), h, slabs, rows)
 
     def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
@@ -115,7 +118,7 @@ class Layers:
 
     def _layers(self, left: NDArray, source: Source, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
         """Layers of one source at one group of nodes; what they are on whole slabs is taken from what is left."""
-        waves = np.stack([ray.waves.reshape(LEVELS + 1, len(self.rule.points), -1) for ray in rays], axis=2)
+        waves = np.stack([ray.waves.reshape(self.halvings + 1, len(self.rule.points), -1) for ray in rays], axis=2)
         answers = self._answers(waves)
         levels = self._levels(answers, source, least)
         kept = np.flatnonzero(levels >= 0)
@@ -148,10 +151,12 @@ class Layers:
         """To a step and a ramp on slabs of each width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
         ramp = (np.arange(self.rule.n)[:, None] + self.order.c) * self.h
         step, ramp = self.rule.forward(np.stack([np.ones_like(ramp), ramp], axis=2)).T
-        narrow = 0.5 ** np.arange(LEVELS + 1)[:, None]
-        into = np.stack([np.broadcast_to(step, (LEVELS + 1, len(step))), ramp * narrow], axis=1)  # (levels, 2, points)
+        narrow = 0.5 ** np.arange(self.halvings + 1)[:, None]
+        into = np.stack(
+            [np.broadcast_to(step, (self.halvings + 1, len(step))), ramp * narrow], axis=1
+        )  # (levels, 2, points)
         found = self._backward((waves[:, None] * into[..., None, None]).transpose(2, 3, 0, 1, 4))
-        return found.reshape(*found.shape[:3], LEVELS + 1, 2, -1).transpose(0, 3, 4, 1, 2, 5)
+        return found.reshape(*found.shape[:3], self.halvings + 1, 2, -1).transpose(0, 3, 4, 1, 2, 5)
 
     def _backward(self, transforms: NDArray) -> NDArray:
         """Values (rays, n, s, …) of transforms (points, rays, …)."""
@@ -161,12 +166,12 @@ class Layers:
     def _levels(self, answers: NDArray, source: Source, least: float) -> NDArray:
         """Times that slabs have to be halved; -1 where the scene's own slabs follow what arrives, (rays,)."""
         r, s = len(answers), self.order.s
-        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, LEVELS, 2, self.near, 2, s, -1)
+        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, self.halvings, 2, self.near, 2, s, -1)
         wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, : self.near], optimize=True)
         size = source.sizes(1.0)
         late = np.abs(narrow - wide).max(axis=(3, 4, 5, 6)) @ size > least  # (rays, levels)
         begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ size > least
-        last = LEVELS - np.argmax(late[:, ::-1], axis=1)
+        last = self.halvings - np.argmax(late[:, ::-1], axis=1)
         return np.where(late.any(axis=1), last, begins - 1)
 
     def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer]) -> Noted:

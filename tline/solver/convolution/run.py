@@ -17,7 +17,7 @@ from tline.solver.assembly.layout import Excitation
 from tline.solver.convolution.envelope import envelope_of
 from tline.solver.convolution.families import Changes, changes_of, family_of, leads, summed
 from tline.solver.convolution.laws import LawsAtPorts
-from tline.solver.convolution.layers import Layers, Source, affordable
+from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.passive import gain, gain_of_bundle
 from tline.solver.convolution.quadrature import PADDED, Quadrature
@@ -101,6 +101,13 @@ class Convolved:
         tick = float(apart.sum() / max(round(apart.sum() / apart.min()), 1))
         return tick if len(leads(self.instants / tick)) == 1 else 0.0
 
+    @property
+    def _halvings(self) -> int:
+        """Times that slabs are halved beside fronts, at most: once where no line remembers and nothing has a state."""
+        remember = any(line.losses and line.losses.constant is None for line in self.description.lines.values())
+        states = any(group.poles is not None for group in self.description.grouped()[0])
+        return LEVELS if remember or states else 1
+
     @cached_property
     def moves(self) -> NDArray:
         """Instants at which laws move, s."""
@@ -175,7 +182,7 @@ class Convolved:
             for node, parts in enumerate(each)
             for changes, share in parts
         ]
-        return Layers(self.network, sources, rows, order, h, whole, near, self.padded)
+        return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
         """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""

@@ -14,6 +14,7 @@ SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
 SLABS_FOR_FRONTS = 20_000  # at most, to give the short pieces of waveforms slabs of their own
 CHEAP = 1e7  # line-end samples computed without asking whether that fine is needed
 CHEAP_IN_BLOCKS = 1e9  # the same where a slab divides all delays: without fronts inside slabs some hundred times faster
+DENSE = 8  # entries of a circuit's map over a slab that take as long as a line-end sample
 MOST_KEPT = 4e7  # samples on the lines or in the record that are kept without asking
 MOST_MARKS = 100  # jumps, corners and switches that are worth a slab that divides their instants
 FINER = 20  # times, that a slab may be narrower than needed to divide all delays
@@ -125,7 +126,9 @@ def _slab_beside_losses(
 def _affordable(description: Description, delays: list[float], cheap: float) -> float:
     """The narrowest slab, s, that neither time nor memory forbids."""
     probed = min(len(description.scene.probes), len(delays))
-    stepping = 2 * len(delays) * description.t_end / cheap
+    states = [len(group.poles) for group in description.grouped()[0] if group.poles is not None]
+    dense = sum(n * n for n in states) / DENSE
+    stepping = (2 * len(delays) + dense / ORDER) * description.t_end / cheap
     kept = max(4 * probed * description.t_end, 2 * sum(delays)) / MOST_KEPT
     return ORDER * max(stepping, kept)
 

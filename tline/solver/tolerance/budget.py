@@ -34,8 +34,11 @@ class Budget:
         """Seconds that are left; below zero if they are over."""
         return self.seconds - (time.process_time() - self._started)
 
-    def limit(self, attempts: Sequence[Attempt], tol: float) -> str:
-        """What forbids one more run beside these, each with the time of its comparison; empty if nothing does."""
+    def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0) -> str:
+        """What forbids one more run beside these, each with the time of its comparison; empty if nothing does.
+
+        No run is of use that has not `least` times as many samples as the last one.
+        """
         passed = self.seconds - self.left
         stepping = sum(attempt.seconds for attempt in attempts)
         last = passed * attempts[-1].seconds / stepping if stepping else 0.0
@@ -43,9 +46,10 @@ class Budget:
         if self._shown and passed > DELAY:
             self._shown = False
             sys.stderr.write(f"some {_expected(attempts, tol, last, growth):.2g} s more are expected\n")
-        if passed + growth * last <= self.seconds:
+        if passed + max(growth, least) * last <= self.seconds:
             return ""
-        return f"a finer run would take the total beyond {self.seconds:g} s"
+        wanted = "a finer run" if least <= growth else "a run in which no oscillation passes unseen"
+        return f"{wanted} would take the total beyond {self.seconds:g} s"
 
 
 def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: float) -> float:

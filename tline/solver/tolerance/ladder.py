@@ -134,6 +134,13 @@ class Ladder:
         """Pairs of runs so far."""
         return len(self.attempts) - 1
 
+    @property
+    def least(self) -> float:
+        """How many times as many samples a run has in which no oscillation passes unseen, at least."""
+        periods = (period for _, period in self.search.description.time_scales.values())
+        chosen = self.last.resolution
+        return chosen.resolved / min(periods, default=inf) if chosen.blind else 1.0
+
     def climb(self, finer: Result) -> None:
         """Take a finer run."""
         step = self._grids.step(self, finer)
@@ -196,7 +203,7 @@ def refined(grids: Grids) -> Result:
         else:
             if grids.is_enough(ladder):
                 break
-            limit = grids.search.budget.limit(ladder.attempts, grids.search.tol) or grids.limit(ladder)
+            limit = grids.search.budget.limit(ladder.attempts, grids.search.tol, ladder.least) or grids.limit(ladder)
     return ladder.result(limit)
 
 
