@@ -1,5 +1,6 @@
 """State spaces with exact entries and named states, and what of them their ports show."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -8,12 +9,14 @@ import numpy as np
 from flint import fmpq_mat, fmpq_poly
 from numpy.typing import NDArray
 
+from drives.number import written
 from drives.roots import roots
 from tline.errors import import_extra
+from tline.presentation import Presentation, plain
 
 
-@dataclass(frozen=True, eq=False)
-class StateSpace:
+@dataclass(frozen=True, eq=False, repr=False)
+class StateSpace(Presentation):
     """x' = A x + B u, y = C x + D u.
 
     Parameters
@@ -27,8 +30,9 @@ class StateSpace:
     --------
     >>> from drives import CoupledDrives
     >>> small = CoupledDrives().state_space(("tension",)).minimal()
-    >>> small.A.shape, small.states
-    ((2, 2), ('z1', 'e_p'))
+    >>> small
+    states z1, e_p; inputs T1, T2; outputs tension
+      poles -495.967, -4.03252 rad/s
     """
 
     a: fmpq_mat
@@ -38,6 +42,15 @@ class StateSpace:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+
+    def text_lines(self) -> Iterator[str]:
+        """Names, and the poles; the matrices are attributes."""
+        yield "; ".join(f"{kind} {', '.join(getattr(self, kind))}" for kind in ("states", "inputs", "outputs"))
+        yield f"  poles {', '.join(map(written, self.poles))} rad/s"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Names, matrices as floats, and poles."""
+        return {name: plain(getattr(self, name)) for name in ("states", "inputs", "outputs", *"ABCD", "poles")}
 
     @property
     def A(self) -> NDArray[np.float64]:

@@ -16,13 +16,13 @@ class Chatter(NamedTuple):
     Attributes
     ----------
     sign_changes : float
-        Of the velocity, from F_a = 0 to F_c, dimensionless.
+        Of the velocity, F_c/(2·slope·h), dimensionless.
     drift : float
-        Way by then [m].
+        Way by then, h·F_c²/(2·m·slope) [m].
     friction_work : float
-        Work of friction [J].
+        Work of friction, (2/3)·h·F_c³/(m·slope) [J].
     kinetic_energy : float
-        Its mean [J].
+        Its mean, h²F_c²/(3m) [J].
     """
 
     sign_changes: float
@@ -51,8 +51,6 @@ def euler_chatter(F_c: float, slope: float, h: float, mass: float = 1.0) -> Chat
     Returns
     -------
     Chatter
-        Sign changes F_c/(2·slope·h), drift h·F_c²/(2·m·slope) [m], friction work (2/3)·h·F_c³/(m·slope) [J], mean
-        kinetic energy h²F_c²/(3m) [J].
 
     Raises
     ------
@@ -117,7 +115,6 @@ def dead_zone(delta: float, F_c: float, h: float, F_a: float = 0.0, mass: float 
     Returns
     -------
     DeadZone
-        Whether capture is certain, probability that chatter goes on for ever, and the range of frozen velocities.
 
     Raises
     ------

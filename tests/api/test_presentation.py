@@ -24,6 +24,7 @@ DRAWN = {
     "exercise": lambda: tl.exercise("2a"),
 }
 TOLD = {
+    "state space": lambda: tl.drives.CoupledDrives().state_space(),
     "pipe": lambda: tl.HydraulicLine(radius="10 cm", wave_speed=1500, density=980),
     "cable": lambda: tl.ElectricalLine(wave_speed=3e8, z0=300),
 }
