@@ -74,14 +74,14 @@ def _of_one_port(certificate: Certificate, function: RationalFunction) -> bool:
 
 def _stores(certificate: StorageCertificate) -> bool:
     system, p = certificate.function, certificate.storage
-    if certificate.kind is Kind.BR:
-        from passivity.floats.storage import proves
-
-        return proves(system, p)
     v, part = certificate.basis, certificate.reached
+    if v is None or part is None:
+        from passivity.floats.storage import as_scattering, proves
+
+        s = system if certificate.kind is Kind.BR else as_scattering(system)
+        return s is not None and proves(s, p)
     return (
-        v is not None
-        and part is not None
+        certificate.kind is Kind.PR
         and system.a * v == v * part.a
         and system.b == v * part.b
         and system.c * v == part.c

@@ -125,8 +125,8 @@ def _of_one_port(function: RationalFunction, kind: Kind) -> Verdict:
 
 
 def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
-    if isinstance(network, StateSpace) and kind is Kind.BR and network.states >= _STORAGE_FIRST:
-        storage = _strict_storage(network)
+    if isinstance(network, StateSpace) and network.states >= _STORAGE_FIRST:
+        storage = _strict_storage(kind, network)
         if storage is not None:
             return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, storage))
     try:
@@ -163,17 +163,20 @@ def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
 
 def by_storage(system: StateSpace) -> Verdict:
     """The verdict on S that a storage function gives, or a point where there can be none; no minors."""
-    storage = _strict_storage(system)
+    storage = _strict_storage(Kind.BR, system)
     if storage is not None:
         return Verdict(Kind.BR, system, Status.PROVED, StorageCertificate(Kind.BR, system, storage))
     return refuted_or_undecided(Kind.BR, system, "no storage function was found")
 
 
-def _strict_storage(system: StateSpace) -> fmpq_mat | None:
-    from passivity.floats.storage import strict_storage
+def _strict_storage(kind: Kind, system: StateSpace) -> fmpq_mat | None:
+    from passivity.floats.storage import as_scattering, strict_storage
 
+    if kind is Kind.PR and not any((system.d + system.d.transpose()).entries()):
+        return None  # nothing to spare at infinity
     try:
-        return strict_storage(system)
+        s = system if kind is Kind.BR else as_scattering(system)
+        return s and strict_storage(s)
     except (OverflowError, ValueError):  # beyond the range of doubles, or eigenvalues do not converge
         return None
 

@@ -32,7 +32,7 @@ def reason(verdict: Verdict) -> str:
     if verdict.status is Status.UNDECIDED:
         return "; ".join(filter(None, (verdict.budget, analysis and _seen(verdict))))
     if isinstance(verdict.certificate, StorageCertificate):
-        if kind is Kind.PR:
+        if verdict.lossless:
             return "all energy that enters is stored: the stored energy is x^T P x/2 >= 0"
         return "the stored energy x^T P x grows by less than what enters, P > 0"
     if verdict.status is Status.PROVED:

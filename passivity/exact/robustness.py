@@ -71,8 +71,9 @@ def robustness(verdict: Verdict, tolerance: Exact) -> Robustness:
     eps = exact(tolerance, "tolerance")
     if not 0 <= eps < 1:
         raise ExpressionError("tolerance", "out of range", "at least 0 and below 1", shown(tolerance))
-    if verdict.status is Status.UNDECIDED or verdict.kind is not Kind.PR:
-        raise ExpressionError("verdict", "has no box to ask about", "proved or refuted by check_positive_real")
+    one_port = isinstance(verdict.function, RationalFunction) and verdict.kind is Kind.PR
+    if verdict.status is Status.UNDECIDED or not one_port:
+        raise ExpressionError("verdict", "has no box to ask about", "of one port, positive real proved or refuted")
     if verdict.witness:
         return Robustness(eps, _refutes_all(verdict.function, verdict.witness, eps) or None)
     p, q = _corners(verdict.function.p, eps), _corners(verdict.function.q, eps)

@@ -72,12 +72,13 @@ class Certificate:
 
 @dataclass(frozen=True)
 class StorageCertificate:
-    """Proof by a storage function x^T P x; see `passivity.exact.storage` for the inequalities.
+    """Proof by a storage function x^T P x.
 
     Parameters
     ----------
     kind : Kind
-        `PR`: K(P) <= 0 of the reached part, P >= 0. `BR`: M(P) < 0, P > 0.
+        With a basis, of lossless impedances: K(P) <= 0 of the reached part, P >= 0 (`passivity.exact.storage`). Else
+        M(P) < 0, P > 0 (`passivity.floats.storage`) of S, or of the scattering matrix that impedances have.
     function : StateSpace
         As given.
     storage : fmpq_mat

@@ -21,15 +21,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from passivity.floats.system import FloatSystem
+from passivity.floats.system import Band, FloatSystem, Samples
 from passivity.status import Kind
-
-if TYPE_CHECKING:
-    from passivity.floats.system import Band, FloatSystem, Samples
 
 SAFETY = 10  # errors by which an eigenvalue may be off the axis and still counts as on it
 MAX_ROUNDS = 4
@@ -94,7 +91,7 @@ class AxisAnalysis:
     agree: bool  # samples and the Hamiltonian test see the same bands, and the same value
 
 
-def analyse(system: "FloatSystem") -> AxisAnalysis:
+def analyse(system: FloatSystem) -> AxisAnalysis:
     """Look at a state space on the imaginary axis.
 
     Raises
@@ -102,8 +99,6 @@ def analyse(system: "FloatSystem") -> AxisAnalysis:
     numpy.linalg.LinAlgError
         If the eigenvalues do not converge.
     """
-    from passivity.floats.system import Samples
-
     samples = Samples(system)
     settled, depth = _settled(system, samples)
     lowest = samples.lowest
@@ -122,7 +117,7 @@ def analyse(system: "FloatSystem") -> AxisAnalysis:
     )
 
 
-def _settled(system: "FloatSystem", samples: "Samples") -> tuple[bool, float]:
+def _settled(system: FloatSystem, samples: Samples) -> tuple[bool, float]:
     """Sample where the form is below a level just under the lowest sample, until it is nowhere.
 
     Whether that came to an end, and how far below the lowest sample the form may be.
@@ -140,7 +135,7 @@ def _settled(system: "FloatSystem", samples: "Samples") -> tuple[bool, float]:
     return False, math.inf
 
 
-def _bands(system: "FloatSystem", samples: "Samples") -> tuple[list["Band"], float]:
+def _bands(system: FloatSystem, samples: Samples) -> tuple[list[Band], float]:
     """Intervals between crossings in which the form is negative, and the largest error of their ends."""
     from passivity.floats.axis import crossings
 
@@ -157,7 +152,7 @@ def _bands(system: "FloatSystem", samples: "Samples") -> tuple[list["Band"], flo
     return bands, max((errors.get(w, 0.0) for band in bands for w in band), default=0.0)
 
 
-def _apart(found: list["Crossing"]) -> list["Crossing"]:
+def _apart(found: list[Crossing]) -> list[Crossing]:
     """Crossings that their errors tell apart, one of those that they do not."""
     kept: list[Crossing] = []
     for x in found:
@@ -166,20 +161,20 @@ def _apart(found: list["Crossing"]) -> list["Crossing"]:
     return kept
 
 
-def _middles(found: list["Crossing"]) -> list[float]:
+def _middles(found: list[Crossing]) -> list[float]:
     """A frequency between each two crossings, before the first and beyond the last."""
     ends = [0.0, *(x.w for x in _apart(found))]
     return [(x + y) / 2 for x, y in pairwise(ends)] + [2 * ends[-1] or 1.0]
 
 
-def _same(some: list["Band"], others: list["Band"], error: float) -> bool:
+def _same(some: list[Band], others: list[Band], error: float) -> bool:
     if len(some) != len(others):
         return False
     pairs = [(x, y) for a, b in zip(some, others, strict=True) for x, y in zip(a, b, strict=True)]
     return all(x == y or abs(x - y) <= 10 * error + _SAME * max(x, y) < math.inf for x, y in pairs)
 
 
-def suspects(system: "FloatSystem", analysis: AxisAnalysis) -> Iterator[tuple[Fraction, Fraction]]:
+def suspects(system: FloatSystem, analysis: AxisAnalysis) -> Iterator[tuple[Fraction, Fraction]]:
     """Points with few digits where the form is negative beyond its error: over the axis, then around poles."""
     for points in (_over_axis(analysis.frequency / system.unit), _around_poles(system)):
         places = system.at(*points)
@@ -199,7 +194,7 @@ def _over_axis(w: float) -> list[complex]:
     return [_rounded(size / 2**k, w, size / 2**k) for k in range(_HALVINGS)]
 
 
-def _around_poles(system: "FloatSystem") -> list[complex]:
+def _around_poles(system: FloatSystem) -> list[complex]:
     """To the right of poles on the axis, and around those to the right of it."""
     found = []
     for p in system.poles:

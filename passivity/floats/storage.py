@@ -25,10 +25,25 @@ from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from passivity.floats.system import floats, power_of_two
-from passivity.rational.state_space import StateSpace
+from passivity.rational.state_space import StateSpace, identity
 
 BITS = 150  # of the balls
 LOSSES = 0.3, 0.03, 0.003  # added to the system, in parts of what there is to spare
+
+
+def as_scattering(z: StateSpace) -> StateSpace | None:
+    """S = (Z - z0)(Z + z0)^-1 of impedances, exactly; z0 a power of two near the size of D. None if D + z0 is singular.
+
+    With E = (D + z0)^-1 it is (A - B E C, B E, 2 z0 E C, I - 2 z0 E), bounded real if and only if Z is positive real.
+    """
+    size = Fraction(power_of_two(np.linalg.norm(floats(z.d), 2)))
+    z0 = fmpq(size.numerator, size.denominator)
+    try:
+        e = (z.d + identity(z.size) * z0).inv()
+    except ZeroDivisionError:
+        return None
+    inputs = z.b * e
+    return StateSpace(z.a - inputs * z.c, inputs, e * z.c * (2 * z0), identity(z.size) - e * (2 * z0))
 
 
 def strict_storage(system: StateSpace) -> fmpq_mat | None:
@@ -58,7 +73,9 @@ def proves(system: StateSpace, storage: fmpq_mat) -> bool:
 def _is_positive(x: arb_mat) -> bool:
     """Whether a symmetric matrix of balls is positive definite, whatever is in the balls."""
     middle = np.array([[float(y.mid()) for y in row] for row in x.tolist()])
-    size = np.sqrt(np.abs(np.diag(middle)))  # rows of one size, else the small ones are lost
+    if not (np.diag(middle) > 0).all():
+        return False
+    size = np.sqrt(np.diag(middle))  # rows of one size, else the small ones are lost
     try:
         factor = np.linalg.cholesky(middle / size / size[:, None])
         t = np.linalg.inv(factor) / size

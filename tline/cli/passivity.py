@@ -30,7 +30,6 @@ Examples:
   tline passivity scene.toml
   tline passivity measured.s2p --error 0.001 --plot bands.png
   tline passivity measured.csv --kind br --nearest model.json
-  tline passivity measured.s2p --nearest passive.s2p
 Exit status: 0 proved, 1 refuted, 3 undecided (and no violation seen in samples), 2 bad input.
 """
 
