@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.along import effort_along
@@ -16,6 +17,7 @@ from tline.pictures.path import Route, axis, route
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.prepared import prepare
+from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import in_tables
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
@@ -23,7 +25,7 @@ from tline.units import engineering
 from tline.words.wording import place
 
 SECTIONS, MOST_SLIDERS, MOST_PROBES = ("lines", "sources", "loads", "links"), 60, 6
-INSTANTS, PLACES, ROWS, LEVELS = 501, 60, 100, 255  # of a trace, and of the picture over place and time
+INSTANTS, PLACES, ROWS, LEVELS = 800, 60, 100, 255  # of a trace, and of the picture over place and time
 
 
 def sliders(scene: Scene) -> dict[str, Quantity]:
@@ -51,6 +53,15 @@ def _inside(path: str, table: Mapping[str, Any], found: Any) -> Iterator[tuple[s
             yield from _inside(at, typed, inner)
         elif isinstance(inner, Quantity) and math.isfinite(inner) and inner:
             yield at, inner
+
+
+def _thinned(t: NDArray, values: NDArray) -> list[NDArray]:
+    """The lowest and the highest of all points that fall on one place of the screen."""
+    place = (t * INSTANTS).astype(int)
+    order = np.lexsort((values, place))
+    ends = np.flatnonzero(np.diff(place[order], prepend=-1, append=INSTANTS + 1))
+    kept = np.unique([order[ends[:-1]], order[ends[1:] - 1]])
+    return [np.round(t[kept], 5), np.round(values[kept], 5)]
 
 
 class Desk:
@@ -84,20 +95,20 @@ class Desk:
             warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
             result = self.prepared.run(moved, record=self.way.lines if self.way else ())
         now = {path: engineering(moved.get(path, each), each.unit or "") for path, each in self.sliders.items()}
-        text = str(result).partition("\n")[2].rstrip(">")
-        return {"now": now, "text": text, "panels": self._panels(result), "map": self._map(result)}
+        told = {"now": now, "text": str(result).partition("\n")[2].rstrip(">")}
+        return told | {"panels": self._panels(result), "map": self._map(result)}
 
     def _panels(self, result: Result) -> list[dict[str, Any]]:
-        t, panels = np.linspace(0.0, result.t[-1], INSTANTS), []
-        second, time_unit = handy(float(t[-1]), "s")
-        samples = {name: result.probes[name].at(t) for name in [*result.probes][:MOST_PROBES]}
+        end, panels = float(result.t[-1]), []
+        second, time_unit = handy(end, "s")
+        samples = {name: curve(result.probes[name]) for name in [*result.probes][:MOST_PROBES]}
         for each in in_tables(result.scene):
-            seen_by = [name for name in samples if each.seen_by(result.probes[name])]
-            curves = {name: np.nan_to_num(each.of(samples[name])) for name in seen_by}
-            if curves:
-                size, unit = handy(float(np.abs([*curves.values()]).max()), each.shown(self.scene))
-                panel = {"y": f"{each.named(self.scene)} [{unit}]", "x": f"time [{time_unit}]", "end": t[-1] / second}
-                panels.append(panel | {"curves": {name: np.round(curve / size, 5) for name, curve in curves.items()}})
+            values = {name: each.of(seen) for name, seen in samples.items() if each.seen_by(result.probes[name])}
+            if values:
+                size, unit = handy(max(float(np.abs(one).max()) for one in values.values()), each.shown(self.scene))
+                panel = {"y": f"{each.named(self.scene)} [{unit}]", "x": f"time [{time_unit}]", "end": end / second}
+                curves = {name: _thinned(samples[name].t / end, one / size) for name, one in values.items()}
+                panels.append(panel | {"curves": curves})
         return panels
 
     def _map(self, result: Result) -> dict[str, Any] | None:
