@@ -157,7 +157,7 @@ def _accuracy(result: Result, accuracy: Accuracy | None) -> str:
     if accuracy is None:
         return "error not estimated: the run is long, and fixed by hand"
     rounded, missed = result.resolution.rounded, accuracy.tol is not None and accuracy.at_slab_ends > accuracy.tol
-    what = "largest change, of extremes" if rounded else "amplitude at slab ends"
+    what = "largest pressure, of extremes" if rounded else "amplitude at slab ends"
     words = f"estimated error {accuracy.at_slab_ends:.1g} of the {what}"
     asked = "" if accuracy.tol is None else f", {accuracy.tol:g} asked" + f" and NOT met: {accuracy.limit}" * missed
     if rounded:
