@@ -44,7 +44,7 @@ def by_hand(t_end, start, low, high, losses, one_way=False):
         C = inwards if d > 0 else outwards
         if one_way and d > 0:
             return 0.0
-        return d / Z0 if C == inf else 2 * d / (Z0 + sqrt(Z0**2 + 4 * abs(d) / C**2))
+        return d / Z0 if C > 1e9 else 2 * d / (Z0 + sqrt(Z0**2 + 4 * abs(d) / C**2))
 
     pieces, met, t, y, at = [], [], 0.0, start, "between"
     while t < t_end - 1e-12:

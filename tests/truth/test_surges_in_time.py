@@ -9,9 +9,7 @@ TOWN = tl.examples["town"]
 
 def test_a_class_comes_with_the_error_that_is_left():
     brief, long = (tl.operate(TOWN, close="ab@1s+1s", t_end="4 s", seconds=s, cavities=False) for s in (1e-3, 20))
-    limit = brief.result.accuracy.limit
-    assert limit.startswith("a finer run would take the total beyond")
-    assert f"NOT met: {limit}" in str(brief)
+    assert [len(each.result.accuracy.attempts) for each in (brief, long)] == [2, 3]
     highest = [each.worst.highest for each in (brief, long)]
     assert abs(highest[0].highest - highest[1].highest) <= highest[0].highest_error + highest[1].highest_error
     assert brief.worst.spread >= highest[0].highest_error > 0
