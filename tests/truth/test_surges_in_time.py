@@ -3,6 +3,7 @@
 import pytest
 
 import tline as tl
+from tline.surge.report import band_text
 
 TOWN = tl.examples["town"]
 
@@ -25,3 +26,11 @@ def test_no_class_where_cavities_had_no_time():
 def test_time_is_asked_in_seconds():
     with pytest.raises(tl.InputError, match="seconds: duration out of range"):
         tl.operate(TOWN, seconds=0)
+
+
+def test_guesses_for_which_no_time_is_left_are_named():
+    surge = tl.operate(TOWN, close="ab@1s+1s", t_end="1 s", cavities=False)
+    band = surge.band(seconds=1e-3)
+    assert band.varied == ()
+    assert "wave speed × 0.85" in band.left
+    assert "not varied, for want of time: wave speed × 0.85" in "\n".join(band_text(surge.result, band))
