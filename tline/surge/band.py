@@ -80,7 +80,7 @@ def band_of(result: Result, run: Callable[[Scene], Result], budget: Budget, know
             found.append(_seen(guess, run(scene.with_changes(**tables, **solver))))
         except InputError:  # such as a steady state that would be below a vacuum: no guess
             continue
-    return Band(base, tuple(found), tuple(left)) if found else None
+    return Band(base, tuple(found), tuple(left)) if found or left else None
 
 
 def _seen(guess: str, result: Result) -> Varied:

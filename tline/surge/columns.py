@@ -7,6 +7,7 @@ twice the places and slabs half as wide, and how far it moves the highest pressu
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
+from math import ceil, log2
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,6 +26,7 @@ from tline.surge.worst import BOILS, CAVITIES, boils, extremes
 STRETCHES = 4, 8  # of the longest pipe that boils; shorter ones have as many fewer
 ROUNDS = 8  # of runs in which more nodes may boil
 PLACES = 12  # of a pipe at which it is looked whether it boils
+SAMPLES, FINER = 4e6, 4.0  # line-end samples of the finer run; times that it may take as long as the coarser one
 GONE = 1e-2  # of its largest volume, below which a cavity has collapsed
 LARGEST = 3  # cavities that are told
 ROUGHLY = {"rounded": True, "tol": 1e-2}  # solver of a run that finds slabs for others
@@ -79,9 +81,9 @@ def separated(
             if not result.resolution.rounded:
                 result = run(scene.with_changes(solver=ROUGHLY))
             before, parts = budget.left, len(found)
-            slab = result.resolution.h * (2 - parts)
+            slab = result.resolution.h * 2.0 ** max(ceil(log2(result.samples / SAMPLES)), 0) * (2 - parts)
             seen = run(laid(scene, nodes, pipes, STRETCHES[parts], slab))
-            found, takes = [*found, seen], (before - budget.left) * (2 - parts)
+            found, takes = [*found, seen], (before - budget.left) * (1 if parts else FINER)
     except InputError as error:
         notes.append(f"columns that separate could not be computed: {error}")
     if not found:

@@ -199,7 +199,7 @@ def operate(
     tol : float, 1e-13 to 0.1
         Largest error at the probes at any instant, relative to their amplitudes. If neither it nor `order` is given,
         delays are rounded to whole slabs, which are halved until the highest and lowest pressures at all nodes are
-        known within 0.01 of the largest change.
+        known within 0.01 of the largest.
     order : int, 1 to 16
         One run of this order instead, in the slabs that suit it.
     inertia : number or text, optional

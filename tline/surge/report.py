@@ -1,8 +1,6 @@
 """The worst of an operated network as text, and as plain data."""
 
 from collections.abc import Iterator
-from functools import partial
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -68,11 +66,8 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
         lines += ["", *table]
     moving = [trace for trace in result.states if np.ptp(trace.values)]
     if moving:
-        lines += [
-            "",
-            "states",
-            *aligned([STATES, *islice(map(partial(_state, result), moving), MOST_STATES)], 1),
-        ]
+        rows = [STATES, *(_state(result, trace) for trace in moving[:MOST_STATES])]
+        lines += ["", "states", *aligned(rows, 1)]
         left = len(moving) - MOST_STATES
         lines += [f"and {left} more: --tables or --states writes them"] * (left > 0)
     top = found.highest
@@ -114,6 +109,10 @@ def band_text(result: Result, band: Band) -> Iterator[str]:
     size, unit = result.medium.unit("effort")
     told = worst(result)
     yield ""
+    if band.left:
+        yield f"not varied, for want of time: {', '.join(band.left)}"
+    if not band.varied:
+        return
     for key, at in (("highest", told.highest.highest), ("lowest", min(one.lowest for one in extremes(result)))):
         below, above, governs = band.of(key)
         if not below and not above:
@@ -139,25 +138,15 @@ def _cells(one: Extreme, size: float) -> list[str]:
         f"{x / size:.4g}" for x in (one.before, one.highest, one.rise, one.lowest, one.fall)
     )
     high_error, low_error = (f"{error / size:.1g}" for error in (one.highest_error, one.lowest_error))
-    return [
-        one.node,
-        before,
-        high,
-        high_error,
-        f"{one.highest_at:.4g}",
-        rise,
-        low,
-        low_error,
-        f"{one.lowest_at:.4g}",
-        fall,
-    ]
+    at_high, at_low = f"{one.highest_at:.4g}", f"{one.lowest_at:.4g}"
+    return [one.node, before, high, high_error, at_high, rise, low, low_error, at_low, fall]
 
 
 def _accuracy(result: Result, accuracy: Accuracy | None) -> str:
     if accuracy is None:
         return "error not estimated: the run is long, and fixed by hand"
     rounded, missed = result.resolution.rounded, accuracy.tol is not None and accuracy.at_slab_ends > accuracy.tol
-    what = "largest change, of extremes" if rounded else "amplitude at slab ends"
+    what = "largest pressure, of extremes" if rounded else "amplitude at slab ends"
     words = f"estimated error {accuracy.at_slab_ends:.1g} of the {what}"
     asked = "" if accuracy.tol is None else f", {accuracy.tol:g} asked" + f" and NOT met: {accuracy.limit}" * missed
     if rounded:

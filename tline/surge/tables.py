@@ -112,17 +112,8 @@ def _states(result: Result) -> Table:
     for trace in result.states:
         size, unit = result.medium.unit(trace.unit, written=True)
         rows.append([trace.where.partition(".")[2], trace.word, unit or "1", *trace.row(size)])
-    head = [
-        "element",
-        "quantity",
-        "unit",
-        "before",
-        "lowest",
-        "lowest at [s]",
-        "highest",
-        "highest at [s]",
-        "at the end",
-    ]
+    ends = [f"{word}{at}" for word in ("lowest", "highest") for at in ("", " at [s]")]
+    head = ["element", "quantity", "unit", "before", *ends, "at the end"]
     return Table("states", head, rows)
 
 

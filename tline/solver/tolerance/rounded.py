@@ -44,12 +44,14 @@ def rounded(search: Search) -> Result:
 def compared(tol: float | None, coarse: Result, fine: Result) -> tuple[Accuracy, Result]:
     """Errors by the differences of extremes, and the finer run with those of its envelope.
 
-    Those at nodes are relative to the largest change of all: no probe is said to be better than that.
+    Those at nodes are relative to the largest effort of all (pressures are gauge pressures), as those at a probe are to
+    its own; no probe is said to be better than that.
     """
     assert fine.envelope is not None
     assert coarse.envelope is not None
     envelope = fine.envelope.compared(coarse.envelope, CAUTION)
-    most = max((envelope.highest - envelope.start).max(), (envelope.start - envelope.lowest).max())
+    weight = np.nan_to_num(envelope.weight)
+    most = max(np.abs(envelope.highest - weight).max(), np.abs(envelope.lowest - weight).max())
     worst = max(envelope.highest_error.max(), envelope.lowest_error.max()) / most if most > 0 else 0.0
     seen = {name: (_extremes(coarse.probes[name]), _extremes(probe)) for name, probe in fine.probes.items()}
     off = {name: (CAUTION * np.abs(a - b).max(axis=0), np.abs(b).max(axis=0)) for name, (a, b) in seen.items()}

@@ -1,0 +1,46 @@
+"""What a tank with a rim and a bottom holds, and the waves before it, only lose."""
+
+from itertools import pairwise
+
+import numpy as np
+from energy import in_pieces, on_lines, silent
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tline.scene.scene import Scene
+from tline.solver.loop.march import Stepper
+
+AT_ONCE = 2e-14  # of the energy at the start, in one slab: roundings
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    order=st.integers(1, 7),
+    slab=st.floats(0.05, 0.49),
+    bottom=st.floats(-0.5, 0.0),
+    rim=st.floats(0.01, 0.5),
+    losses=st.tuples(st.floats(1e-3, 5), st.floats(1e-3, 5)),
+    one_way=st.booleans(),
+)
+def test_stored_energy_never_grows(seed, order, slab, bottom, rim, losses, one_way):
+    ends = {"lowest_level": bottom, "highest_level": rim, "loss_in": losses[0], "loss_out": losses[1]}
+    tank = {"kind": "open tank", "tank_area": 1.0, "bore": 1.0, "gravity": 1.0, "density": 1.0, "one_way": one_way}
+    scene = Scene(
+        medium="hydraulic",
+        t_end=20.0,
+        lines={"pipe": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
+        loads={"x": {"at": "b"} | tank | ends},
+        probes={"b": {"at": "b"}},
+        solver={"order": order, "slab": slab},
+    )
+    assembly = silent(scene, seed)
+    n = int(scene.t_end / slab)
+    steps, laws = Stepper(assembly, n, np.zeros((0, 2, n * order))), assembly.network.laws
+    energies = []
+    for low, high in pairwise(range(n)):
+        waiting = 0.0 if steps.fronts is None else in_pieces(steps)
+        tank_holds = laws.constants[3] * assembly.state.load[laws.state_at[0]] ** 2 / 2
+        energies.append(on_lines(assembly) + waiting + tank_holds)
+        assert energies[-1] <= energies[max(len(energies) - 2, 0)] + AT_ONCE * energies[0]
+        steps.advance(low, high)

@@ -1,0 +1,115 @@
+"""Tanks open to the air that end: at a bottom, where they run dry, and at a rim, where they overflow."""
+
+from math import inf, sqrt
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.element import AtNode
+from tline.scene.kind import Bend, LawKind
+from tline.scene.law import ElementLaw, OfLiquids, Shown
+from tline.scene.quantity import Quantity, Role
+from tline.scene.rating import WATER
+from tline.scene.vessel import GRAVITY, Height
+
+Area = Annotated[Quantity, Role("area", "m^2", above=0)]
+Loss = Annotated[Quantity, Role("loss coefficient", "", at_least=0)]
+
+
+class Ended(LawKind):
+    """Constants: effort beyond the element, capacities of the loss inwards and outwards, capacitance, efforts at the
+    bottom, at the rim and before the run (not a number if that is what is at rest). The state is the effort inside.
+    """
+
+    name, unit = "open tank", "stores.open_tank.open_tank"
+    states = 1
+    returns = fills = steep = breaks = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        return (float(np.clip(effort - c[0] if np.isnan(c[6]) else c[6], c[4], c[5])),)
+
+    def capacity(self, c, effort):
+        """As between its ends."""
+        return c[3]
+
+    def bends(self, c, rho):
+        """Where the flow turns."""
+        if min(c[1], c[2]) < inf:
+            yield Bend(0.0)
+
+
+class OpenTank(AtNode, OfLiquids):
+    """A tank open to the air that overflows at its rim and runs dry at its bottom.
+
+    Liquid passes its connection with a loss for each direction, as through a differential orifice; a one-way tank lets
+    nothing in. Over the rim runs what comes in, without a rise of the level. Empty, it gives nothing: the air that
+    would enter the pipe is not computed. Levels are above the node.
+    """
+
+    kind: Literal["open tank"] = "open tank"
+    tank_area: Area = Field(description="surface of the liquid")
+    level: Height | None = Field(
+        default=None, description="of the surface before the run; if not given, that at which nothing flows"
+    )
+    lowest_level: Height = Field(default=Quantity("0 m", "m"), description="of the bottom")
+    highest_level: Annotated[Quantity, Role("height", "m", at_least=0)] | None = Field(
+        default=None, description="of the rim; without it none is reached"
+    )
+    bore: Area | None = Field(default=None, description="section of the connection, which losses refer to")
+    loss_in: Loss = Field(default=Quantity(0, ""), description="K of the connection where it fills")
+    loss_out: Loss = Field(default=Quantity(0, ""), description="K of the connection where it empties")
+    one_way: bool = Field(default=False, description="whether a check valve lets nothing in")
+    density: Annotated[Quantity, Role("density", "kg/m^3", above=0)] = Field(
+        default=Quantity(WATER, "kg/m^3"), description="of the liquid"
+    )
+    gravity: Annotated[Quantity, Role("acceleration", "m/s^2", above=0)] = Field(
+        default=GRAVITY, description="of the earth"
+    )
+    shows = (
+        Shown("level", "m", lambda tank, y, i: y / tank.weight),
+        Shown("inflow", "m^3/s", lambda tank, y, i: i),
+        Shown("overflow", "m^3/s", lambda tank, y, i: np.where(y >= tank.weight * tank.rim, np.maximum(i, 0.0), 0.0)),
+    )
+    example: ClassVar[str] = """\
+kind = "open tank"
+tank_area = 3.0           # m^2
+level = "4 m"
+highest_level = "5 m"
+bore = "0.07 m^2"
+loss_in = 2.5
+loss_out = 1.0
+"""
+
+    @property
+    def weight(self) -> float:
+        """Pressure of a metre, Pa/m."""
+        return float(self.density * self.gravity)
+
+    @property
+    def rim(self) -> float:
+        """Level at which it overflows, m."""
+        return inf if self.highest_level is None else float(self.highest_level)
+
+    @model_validator(mode="after")
+    def _is_within(self):
+        if self.lowest_level >= self.rim:
+            got = f"{self.rim:g} m"
+            raise InputError("highest_level", "too low", f"more than the lowest, {self.lowest_level:g} m", got)
+        if self.level is not None and not self.lowest_level <= self.level <= self.rim:
+            raise InputError("level", "out of range", "from lowest_level to highest_level", f"{self.level:g} m")
+        if self.bore is None and (self.loss_in or self.loss_out):
+            raise InputError("bore", "is missing", "the section that loss_in and loss_out refer to")
+        return self
+
+    def law(self) -> ElementLaw:  # noqa: D102
+        both = (
+            float(self.bore) * sqrt(2 / (loss * self.density)) if self.bore is not None and loss else inf
+            for loss in (self.loss_in, self.loss_out)
+        )
+        inwards, outwards = both
+        start = np.nan if self.level is None else self.weight * float(self.level)
+        low, high = self.weight * float(self.lowest_level), self.weight * self.rim
+        per_effort = float(self.tank_area) / self.weight
+        return ElementLaw("open tank", (0.0, 0.0 if self.one_way else inwards, outwards, per_effort, low, high, start))
