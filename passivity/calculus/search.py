@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
-from flint import acb, arb, ctx
+from flint import acb, ctx
 
 from passivity.ball import near
 from passivity.budget import spend
