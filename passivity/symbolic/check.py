@@ -22,7 +22,6 @@ from passivity.symbolic.question import Question
 from passivity.symbolic.verdict import Condition, SymbolicVerdict
 
 MAX_PARAMETERS = 200
-_REFUSED = 4_000  # of the work of all trials: an expression that turns out too large
 _SHOWN = 200  # characters of all values in a reason
 
 
@@ -107,9 +106,10 @@ def decide(asked: Asked, kind: Kind, ranges: tuple[Range, ...], statement: str) 
     def trial(values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
         if condition and condition.formula.holds(values):
             return None, len(text)
-        return _refutation(text, kind, {**numbers, **values})
+        assert question is not None
+        return question.refutation(values, numbers), question.work
 
-    if found := search(free, trial):
+    if question and (found := search(free, trial)):
         at = ", ".join(f"{name} = {written(x)}" for name, x in found.values.items()) or "these numbers"
         why = f"not for {write.cut(at, _SHOWN)}: {found.why}"
         return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
@@ -134,16 +134,6 @@ def _proof(asked: Asked, statement: str) -> Proof | None:
             return prove(asked, statement)
     except (UndecidedError, ExpressionError):  # too large
         return None
-
-
-def _refutation(text: str, kind: Kind, values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
-    """The refutation with values for all names, if there is one, and the work."""
-    graph = Graph()
-    try:
-        question = Question.of(kind, graph, read(graph, text, values))
-    except (UndecidedError, ExpressionError):  # 0/0 among them
-        return None, len(text) + _REFUSED
-    return question.refutation(values), question.expansion.work + question.degree**2 + len(text)
 
 
 def _ranges(tree: Node, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact]) -> tuple[Range, ...]:

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.graph import Graph, Value
+from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
 from passivity.exact.verdict import Verdict
 from passivity.rational.function import RationalFunction
@@ -77,20 +78,29 @@ class Question:
         """Of p or q in s."""
         return max(int(f.degrees()[0]) for f in self.function)
 
-    def verdict(self) -> Verdict:
-        """The verdict on p/q without a delay, if there are no free parameters."""
-        sides = [[value(c, {}) for c in reversed(coefficients(f))] for f in self.function]
+    @property
+    def work(self) -> int:
+        """Of a trial with values for the parameters."""
+        return sum(map(len, self.function)) + self.degree**2
+
+    def verdict(self, values: Mapping[str, Fraction]) -> Verdict:
+        """The verdict on p/q without a delay, for values of the free parameters."""
+        sides = [[value(c, values) for c in reversed(coefficients(f))] for f in self.function]
         return check(RationalFunction.from_coefficients(*sides), self.kind)
 
-    def refutation(self, values: Mapping[str, Fraction]) -> Counterexample | None:
-        """The refutation, if there are no free parameters but these values, and the property does not hold."""
-        verdict = self.verdict()
-        delay = value(self.delay.p, {}) / value(self.delay.q, {})
-        witness = delayed_witness(verdict, delay)
-        return Counterexample(dict(values), verdict, witness, delay) if witness else None
+    def refutation(self, values: Mapping[str, Fraction], numbers: Mapping[str, Fraction]) -> Counterexample | None:
+        """The refutation for values of the free parameters, beside the numbers of others; None too where it is 0/0."""
+        over, under = (value(f, values) for f in self.delay)
+        try:
+            verdict = self.verdict(values)
+        except ExpressionError:
+            return None
+        delay = over / under if under else Fraction(0)
+        witness = delayed_witness(verdict, delay) if under else None
+        return Counterexample({**numbers, **values}, verdict, witness, delay) if witness else None
 
     def _with_numbers(self) -> bool | None:
-        status = self.verdict().status
+        status = self.verdict({}).status
         return None if status is Status.UNDECIDED else status is Status.PROVED
 
     def note(self) -> str:
