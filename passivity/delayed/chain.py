@@ -25,7 +25,7 @@ from passivity.expression.number import digits, written
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Kind, Status
-from passivity.symbolic.delay import delayed_witness
+from passivity.symbolic.question import delayed_witness
 
 
 @dataclass(frozen=True)
