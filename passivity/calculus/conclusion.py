@@ -10,12 +10,12 @@ from flint import arb
 
 from passivity.budget import ASIDE, VERDICT, if_affordable
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
-from passivity.calculus.proof import Proof, lines, prove, sharpest
+from passivity.calculus.proof import Proof, lines, prove, sharpest, verify_proof
 from passivity.calculus.read import read
 from passivity.calculus.search import Search
 from passivity.calculus.values import at_point
 from passivity.calculus.witness import Question, Witness
-from passivity.delayed.boxes import BallProof
+from passivity.delayed.boxes import BallProof, holds
 from passivity.delayed.poles import Pole
 from passivity.exact.verdict import Verdict
 from passivity.expression.number import complex_text, digits, written
@@ -135,8 +135,6 @@ class Conclusion(Decided):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it, with the proof, and whether it was verified."""
-        from passivity.evidence import verify
-
         if self.oracle is not None and not self.balls:
             return {"statement": self.statement, **self.oracle.to_dict()}
         told: dict[str, Any] = {"kind": self.kind.value, "statement": self.statement, "status": self.status.value}
@@ -144,8 +142,10 @@ class Conclusion(Decided):
         told |= {"balls": self.balls and self.balls.file}
         if self.pole:
             told[self.pole.word] = self.pole.place.str(20)
-        if proof := self.proof or self.balls:
-            told["verified"] = if_affordable(VERDICT, verify, proof)
+        if self.proof or self.balls:
+            told["verified"] = if_affordable(
+                VERDICT, *((verify_proof, self.proof) if self.proof else (holds, self.balls))
+            )
         if margin := self.margin:
             bound = None if margin.bound is None else written(margin.bound)
             told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}

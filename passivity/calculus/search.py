@@ -331,5 +331,5 @@ def _beside(w: float) -> Iterator[tuple[Fraction, Fraction]]:
 def _short(x: float | Fraction, bits: int) -> Fraction:
     """A number in so many binary digits."""
     x = Fraction(x)
-    grid = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() - bits)
+    grid = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() + 1 - bits)
     return round(x / grid) * grid
