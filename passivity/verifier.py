@@ -33,7 +33,7 @@ def need(condition, what):
 
 def times(x, y):
     """A product of ends of intervals; 0 times an infinite limit is 0."""
-    finite = not x or not y or inf not in (abs(x), abs(y))  # long fractions are no floats
+    finite = not (x and y and (isinstance(x, float) or isinstance(y, float)))  # an infinity is one, a fraction none
     return (x * y if x and y else ZERO) if finite else inf if (x > 0) == (y > 0) else -inf
 
 
@@ -52,7 +52,7 @@ def scaled(fact, c):
         return ("real", ZERO, ZERO)
     if fact[0] == "arg":
         return fact if c > 0 else ("disc", -inf, ZERO) if fact[1] <= 1 else None
-    return (fact[0], *sorted(times(x, c) for x in fact[1:]))
+    return fact if c == 1 else (fact[0], *sorted(times(x, c) for x in fact[1:]))
 
 
 def disc(fact):

@@ -10,7 +10,6 @@ from flint import acb
 
 from passivity.ball import near
 from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, granted, if_affordable
-from passivity.calculus.assumed import assumed
 from passivity.calculus.conclusion import CLAIMS, Conclusion
 from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
@@ -31,7 +30,7 @@ from passivity.expression.tree import symbols
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic.assumption import Range
+from passivity.symbolic.assumption import Range, assumed
 from passivity.symbolic.counterexample import random_values
 
 _EACH = VERDICT // 2  # of the ways to decide
@@ -166,6 +165,8 @@ def of_text(
     under = f" for all {', '.join(assume)}" if assume else ""
     made = partial(Conclusion, kind, statement or f"{' '.join(text.split()):.300} is {kind.value}{under}")
     facts, ranges = assumed(assume)
+    numbers |= {r.name: r.low for r in ranges if r.is_point and r.low is not None and r.name not in numbers}
+    facts = {name: fact for name, fact in facts.items() if name not in numbers}
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
     if (
         plain is not None
@@ -289,21 +290,15 @@ def _with_names(made: partial, question: Question, ranges: list[Range]) -> Concl
 
 def _with_parameters(made: partial, kind: Kind, question: Question, ranges: list[Range]) -> Conclusion:
     """For any values of parameters: by polynomials too, which tell the exact condition."""
-    from passivity.symbolic.check import check_symbolic
+    from passivity.symbolic.check import decide
 
-    try:
-        with budget(_EACH):
-            if found := _glanced(made, question, ranges):
-                return found[0]
-    except UndecidedError:
-        pass
-    tree = parse(question.text)
-    used = {name: x for name, x in question.numbers.items() if name in symbols(tree)}
-    verdict = check_symbolic(question.text, kind, ranges, used)
+    with budget(VERDICT):
+        verdict = decide(question, kind, tuple(ranges), made.args[1])
+    if verdict.status is Status.UNDECIDED and (shown := if_affordable(_EACH, _glanced, made, question, ranges)):
+        return shown[0]
     witness = None
     if found := verdict.counterexample:
-        values = {name: x for name, x in found.values.items() if name not in used}
-        point = found.witness
+        values, point = {r.name: found.values[r.name] for r in ranges}, found.witness
         witness = if_affordable(ASIDE, question.witness, point.re, point.im, values)
     return made(verdict.status, verdict.why, proof=verdict.certificate, witness=witness, oracle=verdict)
 

@@ -4,15 +4,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
+
+from flint import arb
 
 from passivity.budget import ASIDE, VERDICT, if_affordable
-from passivity.calculus.axis_value import AxisValue, axis_value
 from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
-from passivity.calculus.proof import Proof, lines, prove
+from passivity.calculus.proof import Proof, lines, prove, sharpest, verify_proof
 from passivity.calculus.read import read
+from passivity.calculus.search import Search
+from passivity.calculus.values import at_point
 from passivity.calculus.witness import Question, Witness
-from passivity.delayed.boxes import BallProof
+from passivity.delayed.boxes import BallProof, holds
 from passivity.delayed.poles import Pole
 from passivity.exact.verdict import Verdict
 from passivity.expression.number import complex_text, digits, written
@@ -20,6 +23,14 @@ from passivity.status import Decided, Kind, Status, first_of
 from tline.presentation import SCREEN
 
 CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
+
+
+class AxisValue(NamedTuple):
+    """The smallest Re Z(jw), or the largest |H(jw)|, between a value that is attained and one that is not passed."""
+
+    attained: arb  # at `frequency`, which was found by sampling; a ball
+    bound: Fraction | None  # proved for all of Re s > 0; None if nothing is, and then `attained` is a sampled value
+    frequency: float  # rad/s
 
 
 @dataclass(frozen=True)
@@ -69,23 +80,33 @@ class Conclusion(Decided):
     @cached_property
     def margin(self) -> AxisValue | None:
         """Smallest Re Z(jω), or largest |H(jω)|; None where the axis has no values, or where `rational` has them."""
+        return if_affordable(ASIDE, self._on_axis) if self.rational is None and self.asked[0] else None
+
+    def _on_axis(self) -> AxisValue | None:
+        question = self._question
+        frequency = Search(question, {}).lowest()
+        there = (
+            None if frequency is None else at_point(question.graph, question.value, Fraction(0), Fraction(frequency))
+        )
+        if frequency is None or there is None or not there.is_finite():
+            return None
+        bound = sharpest(self.proof) if self.proof else None
+        return AxisValue(abs(there) if question.bounded else there.real, bound, frequency)
+
+    @property
+    def _question(self) -> Question:
         text, numbers, names = self.asked
         graph = Graph(dict(names))
-        if self.rational is not None or not text:
-            return None
-        question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
-        return if_affordable(ASIDE, axis_value, question, self.proof)
+        return Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
 
     @cached_property
     def evidence(self) -> dict[str, Any] | None:
         """What a file can hold of a proof or a witness: for rational functions too, and for balls."""
-        text, numbers, names = self.asked
         if self.balls:
             return self.balls.file
-        graph = Graph(dict(names))
-        if self.rational is None or not text:
+        if self.rational is None or not self.asked[0]:
             return self.proof or (self.witness and self.witness.file)
-        question = Question(graph, read(graph, text, numbers), CLAIMS[self.kind], text, numbers)
+        question = self._question
         if point := self.rational.witness:
             found = question.witness(point.re, point.im, {})
             return found and found.file
@@ -114,8 +135,6 @@ class Conclusion(Decided):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it, with the proof, and whether it was verified."""
-        from passivity.evidence import verify
-
         if self.oracle is not None and not self.balls:
             return {"statement": self.statement, **self.oracle.to_dict()}
         told: dict[str, Any] = {"kind": self.kind.value, "statement": self.statement, "status": self.status.value}
@@ -123,8 +142,10 @@ class Conclusion(Decided):
         told |= {"balls": self.balls and self.balls.file}
         if self.pole:
             told[self.pole.word] = self.pole.place.str(20)
-        if proof := self.proof or self.balls:
-            told["verified"] = if_affordable(VERDICT, verify, proof)
+        if self.proof or self.balls:
+            told["verified"] = if_affordable(
+                VERDICT, *((verify_proof, self.proof) if self.proof else (holds, self.balls))
+            )
         if margin := self.margin:
             bound = None if margin.bound is None else written(margin.bound)
             told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}

@@ -339,7 +339,7 @@ def _short(fact: Fact) -> Fact:
 
 def _above(x: Any) -> Any:
     """A number with few digits that is at least x."""
-    if x in (math.inf, -math.inf) or max(x.numerator.bit_length(), x.denominator.bit_length()) < _LONG:
+    if isinstance(x, float) or max(x.numerator.bit_length(), x.denominator.bit_length()) < _LONG:
         return x
     unit = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() - _LONG // 4)
     return math.ceil(x / unit) * unit

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
-from flint import acb, arb, ctx
+from flint import acb, ctx
 
 from passivity.ball import near
 from passivity.budget import spend
@@ -21,7 +21,7 @@ _VISIBLE = 1e-12  # by how much floats must see the property fail
 _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
-_STARTS, _NEWTON = 400, 16  # points from which Newton's method looks for poles, and its steps
+_NEWTON = 16  # steps of Newton's method to poles
 _LINES, _ROOTS, _AIMS = 2, 3, 12  # of loads, of places where they are -z0, of steps to where that shows
 _BITS, _LENGTHS = 1024, (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
@@ -111,6 +111,10 @@ class Search:
         import numpy as np
 
         with np.errstate(all="ignore"):
+            for suspect in islice(self._suspects(), _POLISHED):
+                for root in self._zeros(suspect):
+                    if found := self.around(acb(root.real, root.imag), _DISTANCES[:4]):
+                        return found
             return next(filter(None, (self.check(*place) for place in self._candidates())), None)
 
     def behind(self, lines: Iterable[tuple[Value, Value]]) -> Witness | None:
@@ -125,7 +129,7 @@ class Search:
             for root in self._zeros(graph.sum([load, z0])) if seen else ():
                 if place := self._aimed(max(seen), z0, root):
                     for bits in _LENGTHS:
-                        if found := self.check(*(_nearby(part, bits) for part in (place.real, place.imag))):
+                        if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
                             return found
         return None
 
@@ -183,11 +187,11 @@ class Search:
         """A witness near a frequency on the axis."""
         return next(filter(None, (self.check(*place) for place in _beside(w))), None)
 
-    def around(self, root: acb) -> Witness | None:
+    def around(self, root: acb, distances: Iterable[int] = _DISTANCES) -> Witness | None:
         """A witness ever nearer to a pole or a zero in Re s >= 0."""
         size = max(abs(near(root.real)), abs(near(root.imag))) or Fraction(1)
         unit = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length())
-        for distance in _DISTANCES:
+        for distance in distances:
             grid = unit / 2**distance
             re, im = (round(near(part) / grid) for part in (root.real, root.imag))
             for x, y in _DIRECTIONS:
@@ -232,8 +236,6 @@ class Search:
         there = self.values(radii + 0j)
         unreal = radii[np.abs(there.imag) > 1e-6 * np.abs(there)]
         s = (radii[:, None] * np.exp(1j * np.pi / 2 * np.linspace(0, 1, _ANGLES, endpoint=False))).ravel()
-        for root in self._singular(s[:: max(len(s) // _STARTS, 1)]):
-            yield from _near_root(root)
         wrong = self.badness(s)
         clear = s[wrong > min(max(wrong.max() / 2, 0), 1)]
         middle = math.sqrt(self.low) * math.sqrt(self.high)
@@ -243,40 +245,22 @@ class Search:
             for w in self._refined(tilt)[:4]:
                 yield from _beside(float(w))
 
-    def _suspects(self) -> Iterator[tuple[Value, int]]:
-        """Functions whose poles (1) or zeros (-1) in Re s > 0 may be poles of the whole, or zeros of an impedance."""
+    def _suspects(self) -> Iterator[Value]:
+        """Functions whose zeros in Re s > 0 may be poles of the whole, or zeros of an impedance."""
         graph, root = self.question.graph, self.question.value
-        yield from ((root, sign) for sign in ((1,) if self.question.bounded else (1, -1)))
+        yield graph.inverse(root)
+        if not self.question.bounded:
+            yield root
         for n in reversed(self.scales.order):
             kind, parts = graph.nodes[n]
             if kind == "mul":
                 below = [m for m, e in parts if e < 0 and graph.nodes[m][0] in ("sum", "tanh", "cosh", "line")]
-                yield from (((Fraction(1), m), -1) for m in below)
+                yield from ((Fraction(1), m) for m in below)
             elif kind == "tanh" and n != root[1]:
-                yield (Fraction(1), n), 1
+                yield graph.inverse((Fraction(1), n))
             elif kind == "line":  # A + Z tanh B, which is 0 at its poles
                 z0, through, load = parts
-                yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])]), -1
-
-    def _singular(self, s: Array) -> list[complex]:
-        """Where Newton's method, from some points, finds poles and zeros of the suspects in Re s > 0."""
-        import numpy as np
-
-        found: list[complex] = []
-        for suspect, sign in islice(self._suspects(), _POLISHED):
-            z, step = s, np.full(len(s), np.inf)
-            for _ in range(_NEWTON):
-                h = 1e-6 * np.abs(z)
-                slope = (self.values(z + h, suspect) - self.values(z - h, suspect)) / (2 * h)
-                after = z + sign * self.values(z, suspect) / slope
-                near_by = (np.abs(after) < 3 * np.abs(z)) & (after.real > 0)
-                step = np.where(near_by, np.abs(after - z), np.where(np.isfinite(after), np.inf, step))
-                z = np.where(near_by, after, z)
-            settled = z[step < 1e-6 * np.abs(z)]
-            for root in settled[np.argsort(np.abs(settled.imag))]:
-                if all(abs(root - other) > 1e-4 * abs(root) for other in found):
-                    found.append(complex(root))
-        return found[: 2 * _POLISHED]
+                yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])])
 
     def _descended(self, s: Array, wrong: Array) -> Iterator[complex]:
         """The worst points of a grid, each improved by a walk in log s."""
@@ -317,23 +301,8 @@ class Search:
         return middle[np.argsort(-self.badness((tilt + 1j) * middle, relative=False))]
 
 
-def _nearby(x: arb, bits: int) -> Fraction:
-    """A number of a ball, in so many binary digits."""
-    exact = near(x)
-    unit = Fraction(2) ** (exact.numerator.bit_length() - exact.denominator.bit_length() - bits)
-    return round(exact / unit) * unit if exact else exact
-
-
 def _exp(x: float) -> float:
     return math.exp(max(-500.0, min(500.0, x)))
-
-
-def _near_root(root: complex) -> Iterator[tuple[Fraction, Fraction]]:
-    """Points around one that is known to some six digits."""
-    for bits in (4, 12, 24, 34):
-        step = Fraction(abs(root)) / 2**bits
-        re, im = _short(root.real, bits + 4), _short(abs(root.imag), bits + 4)
-        yield from ((re + x * step, im + y * step) for x, y in _DIRECTIONS)
 
 
 def _nearest(s: Array, size: float) -> Array:
@@ -359,8 +328,8 @@ def _beside(w: float) -> Iterator[tuple[Fraction, Fraction]]:
             yield (near or Fraction(1)) / 2**distance, near
 
 
-def _short(x: float, bits: int) -> Fraction:
-    if not x:
-        return Fraction(0)
-    grid = Fraction(2) ** (math.frexp(x)[1] - bits)
-    return round(Fraction(x) / grid) * grid
+def _short(x: float | Fraction, bits: int) -> Fraction:
+    """A number in so many binary digits."""
+    x = Fraction(x)
+    grid = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() + 1 - bits)
+    return round(x / grid) * grid

@@ -16,6 +16,7 @@ from flint import acb, ctx
 
 from passivity.ball import of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
+from passivity.calculus.conclusion import Conclusion
 from passivity.errors import ExpressionError, shown
 from passivity.exact.positive_real import check_bounded_real, check_positive_real
 from passivity.exact.report import point
@@ -23,27 +24,8 @@ from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import digits, written
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
-from passivity.status import Decided, Status
-from passivity.symbolic.delay import delayed_witness
-
-
-@dataclass(frozen=True)
-class Step(Decided):
-    """One link of the chain: what is claimed, how that ended, and why.
-
-    Attributes
-    ----------
-    claim : str
-        What is claimed.
-    status : Status
-        How that ended.
-    reason : str
-        Why.
-    """
-
-    claim: str
-    status: Status
-    reason: str
+from passivity.status import Decided, Kind, Status
+from passivity.symbolic.question import delayed_witness
 
 
 @dataclass(frozen=True)
@@ -52,12 +34,10 @@ class Chain(Decided):
 
     Parameters
     ----------
-    load, reflection : Verdict
-        Of Z2 as an impedance and of H2 as a reflection, each by its own exact test.
     z0, delay : Fraction
         Of the line.
-    steps : tuple of Step
-        The derivation.
+    steps : tuple of Conclusion
+        The derivation: of Z2 as an impedance and of H2 as a reflection, each by its own exact test, of H1, and of G1.
     witness : Witness or None
         For an active port: s with Re s > 0, H2(s) exactly, and |exp(-2Ts) H2(s)| > 1 shown in ball arithmetic; None
         where a long delay leaves no such point in reach of reasonable numbers.
@@ -65,11 +45,9 @@ class Chain(Decided):
         G1 at the witness, a ball with negative real part.
     """
 
-    load: Verdict
-    reflection: Verdict
     z0: Fraction
     delay: Fraction
-    steps: tuple[Step, ...]
+    steps: tuple[Conclusion, ...]
     witness: Witness | None = None
     input: acb | None = None
 
@@ -82,13 +60,13 @@ class Chain(Decided):
         """The derivation in words."""
         lines = [f"through a line of z0 = {digits(self.z0)} and delay T = {digits(self.delay)}:"]
         for step in self.steps:
-            lines += [f"  {step.claim}: {step.status.value}", f"    because {step.reason}"]
+            lines += [f"  {step.statement}: {step.status.value}", f"    because {step.why}"]
         return lines
 
     def to_dict(self) -> dict[str, Any]:
         """The derivation as JSON can hold it."""
         told: dict[str, Any] = {"z0": written(self.z0), "delay": written(self.delay), "status": self.status.value}
-        told["steps"] = [{"claim": x.claim, "status": x.status.value, "reason": x.reason} for x in self.steps]
+        told["steps"] = [{"claim": x.statement, "status": x.status.value, "reason": x.why} for x in self.steps]
         return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
 
 
@@ -124,13 +102,25 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
     one, unit = load.p * reference.denominator, load.q * reference.numerator
     h2 = RationalFunction(one - unit, one + unit)
     verdict, reflection = check_positive_real(load), check_bounded_real(h2)
-    steps = (
-        Step("G2 = Z2/z0 is positive real", verdict.status, verdict.why),
-        Step("H2 = (G2 - 1)/(G2 + 1) is bounded real", reflection.status, reflection.why),
+    statements = (
+        (Kind.PR, "G2 = Z2/z0 is positive real"),
+        (Kind.BR, "H2 = (G2 - 1)/(G2 + 1) is bounded real"),
+        (Kind.BR, "H1 = exp(-2Ts) H2 is bounded real"),
+        (Kind.PR, "G1 = (1 - H1)/(1 + H1) is positive real"),
     )
+
+    def chain(*onwards: str, witness: Witness | None = None, there: acb | None = None) -> Chain:
+        last = [(reflection.status, why, None) for why in onwards]
+        known = ((verdict.status, verdict.why, verdict), (reflection.status, reflection.why, reflection), *last)
+        steps = (
+            Conclusion(*said, status, why, oracle=oracle)
+            for said, (status, why, oracle) in zip(statements, known, strict=True)
+        )
+        return Chain(reference, travel, tuple(steps), witness, there)
+
     if reflection.status is not Status.REFUTED:
-        steps += tuple(_onwards(h2, reflection, travel))
-        return Chain(verdict, reflection, reference, travel, steps)
+        delayed = "|exp(-2Ts)| <= 1 for Re s > 0 and T >= 0, and a product of bounded real functions is one"
+        return chain(delayed, _port(h2, reflection, travel))
     try:
         with budget(ASIDE):
             witness = delayed_witness(reflection, 2 * travel)
@@ -143,36 +133,23 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
         witness, there = None, None
         reason = "exp(-2Ts) takes away no pole of H2 in Re s > 0, and has the modulus 1 on the axis"
         value = "Re G1 < 0 where |H1| > 1"
-    steps += (
-        Step("H1 = exp(-2Ts) H2 is bounded real", Status.REFUTED, reason),
-        Step("G1 = (1 - H1)/(1 + H1) is positive real", Status.REFUTED, value),
-    )
-    return Chain(verdict, reflection, reference, travel, steps, witness, there)
+    return chain(reason, value, witness=witness, there=there)
 
 
-def _onwards(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> list[Step]:
-    """The last two steps where H2 is not refuted: they hold for every delay, and add only what it looks like."""
-    if h2 == RationalFunction.constant(Fraction(-1)) and not delay:
-        port = "1 + H1 = 0: G1 is infinite, a short circuit, and 1/G1 = 0 is positive real"
-    else:
-        port = "Re G1 = (1 - |H1|^2)/|1 + H1|^2 >= 0" + _shape(h2, reflection, delay)
-    delayed = "|exp(-2Ts)| <= 1 for Re s > 0 and T >= 0, and a product of bounded real functions is one"
-    return [
-        Step("H1 = exp(-2Ts) H2 is bounded real", reflection.status, delayed),
-        Step("G1 = (1 - H1)/(1 + H1) is positive real", reflection.status, port),
-    ]
-
-
-def _shape(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> str:
+def _port(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> str:
+    """Why G1 is positive real if H2 is not refuted, and what it looks like."""
+    known = {0: "the end is matched and G1 = 1"} | {
+        sign: f"the end is {end} and G1 = {name}(Ts), with poles at ω = {poles} pi/T of residue 1/T"
+        for sign, end, name, poles in ((1, "open", "tanh", "(k + 1/2)"), (-1, "short-circuited", "coth", "k"))
+    }
+    special = next((text for c, text in known.items() if h2 == RationalFunction.constant(Fraction(c))), "")
     if not delay:
-        return "; without delay G1 = 1/G2"
-    if h2.is_zero:
-        return "; the end is matched and G1 = 1"
-    if h2 == RationalFunction.constant(Fraction(1)):
-        return "; the end is open and G1 = tanh(Ts), with poles at ω = (k + 1/2) pi/T of residue 1/T"
-    if h2 == RationalFunction.constant(Fraction(-1)):
-        return "; the end is short-circuited and G1 = coth(Ts), with poles at ω = k pi/T of residue 1/T"
-    return "; nothing is lost, so all poles of G1 are simple and on the axis" if reflection.lossless else ""
+        if special and h2 == RationalFunction.constant(Fraction(-1)):
+            return "1 + H1 = 0: G1 is infinite, a short circuit, and 1/G1 = 0 is positive real"
+        special = "without delay G1 = 1/G2"
+    elif not special and reflection.lossless:
+        special = "nothing is lost, so all poles of G1 are simple and on the axis"
+    return "Re G1 = (1 - |H1|^2)/|1 + H1|^2 >= 0" + (f"; {special}" if special else "")
 
 
 def _input(witness: Witness, delay: Fraction) -> acb:

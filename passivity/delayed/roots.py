@@ -13,8 +13,6 @@ from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 
-_GRID = 40
-
 
 def roots_right(h2: RationalFunction, delay: Exact, sign: int) -> int | float:
     """Number of zeros of 1 + sign exp(-2Ts) H2(s) in Re s > 0, certified.
@@ -56,44 +54,6 @@ def roots_right(h2: RationalFunction, delay: Exact, sign: int) -> int | float:
             return zeros_right(QuasiPolynomial(((arb(0), arb_poly(q)),)))
         twice = 2 * arb(travel.numerator) / travel.denominator
         return zeros_right(QuasiPolynomial(((arb(0), arb_poly(q)), (twice, arb_poly(p)))))
-
-
-def rightmost_roots(h2: RationalFunction, delay: Exact, sign: int, count: int = 6) -> list[complex]:
-    """Approximate zeros of 1 + sign exp(-2Ts) H2(s) with the largest real parts, upper half plane, rightmost first.
-
-    By Newton's method from a grid: nothing is certified, and a zero may be missed. Arguments as in `roots_right`.
-
-    Examples
-    --------
-    >>> h2 = RationalFunction.from_expression("2/(1 + s)")
-    >>> [f"{s:.6f}" for s in rightmost_roots(h2, 1, 1, count=2)]
-    ['0.108835+1.165617j', '-0.353857+4.006931j']
-    """
-    import numpy as np
-
-    p, q, travel = _checked(h2, delay, sign)
-    a, b = (np.array([float(int(c)) for c in reversed(f.coeffs())] or [0.0]) for f in (p, q))
-    twice = 2 * float(travel)
-    moduli = {float(abs(r)) for f in (np.polyadd(a, b), b) for r in np.roots(f) if r}
-    scales = np.array(sorted(moduli | ({2 * np.pi / twice} if twice else set())) or [1.0])
-    x = np.concatenate([-np.geomspace(1e-3, 3, _GRID // 2), np.geomspace(1e-3, 3, _GRID // 2)])
-    s = (scales[:, None, None] * (x[:, None] + 1j * np.linspace(0, count + 2, 3 * _GRID))).ravel()
-    last = s
-    with np.errstate(all="ignore"):
-        for _ in range(60):
-            z = np.exp(-twice * s)
-            f = np.polyval(b, s) + np.polyval(a, s) * z
-            slope = np.polyval(np.polyder(b), s) + (np.polyval(np.polyder(a), s) - twice * np.polyval(a, s)) * z
-            last, s = s, s - f / slope
-        s = s[np.isfinite(s) & (np.abs(s - last) <= 1e-12 * np.abs(s))]
-    s.imag = np.where(np.abs(s.imag) < 1e-9 * np.abs(s), 0, np.abs(s.imag))
-    found: list[complex] = []
-    for root in sorted(map(complex, s), key=lambda root: (-float(f"{root.real:.9g}"), root.imag)):
-        if all(abs(root - other) > 1e-7 * abs(root) for other in found):
-            found.append(root)
-            if len(found) == count:
-                break
-    return found
 
 
 def _checked(h2: RationalFunction, delay: Exact, sign: int) -> tuple[fmpz_poly, fmpz_poly, Fraction]:

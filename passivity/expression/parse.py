@@ -1,14 +1,63 @@
 """Impedance expressions such as ``R + s*L + 1/(s*C)``: text to a tree; nothing is run or guessed."""
 
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import NamedTuple
+
 from passivity.errors import ExpressionError, shorten
-from passivity.expression.quantity import decimal, unit
-from passivity.expression.tokens import Token, tokens
 from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
 
 MAX_CHARACTERS = 10_000
 MAX_DEPTH = 100  # nested parentheses, signs and powers
 MAX_EXPONENT = 200  # of a power: s^200
+MAX_DIGITS = 4_000
+MAX_DECIMAL_EXPONENT = 400  # 1e-400
+
+_PREFIXES = dict(zip("fpnu\u00b5\u03bcmkMG", (-15, -12, -9, -6, -6, -6, -3, 3, 6, 9), strict=True))
+_UNITS = ("ohm", "\u03a9", "\u2126", "H", "F", "S", "Hz", "V", "A", "Pa")
+# The words that may follow a number, with their power of ten. No prefix T and no Ms: 2T and 2Ts mean a delay
+# that lost its "*". A bare f, s or m is missing for the same reason; see `_unit` for the bare prefixes.
+_WORDS = dict.fromkeys(_UNITS, 0) | {"km": 3}
+_WORDS |= {prefix + unit: power for unit in _UNITS for prefix, power in _PREFIXES.items()}
+_WORDS |= {prefix + unit: power for unit in "sm" for prefix, power in _PREFIXES.items() if power < 0}
+_LETTERS = r"A-Za-z_\u00b5\u03bc\u03a9\u2126"  # micro, mu, omega and ohm sign count as letters
+_TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    rf"|(?P<name>[{_LETTERS}][{_LETTERS}0-9]*)|(?P<operator>\*\*|[-+*/^(),])|(?P<end>\Z)|(?P<other>.))",
+    re.DOTALL,
+)
 FUNCTIONS = ("exp", "log", "sqrt", "sinh", "cosh", "tanh", "coth", "sech", "csch")
+
+
+class Token(NamedTuple):
+    """One piece of the text; `column` counts from 1, `spaced` tells of white space before it."""
+
+    kind: str  # number, name, operator, end
+    text: str
+    column: int
+    spaced: bool
+
+
+def _tokens(text: str) -> Iterator[Token]:
+    """All tokens of a text, the end of the text being the last.
+
+    Examples
+    --------
+    >>> [token.text for token in _tokens("10 nH*s")]
+    ['10', 'nH', '*', 's', '']
+    """
+    for found in _TOKEN.finditer(text):
+        kind = str(found.lastgroup)
+        start = found.start(kind)
+        if kind == "other":
+            raise ExpressionError(
+                f"column {start + 1}",
+                "this character has no meaning here",
+                "a number, a name, an operator or a parenthesis",
+                f"{text[start]!a} (U+{ord(text[start]):04X})",
+            )
+        yield Token(kind, found[kind], start + 1, start > found.start())
 
 
 def parse(text: str, lines: bool = False) -> Node:
@@ -61,7 +110,7 @@ class _Parser:
     """Recursive descent: sum, product, operand (sign and power), atom; one method each."""
 
     def __init__(self, text: str, lines: bool):
-        self.tokens, self.position, self.lines = list(tokens(text)), 0, lines
+        self.tokens, self.position, self.lines = list(_tokens(text)), 0, lines
         self.units: list[Token] = []
 
     @property
@@ -145,12 +194,12 @@ class _Parser:
 
     def number(self) -> Number:
         token = self.take()
-        value = decimal(token)
+        value = _decimal(token)
         if self.token.kind != "name":
             return Number(value, token.text)
         word = self.take()
         self.units.append(word)
-        return Number(value * unit(token, word), token.text + " " * word.spaced + word.text)
+        return Number(value * _unit(token, word), token.text + " " * word.spaced + word.text)
 
 
 def _whole(exponent: Node, column: int) -> int:
@@ -163,3 +212,30 @@ def _whole(exponent: Node, column: int) -> int:
         f"a whole number from -{MAX_EXPONENT} to {MAX_EXPONENT} as exponent, or sqrt(...) for 1/2",
         shorten(number.text) if isinstance(number, Number) else "an expression",
     )
+
+
+def _decimal(number: Token) -> Fraction:
+    """Exact value of a number as written, refused where it would fill the memory."""
+    where = f"column {number.column}"
+    mantissa, _, exponent = number.text.lower().partition("e")
+    if len(mantissa) > MAX_DIGITS:
+        raise ExpressionError(where, "too many digits", f"at most {MAX_DIGITS}", f"{len(mantissa)}")
+    if len(exponent) > 9 or abs(int(exponent or 0)) > MAX_DECIMAL_EXPONENT:
+        expected = f"at most e{MAX_DECIMAL_EXPONENT} and at least e-{MAX_DECIMAL_EXPONENT}"
+        got = shorten(f"e{exponent}")
+        raise ExpressionError(where, "the decimal exponent is out of range", expected, got)
+    return Fraction(number.text)
+
+
+def _unit(number: Token, word: Token) -> Fraction:
+    """Factor of the word behind a number: a prefix (without a space, and not f), a unit, or both."""
+    prefix = word.text in _PREFIXES and word.text != "f"
+    if prefix and not word.spaced:
+        return Fraction(10) ** _PREFIXES[word.text]
+    if word.text in _WORDS:
+        return Fraction(10) ** _WORDS[word.text]
+    digits, name = shorten(number.text), shorten(word.text)
+    other = f"{digits}{name} for a prefix" if prefix else "a unit such as nH"
+    problem = "a number and a name without an operator"
+    got = repr(digits + " " * word.spaced + name)
+    raise ExpressionError(f"column {word.column}", problem, f"{digits}*{name}, or {other}", got)

@@ -1,4 +1,4 @@
-"""What is assumed of a parameter: ``R > 0``, ``k real``, ``0 < k < 1`` or ``R = 50 ohm``, as an interval."""
+"""What is assumed of names: parameters lie in an interval, as ``R > 0`` or ``k real`` say, functions are passive."""
 
 import math
 import re
@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
+from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
@@ -14,6 +15,7 @@ from passivity.rational.evaluate import exact
 
 _FORMS = "a form such as R > 0, R >= 0, k real, 0 < k < 1 or R = 50"
 _MAX_CHARACTERS = 1_000
+_OPAQUE = re.compile(r"\s*([^\W\d]\w*)\s+(?:(pr|positive real)|br|bounded real)\s*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -121,6 +123,31 @@ def collect(assumptions: Iterable[str | Range]) -> dict[str, Range]:
         one = given if isinstance(given, Range) else parse_assumption(given)
         ranges[one.name] = meet(ranges.get(one.name), one)
     return ranges
+
+
+def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
+    """What is assumed of each name, as facts, and the constants that each may be.
+
+    Examples
+    --------
+    >>> assumed(["R > 0", "H bounded real"])[0]["R"]
+    ('real', Fraction(0, 1), inf)
+    """
+    opaque: dict[str, Fact] = {}
+    ranges: list[str | Range] = []
+    for text in assume:
+        if isinstance(text, str) and (found := _OPAQUE.fullmatch(text)):
+            if found[1] == "s":
+                raise ExpressionError(f"assumption {text.strip()}", "s is the Laplace variable", "another name")
+            opaque[found[1]] = POSITIVE_REAL if found[2] else BOUNDED_REAL
+        else:
+            ranges.append(text)
+    known = collect(ranges)
+    if both := opaque.keys() & known.keys():
+        raise ExpressionError(f"assumption {min(both)}", "a function and a number at once", "one of them")
+    ends = {name: (fact[1], None if fact == POSITIVE_REAL else fact[2]) for name, fact in opaque.items()}
+    constants = [*known.values(), *(Range(name, low, high, True, True) for name, (low, high) in ends.items())]
+    return {name: r.fact for name, r in known.items()} | opaque, constants
 
 
 def meet(first: Range | None, second: Range) -> Range:

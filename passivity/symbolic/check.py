@@ -22,7 +22,6 @@ from passivity.symbolic.question import Question
 from passivity.symbolic.verdict import Condition, SymbolicVerdict
 
 MAX_PARAMETERS = 200
-_REFUSED = 4_000  # of the work of all trials: an expression that turns out too large
 _SHOWN = 200  # characters of all values in a reason
 
 
@@ -68,32 +67,32 @@ def check_symbolic(
     >>> print(verdict.status, "/", verdict.condition, "/", verdict.counterexample.values["k"])
     refuted / -1 <= k <= 1 / 2
     """
-    with budget(VERDICT):
-        return _decided(text, kind, assumptions, parameters)
-
-
-def _decided(
-    text: str, kind: Kind, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact] | None
-) -> SymbolicVerdict:
     tree = parse(text)
     ranges = _ranges(tree, assumptions, parameters or {})
     numbers = {r.name: r.low for r in ranges if r.low is not None and r.is_point}
-    free = tuple(r for r in ranges if not r.is_point)
-    graph = Graph({r.name: r.fact for r in free})
-    try:
-        value = _read(graph, tree, text, numbers)
-    except UndecidedError as error:
-        why = f"{error}; to settle it: values for the parameters"
-        return SymbolicVerdict(kind, ranges, Status.UNDECIDED, why)
-    asked = Asked(graph, value, POSITIVE_REAL if kind is Kind.PR else BOUNDED_REAL, text, numbers)
-    if proof := _proof(asked, f"{' '.join(text.split()):.300} is {kind.value} for all {', '.join(map(str, ranges))}"):
+    graph = Graph({r.name: r.fact for r in ranges if not r.is_point})
+    with budget(VERDICT):
+        try:
+            value = _read(graph, tree, text, numbers)
+        except UndecidedError as error:
+            why = f"{error}; to settle it: values for the parameters"
+            return SymbolicVerdict(kind, ranges, Status.UNDECIDED, why)
+        asked = Asked(graph, value, POSITIVE_REAL if kind is Kind.PR else BOUNDED_REAL, text, numbers)
+        under = ", ".join(map(str, ranges))
+        return decide(asked, kind, ranges, f"{' '.join(text.split()):.300} is {kind.value} for all {under}")
+
+
+def decide(asked: Asked, kind: Kind, ranges: tuple[Range, ...], statement: str) -> SymbolicVerdict:
+    """The verdict by rules, then by polynomials in the parameters, with a search for values that refute."""
+    free, text, numbers = tuple(r for r in ranges if not r.is_point), asked.text, asked.numbers
+    if proof := _proof(asked, statement):
         return SymbolicVerdict(
             kind, ranges, Status.PROVED, "so is each of its parts", tuple(lines(proof)), certificate=proof
         )
     question, formula, limit = None, None, "neither a proof nor a counterexample was found"
     try:
         with budget(VERDICT // 3):
-            question = Question.of(kind, graph, value, free)
+            question = Question.of(kind, asked.graph, asked.value, free)
             formula = question.formula()
     except UndecidedError as error:
         limit = str(error)
@@ -107,9 +106,10 @@ def _decided(
     def trial(values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
         if condition and condition.formula.holds(values):
             return None, len(text)
-        return _refutation(text, kind, numbers | values)
+        assert question is not None
+        return question.refutation(values, numbers), question.work
 
-    if found := search(free, trial):
+    if question and (found := search(free, trial)):
         at = ", ".join(f"{name} = {written(x)}" for name, x in found.values.items()) or "these numbers"
         why = f"not for {write.cut(at, _SHOWN)}: {found.why}"
         return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
@@ -134,16 +134,6 @@ def _proof(asked: Asked, statement: str) -> Proof | None:
             return prove(asked, statement)
     except (UndecidedError, ExpressionError):  # too large
         return None
-
-
-def _refutation(text: str, kind: Kind, values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
-    """The refutation with values for all names, if there is one, and the work."""
-    graph = Graph()
-    try:
-        question = Question.of(kind, graph, read(graph, text, values))
-    except (UndecidedError, ExpressionError):  # 0/0 among them
-        return None, len(text) + _REFUSED
-    return question.refutation(values), question.expansion.work + question.degree**2 + len(text)
 
 
 def _ranges(tree: Node, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact]) -> tuple[Range, ...]:

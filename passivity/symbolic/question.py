@@ -1,25 +1,38 @@
-"""The expanded function whose parameters are to be judged, its exact condition, and its verdict at given values."""
+"""The expanded function whose parameters are to be judged, its exact condition, and its verdict at given values.
+
+Before a rational reflection may stand a delay, H1 = exp(-tau s) H2, also in the impedance or admittance
+(1 + H1)/(1 - H1), which is positive real if and only if H1 is bounded real. For tau >= 0 that is so exactly if H2 is:
+|H1| <= |H2| in Re s > 0, on the axis |H1| = |H2|, and they have the same poles. For tau < 0 H1 grows without bound
+unless H2 = 0.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from flint import arb, fmpq
+
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.graph import Graph, Value
+from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
-from passivity.exact.verdict import Verdict
+from passivity.exact.verdict import Verdict, Witness
+from passivity.exact.witness import from_axis, from_root, of_one_port
+from passivity.polynomial.sign import allowance as allowance_on_axis
+from passivity.polynomial.sign import find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic import write
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.counterexample import Counterexample
-from passivity.symbolic.delay import as_reflection, delayed_witness
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, claim, join, value
 from passivity.symbolic.low_degree import low_degree_condition
 from passivity.symbolic.positivity import allowance, as_impedance, positivity_condition
 
 _SHOWN = 400  # characters of a line
+_E = 1  # the generator exp(-tau s)
+_MAX_DOUBLINGS = 200
 
 
 @dataclass(frozen=True)
@@ -58,7 +71,7 @@ class Question:
         if not delays:
             return cls(kind, whole, whole, Pair(0 * expansion.one, expansion.one), expansion)
         tau = expansion.of(delays[0]).reduced()
-        return cls(Kind.BR, whole, *as_reflection(kind, whole, tau, expansion), expansion)
+        return cls(Kind.BR, whole, *_as_reflection(kind, whole, tau, expansion), expansion)
 
     def formula(self) -> Formula | bool | None:
         """When the property holds: for all parameters of the domain (True), for those of a formula, or not known."""
@@ -77,20 +90,29 @@ class Question:
         """Of p or q in s."""
         return max(int(f.degrees()[0]) for f in self.function)
 
-    def verdict(self) -> Verdict:
-        """The verdict on p/q without a delay, if there are no free parameters."""
-        sides = [[value(c, {}) for c in reversed(coefficients(f))] for f in self.function]
+    @property
+    def work(self) -> int:
+        """Of a trial with values for the parameters."""
+        return sum(map(len, self.function)) + self.degree**2
+
+    def verdict(self, values: Mapping[str, Fraction]) -> Verdict:
+        """The verdict on p/q without a delay, for values of the free parameters."""
+        sides = [[value(c, values) for c in reversed(coefficients(f))] for f in self.function]
         return check(RationalFunction.from_coefficients(*sides), self.kind)
 
-    def refutation(self, values: Mapping[str, Fraction]) -> Counterexample | None:
-        """The refutation, if there are no free parameters but these values, and the property does not hold."""
-        verdict = self.verdict()
-        delay = value(self.delay.p, {}) / value(self.delay.q, {})
-        witness = delayed_witness(verdict, delay)
-        return Counterexample(dict(values), verdict, witness, delay) if witness else None
+    def refutation(self, values: Mapping[str, Fraction], numbers: Mapping[str, Fraction]) -> Counterexample | None:
+        """The refutation for values of the free parameters, beside the numbers of others; None too where it is 0/0."""
+        over, under = (value(f, values) for f in self.delay)
+        try:
+            verdict = self.verdict(values)
+        except ExpressionError:
+            return None
+        delay = over / under if under else Fraction(0)
+        witness = delayed_witness(verdict, delay) if under else None
+        return Counterexample({**numbers, **values}, verdict, witness, delay) if witness else None
 
     def _with_numbers(self) -> bool | None:
-        status = self.verdict().status
+        status = self.verdict({}).status
         return None if status is Status.UNDECIDED else status is Status.PROVED
 
     def note(self) -> str:
@@ -114,3 +136,50 @@ class Question:
             told.append(f"Re p(jw) conj q(jw) = {a} >= 0, x = w^2")
         told.append(f"p + q = {write.polynomial(z.p + z.q)} has no root in Re s > 0 that p and q do not have in common")
         return [write.cut(line, _SHOWN) for line in told]
+
+
+def _as_reflection(kind: Kind, function: Pair, tau: Pair, expansion: Expansion) -> tuple[Pair, Pair]:
+    """H2 and its delay of a function H1, or Z, of s and exp(-tau s) that has this form.
+
+    Raises
+    ------
+    ExpansionError
+        If it has not.
+    """
+    p, q = function
+    h = Pair(p, q) if kind is Kind.BR else Pair(p - q, p + q).reduced()
+    (over, m), (under, n) = (_single_power(f) for f in h)
+    return Pair(over, under), expansion.product(tau, Pair((m - n) * expansion.one, expansion.one)).reduced()
+
+
+def _single_power(f) -> tuple:
+    """g and k with f = g e^k, g free of e."""
+    parts = [(g, k) for k, g in enumerate(coefficients(f, _E)) if g]
+    if len(parts) > 1:
+        raise ExpansionError("it is not exp(-T*s) times a rational reflection, nor the impedance of one")
+    return parts[0] if parts else (f, 0)
+
+
+def delayed_witness(verdict: Verdict, delay: Fraction) -> Witness | None:
+    """s with |exp(-delay s) H2(s)| > 1, shown in ball arithmetic, for a verdict on H2 as a reflection."""
+    h2 = verdict.function
+    if delay < 0:
+        return _growing(h2, delay)
+    if verdict.status is not Status.REFUTED:
+        return None
+    if not delay:
+        return verdict.witness
+    test, allowed = of_one_port(Kind.BR, h2.p, h2.q, delay / 2), allowance_on_axis(Kind.BR, h2.p, h2.q)
+    sign = find_sign(allowed)
+    return from_axis(test, allowed, sign) if isinstance(sign, Fraction) else from_root(test, h2.reduced().q)
+
+
+def _growing(h2: RationalFunction, delay: Fraction) -> Witness | None:
+    """A real s so large that exp(-delay s) |H2(s)| > 1."""
+    for k in range(_MAX_DOUBLINGS):
+        s = fmpq(2) ** k
+        p, q = h2.p(s), h2.q(s)
+        if q and abs(arb(p / q)) * (arb(fmpq(-delay.numerator, delay.denominator)) * arb(s)).exp() > 1:
+            size = p / q
+            return Witness(Kind.BR, Fraction(2**k), Fraction(0), ((Fraction(int(size.p), int(size.q)), Fraction(0)),))
+    return None

@@ -11,8 +11,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_EXPONENT
-from passivity.expression.quantity import MAX_DIGITS
+from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_DIGITS, MAX_EXPONENT
 from passivity.rational.matrix import MAX_PORTS
 from passivity.sampled.read import MAX_BYTES, MAX_LINE
 from tline.cli.frequency import MOST_POINTS

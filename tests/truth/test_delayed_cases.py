@@ -11,11 +11,12 @@ from pathlib import Path
 
 import mpmath
 import pytest
+from rightmost_roots import rightmost_roots
 
 from passivity.calculus.ask import check_expression
 from passivity.calculus.proof import verify_proof
 from passivity.delayed.boxes import holds
-from passivity.delayed.roots import rightmost_roots, roots_right
+from passivity.delayed.roots import roots_right
 from passivity.errors import ExpressionError
 from passivity.exact.certificate import verify
 from passivity.rational.function import RationalFunction

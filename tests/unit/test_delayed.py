@@ -10,6 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 from flint import acb, arb
+from rightmost_roots import rightmost_roots
 
 from passivity.calculus.ask import check_expression
 from passivity.calculus.expand import Expansion
@@ -20,7 +21,7 @@ from passivity.calculus.values import in_ball
 from passivity.calculus.witness import Question
 from passivity.delayed import reflection
 from passivity.delayed.boxes import UnresolvedError, from_file, holds, prove_in_balls
-from passivity.delayed.roots import rightmost_roots, roots_right
+from passivity.delayed.roots import roots_right
 from passivity.errors import ExpressionError
 from passivity.polynomial.sign import UndecidedError
 from passivity.rational.function import RationalFunction

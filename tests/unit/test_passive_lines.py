@@ -30,7 +30,7 @@ def test_passive_ends_make_passive_ports(load, delay, words):
     chain = check_line(of(load), 50, delay)
     assert [step.status for step in chain.steps] == [Status.PROVED] * 4
     assert chain.status is Status.PROVED
-    assert words in chain.steps[-1].reason
+    assert words in chain.steps[-1].why
     assert (chain.witness, chain.input) == (None, None)
 
 
