@@ -204,7 +204,8 @@ def _in_words(accuracy: Accuracy | None) -> str:
     reached = f"estimated error {accuracy.worst:.1g} of the amplitude at '{worst}'" if worst else "no estimate"
     reached += f" ({accuracy.at_slab_ends:.1g} at slab ends)" if accuracy.worst > 10 * accuracy.at_slab_ends else ""
     if accuracy.tol is None:
-        return f"{reached}, from a run of the next order"
+        coarse, fine, *_ = accuracy.attempts
+        return f"{reached}, from a run {'on slabs half as wide' if fine.slab < coarse.slab else 'of the next order'}"
     runs, seconds = len(accuracy.attempts), sum(attempt.seconds for attempt in accuracy.attempts)
     asked = f"{accuracy.tol:.3g} asked and met" if accuracy.met else f"{accuracy.tol:.3g} NOT met: {accuracy.limit}"
     return f"{reached}, {asked}; {runs} runs in {seconds:.2g} s"
