@@ -35,6 +35,7 @@ from passivity.rational.state_space import StateSpace
 from passivity.status import Kind, Status
 
 _STORAGE_FIRST = 12  # states from which a storage function is looked for before the minors are
+_STORAGE_MOST = 200  # states of impedances up to which it is: more take longer than some seconds
 _ONE = fmpz_poly([1])
 
 
@@ -172,8 +173,9 @@ def by_storage(system: StateSpace) -> Verdict:
 def _strict_storage(kind: Kind, system: StateSpace) -> fmpq_mat | None:
     from passivity.floats.storage import as_scattering, strict_storage
 
-    if kind is Kind.PR and not any((system.d + system.d.transpose()).entries()):
-        return None  # nothing to spare at infinity
+    lossless = not any((system.d + system.d.transpose()).entries())  # at infinity: nothing to spare
+    if kind is Kind.PR and (lossless or system.states > _STORAGE_MOST):
+        return None
     try:
         s = system if kind is Kind.BR else as_scattering(system)
         return s and strict_storage(s)
