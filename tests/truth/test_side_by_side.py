@@ -7,7 +7,7 @@ import pytest
 
 from tline.compiled.structure import pack
 from tline.scene.scene import Scene
-from tline.solver.many.kernel.extremes import extremes, find_extremes
+from tline.solver.kernel.peaks import extremes, find_extremes
 from tline.solver.many.period import slab_edges
 from tline.solver.radau import basis
 from tline.study.reference import Solution

@@ -11,7 +11,7 @@ from tline.scene.smooth import Sine
 from tline.solver.description.laws import laws_of
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.stores.gas import expanded
-from tline.solver.steady.flows import flows_through
+from tline.solver.steady.flows import Flows
 
 PUMP = Pump(nodes=("a", "b"), curve=[(0.0, 2.0), (0.5, 1.9), (1.0, 1.2), (1.5, 0.3)], efficiency=0.8)
 LAWS = {
@@ -30,7 +30,7 @@ def through(kind: str, v: float, z: float, factor: float = 1.0) -> tuple[float, 
         kind=np.array([KINDS[kind].number]), at=np.zeros(1, int), constants=np.array(LAWS[kind][0]),
         control=np.array([factor]), source_impedance=np.array([z]),
     )  # fmt: skip
-    flow, slope = flows_through(laws, np.array([v]))
+    flow, slope = Flows(laws)(np.array([v]))
     return flow[0], slope[0]
 
 
@@ -118,7 +118,7 @@ def test_a_curve_goes_through_its_points(curve, parabola):
         kind=np.array([KINDS["pump"].number]), at=np.zeros(1, int), constants=np.array(pump.law().constants),
         control=np.ones(1), source_impedance=np.array([z]),
     )  # fmt: skip
-    assert flows_through(laws, np.array([1.5 * z - rise]))[0][0] == pytest.approx(1.5, abs=1e-12)
+    assert Flows(laws)(np.array([1.5 * z - rise]))[0][0] == pytest.approx(1.5, abs=1e-12)
 
 
 def test_a_characteristic_breaks_where_the_opening_passes_its_points():

@@ -15,9 +15,12 @@ from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
 from tline.scene.held import conflicting_holds, is_capacitive
 from tline.scene.ibis.element import die_of
+from tline.scene.law import NonLinear
 from tline.scene.load import Matched
+from tline.scene.quantity import Quantity
 from tline.scene.rational import RationalImpedance
 from tline.scene.regulating import RegulatingValve
+from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import SurgeTank
@@ -111,9 +114,16 @@ def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
 def conflict_alike(one: Any, other: Any) -> bool:
     """Whether of two elements at the same place, each valid alone, either conflicts if both do.
 
-    Of linear ones that depends on what kind they are, and on whether they are shorts or capacitors to a jump.
+    Of linear ones that depends on what kind they are, and on whether they are shorts or capacitors to a jump; of
+    sources on whether they are ideal; of others on waveforms alone.
     """
-    if type(one) is not type(other) or not isinstance(one, RationalImpedance):
+    if type(one) is not type(other):
+        return False
+    if isinstance(one, NonLinear | Source):
+        pairs = [(getattr(one, name), getattr(other, name)) for name in type(one).model_fields]
+        alike = all(a is b or (isinstance(a, Quantity) and isinstance(b, Quantity)) for a, b in pairs)
+        return alike and (isinstance(one, NonLinear) or (one.conductance == inf) == (other.conductance == inf))
+    if not isinstance(one, RationalImpedance):
         return False
     ratio, anew = one.ratio, other.ratio
     degrees, now = [*map(len, ratio)], [*map(len, anew)]

@@ -105,6 +105,10 @@ class Table(Points):
         times, levels = self._points
         return np.array(times), np.array(levels)
 
+    def __eq__(self, other: object) -> bool:
+        """Whether the same was read."""
+        return isinstance(other, Table) and self._points == other._points
+
 
 def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Times and levels from a CSV file.

@@ -6,6 +6,7 @@ and nothing else is made again.
 """
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from tline.solver.description.given import Scene
 from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.description.nodes import Node
-from tline.solver.description.resolution import resolution
+from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.description.short_lines import short_lines
 from tline.solver.description.slab import breaks_of, common_parts, relative_work
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
@@ -100,12 +101,14 @@ class Pair:
 
     def __init__(self, description: Description, tol: float, order: int, h: float):
         self.description, self.tol, self.order, self.h = description, tol, order, h
+        self._grids: list[Resolution] = []
 
     def run(self, description: Description) -> Result | None:
         """The result for the scene with other values; None if it is not as accurate as asked, or not resolved."""
         try:
-            grids = [resolution(description, s, self.h) for s in (self.order, self.order + 1)]
-            if not _tells_by_order(description) or any(chosen.notes or chosen.blind for chosen in grids):
+            grids = self._grids or [resolution(self.description, s, self.h) for s in (self.order, self.order + 1)]
+            self._grids, fastest = grids, min(map(min, description.time_scales.values()), default=inf)
+            if fastest < grids[0].resolved or not _tells_by_order(description):
                 return None
             coarse, fine = (as_computed(run(description, chosen)) for chosen in grids)
         except InputError:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
-from tline.solver.assembly.events import Event
+from tline.solver.assembly.node_maps import Event
 from tline.solver.convolution.run import Convolved
 from tline.solver.convolution.suited import affordable, suits
 from tline.solver.description.description import Description, describe
@@ -127,7 +127,11 @@ def _run(
     result = given_out(description, assembly, slabs, waves, done, kinks)
     if extremes:
         result = replace(result, envelope=extremes.envelope(description.heights))
-    return replace(result, accounts=recorder.ledger(done.final_fronts)) if recorder else result
+    if recorder:
+        return replace(result, accounts=recorder.ledger(done.final_fronts))
+    if not extremes:  # which writes rows of its own
+        assembly.leave()
+    return result
 
 
 def given_out(

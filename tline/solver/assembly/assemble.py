@@ -2,15 +2,15 @@
 
 from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.diamonds import diamonds_of
-from tline.solver.assembly.events import Event
-from tline.solver.assembly.layout import Excitation, Layout, layout_of, of_last
-from tline.solver.assembly.node_maps import maps_of
+from tline.solver.assembly.layout import Excitation, Layout, layout_of
+from tline.solver.assembly.node_maps import Event, maps_of
 from tline.solver.assembly.start import fill_diamonds, fill_losses
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
@@ -20,16 +20,22 @@ from tline.solver.description.lines import Line
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.kernel.network import Network, State
+from tline.solver.kernel.network import Laws, Network, State
 from tline.solver.radau import Basis, basis
 from tline.solver.steady.lossy_lines import Ends
 
-ORDERS = 4  # whose rows and matrices a grid keeps
+ORDERS = 4  # assemblies that a grid keeps
+FEW = 1e5  # samples on the lines of one that is kept
+OF_LAWS = [name for name in Laws._fields if name not in ("tools", "step", "record_row")]
 
 
 @dataclass
 class Assembly:
-    """A scene as arrays, and what the time loop needs beside them."""
+    """A scene as arrays, and what the time loop needs beside them.
+
+    Its arrays stay where they are as long as runs on the same grid go on with it: they are packed once, and a scene
+    with other values is written in place of the one before.
+    """
 
     description: Description
     resolution: Resolution
@@ -49,9 +55,11 @@ class Assembly:
     groups: list[Group]
     circuits: dict[str, Circuits]  # of lossy lines
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
-    spare: dict[Hashable, Any]  # what runs on the same grid leave to the next
+    spare: dict[Hashable, "Assembly"]  # of the grid, by what they record: those whose run is over
     graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
     loads_before: NDArray  # states of loads and laws before t = 0
+    kernel: Any = None  # of the loop, which packs the network and the state
+    signals: Any = None  # of the loop
 
     def level_of(self, line: str) -> float:
         """Effort of the liquid at rest, from which those of a line count; zero without heights."""
@@ -62,11 +70,28 @@ class Assembly:
         """Rows of the record that a run keeps."""
         return 2 * len(self.recorded) + len(self.recorded_laws) + len(self.recorded_nodes)
 
-    @property
+    @cached_property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
         fractional = (self.network.shift_row >= 0).any()
         return not self.resolution.plain and bool(fractional or self.settle.any() or self.graded.any())
+
+    @property
+    def key(self) -> Hashable:
+        """What another scene on this grid has to share with this one, so that it takes its place."""
+        chosen = self.resolution
+        return _key(chosen, self.recorded, self.recorded_laws, self.recorded_nodes)
+
+    def leave(self) -> None:
+        """Let the next run on the same grid have the arrays, if that is worth it."""
+        if self.state.waves.size <= FEW:
+            for old in list(self.spare)[: max(len(self.spare) + 1 - ORDERS, 0)]:
+                self.spare.pop(old, None)  # which another thread may have done
+            self.spare[self.key] = self
+
+
+def _key(chosen: Resolution, record: Collection[str], laws: Collection[str], nodes: Collection[str]) -> Hashable:
+    return chosen.s, chosen.same, chosen.plain, frozenset(record), frozenset(laws), tuple(nodes)
 
 
 def assemble(
@@ -80,115 +105,146 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
-    follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
+    grid, order, systems = layout.grid, basis(chosen.s), layout.systems
+    follows = bool(chosen.layers) and not grid.diamonds  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     chosen = chosen if graded.any() else chosen._replace(layers=0.0)
-    grid, order, groups = layout.grid, basis(chosen.s), layout.groups
-    rows = _rows_of(layout, order, record, laws, description.probed_nodes)
-    network, s = _network(layout, order, rows, chosen.same), order.s
-    state = State(
-        waves=np.repeat(layout.arriving, np.repeat(grid.delay * s, 2)),
-        slot=np.zeros(len(grid.delay), np.int64),
-        side=np.zeros(len(grid.delay), np.int64),
-        before=np.repeat(layout.arriving[:, None], s, axis=1),
-        load=np.concatenate([layout.systems.states, layout.states]),
-        loss_states=np.zeros(grid.memory),
-        halves=np.zeros((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
+    maps, load = maps_of(systems, order, grid.h), np.concatenate([systems.states, layout.states])
+    now = {
+        "description": description,
+        "resolution": chosen,
+        "excitations": layout.excitations,
+        "systems": systems.systems,
+        "events": systems.events,
+        "nodes": layout.nodes,
+        "start": layout.start,
+        "efforts": layout.efforts,
+        "groups": layout.groups,
+        "settle": np.array([chosen.settle if group.lumped_lines else 0.0 for group in layout.groups]),
+        "graded": graded,
+        "loads_before": load,
+    }
+    assembly: Assembly | None = grid.spare.pop(_key(chosen, record, laws, description.probed_nodes), None)
+    if assembly is not None and _written(assembly, layout, maps, load):
+        vars(assembly).pop("follows_edges", None)
+        vars(assembly).update(now)
+    else:
+        recorded = _recorded(layout, record, laws, description.probed_nodes)
+        network = _network(layout, order, recorded, maps, chosen.same)
+        assembly = Assembly(
+            basis=order,
+            network=network,
+            state=_state(network, layout, order, len(load)),
+            lines=grid.lines,
+            recorded=recorded[0],
+            recorded_laws=recorded[1],
+            recorded_nodes=recorded[2],
+            circuits=grid.circuits,
+            spare=grid.spare,
+            **now,
+        )
+    _begin(assembly, layout)
+    return assembly
+
+
+def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
+    """Room for what is under way."""
+    grid, s, lines = layout.grid, order.s, len(layout.grid.delay)
+    return State(
+        waves=np.empty(2 * int(grid.delay.sum()) * s),
+        slot=np.empty(lines, np.int64),
+        side=np.empty(lines, np.int64),
+        before=np.empty((2 * lines, s)),
+        load=np.empty(loads),
+        loss_states=np.empty(grid.memory),
+        halves=np.empty((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
     )
-    if description.steady and grid.circuits:
+
+
+def _begin(assembly: Assembly, layout: Layout) -> None:
+    """Put in place what there is before t = 0."""
+    state, network, grid, order = assembly.state, assembly.network, layout.grid, assembly.basis
+    for part in (state.slot, state.side, state.loss_states, state.halves):
+        part.fill(0)
+    state.waves[:] = np.repeat(layout.arriving, np.repeat(grid.delay * order.s, 2))
+    state.before[:] = layout.arriving[:, None]
+    state.load[:] = assembly.loads_before
+    if assembly.description.steady and grid.circuits:
         ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_losses(network, state, flows, order)
         fill_diamonds(network, state, flows, order)
-    return Assembly(
-        description,
-        chosen,
-        order,
-        network,
-        state,
-        layout.excitations,
-        layout.systems.systems,
-        layout.systems.events,
-        layout.nodes,
-        grid.lines,
-        rows.recorded,
-        rows.recorded_laws,
-        rows.recorded_nodes,
-        layout.start,
-        layout.efforts,
-        groups,
-        grid.circuits,
-        settle=np.array([chosen.settle if group.lumped_lines else 0.0 for group in groups]),
-        spare=grid.spare,
-        graded=graded,
-        loads_before=state.load.copy(),
-    )
 
 
-class Rows(NamedTuple):
-    """Rows of the record, by name and in arrays of line ends, laws and nodes, or -1; and arrays of an order."""
-
-    recorded: dict[str, int]
-    recorded_laws: dict[str, int]
-    recorded_nodes: dict[str, int]
-    ends: NDArray
-    laws: NDArray
-    nodes: NDArray
-    offset: NDArray
-    shift: NDArray
-
-
-def _rows_of(layout: Layout, order: Basis, record: set[str], laws: Collection[str], probed: Collection[str]) -> Rows:
-    """Rows of a run, kept for others of the same order that record the same."""
-    grid, s = layout.grid, order.s
-    places = tuple(element.where for group in layout.groups for element in group.elements)
-
-    def made() -> Rows:
-        recorded, ends = _recorded(list(grid.lines), record)
-        of_laws = {where: 2 * len(recorded) + k for k, where in enumerate(w for w in places if w in laws)}
-        of_nodes = {node: k for k, node in enumerate(probed, 2 * len(recorded) + len(of_laws))}
-        pairs = [order.shift(f) for f in grid.rests]
-        return Rows(
-            recorded,
-            of_laws,
-            of_nodes,
-            ends,
-            np.array([of_laws.get(where, -1) for where in places], int),
-            np.array([of_nodes.get(node, -1) for node in layout.nodes], int),
-            np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),
-            np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
-        )
-
-    return of_last(layout.junctions.rows, (s, frozenset(record), tuple(laws), tuple(probed), places), made, ORDERS)
+def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], load: NDArray) -> bool:
+    """Put a layout in place of the one before, if it has as many of everything; whether that could be done."""
+    network, laws, systems = assembly.network, assembly.network.laws, layout.systems
+    pairs = [
+        (network.weight, layout.weight),
+        (network.excitation_row, layout.excitation_row),
+        (network.load_at, systems.load_at),
+        (network.step_row, systems.step_row),
+        (network.step_states, systems.step_states),
+        (network.step_whole, np.array(systems.whole, bool)),
+        (network.step, maps[0]),
+        (network.step_at, maps[1]),
+        (assembly.state.load, load),
+        *((getattr(laws, name), getattr(layout.laws, name)) for name in OF_LAWS if len(laws.first)),
+    ]
+    if network.first is not layout.junctions.first or any(old.shape != new.shape for old, new in pairs):
+        return False
+    if not (np.array_equal(laws.kind, layout.laws.kind) and np.array_equal(laws.states, layout.laws.states)):
+        return False  # whose units and workspace are others
+    for old, new in pairs:
+        old[...] = new
+    return True
 
 
-def _network(layout: Layout, order: Basis, rows: Rows, same: float) -> Network:
-    """The constant arrays of a layout at an order."""
-    grid, systems = layout.grid, layout.systems
-    step, step_at = maps_of(systems, order, grid.h)
+def _network(
+    layout: Layout, order: Basis, recorded: tuple[dict[str, int], ...], maps: tuple[NDArray, NDArray], same: float
+) -> Network:
+    """The constant arrays of a layout at an order, which nothing else writes."""
+    grid, systems, s = layout.grid, layout.systems, order.s
+    record_row, of_laws = np.full(2 * len(grid.lines), -1), recorded[1]
+    for k, name in enumerate(grid.lines):
+        if name in recorded[0]:
+            record_row[2 * k : 2 * k + 2] = recorded[0][name], recorded[0][name] + 1
+    places = [element.where for group in layout.groups for element in group.elements]
+    pairs = [order.shift(f) for f in grid.rests]
+    laws = layout.laws._replace(**{name: getattr(layout.laws, name).copy() for name in OF_LAWS})
     return Network(
         grid.delay,
-        offset=rows.offset,
+        offset=np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),
         shift_row=grid.shift_row,
-        shift=rows.shift,
+        shift=np.array(pairs) if pairs else np.zeros((0, 2, s, s)),
         first=layout.junctions.first,
         ends=layout.junctions.ends,
-        weight=layout.weight,
-        excitation_row=layout.excitation_row,
+        weight=layout.weight.copy(),
+        excitation_row=layout.excitation_row.copy(),
         group=layout.junctions.group,
-        load_at=systems.load_at,
-        step_row=systems.step_row.copy(),  # which switches rewrite
-        step_at=step_at,
-        step_states=systems.step_states,
+        load_at=systems.load_at.copy(),
+        step_row=systems.step_row.copy(),
+        step_at=maps[1],
+        step_states=systems.step_states.copy(),
         step_whole=np.array(systems.whole, bool),
-        step=step,
-        record_row=rows.ends.copy(),  # which ledgers and envelopes add to
-        effort_row=rows.nodes,
-        laws=with_basis(layout.laws, order, grid.h, rows.laws),
+        step=maps[0],
+        record_row=record_row,
+        effort_row=np.array([recorded[2].get(node, -1) for node in layout.nodes], int),
+        laws=with_basis(laws, order, grid.h, np.array([of_laws.get(where, -1) for where in places], int)),
         losses=grid.losses,
         diamonds=diamonds_of(grid, order, layout.junctions, same),
         blocks=layout.junctions.blocks,
     )
+
+
+def _recorded(
+    layout: Layout, record: set[str], laws: Collection[str], probed: Collection[str]
+) -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
+    """Rows of the record: the first of two of each line by name, of laws by place, of nodes by name."""
+    lines = {name: 2 * k for k, name in enumerate(name for name in layout.grid.lines if name in record)}
+    places = (element.where for group in layout.groups for element in group.elements)
+    of_laws = {where: k for k, where in enumerate((where for where in places if where in laws), 2 * len(lines))}
+    return lines, of_laws, {node: k for k, node in enumerate(probed, 2 * len(lines) + len(of_laws))}
 
 
 def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:
@@ -198,14 +254,3 @@ def _has_layers(description: Description, group: Group, chosen: Resolution) -> b
     scales = description.time_scales
     fast = any(where in scales and scales[where][0] < chosen.resolved for where in states)
     return not group.lumped_lines and (fills or fast or bool(states and group.elements))
-
-
-def _recorded(lines: list[str], names: set[str]) -> tuple[dict[str, int], NDArray]:
-    """Of each recorded line the first of its two rows, and of each end its row or -1."""
-    record_row = np.full(2 * len(lines), -1)
-    recorded: dict[str, int] = {}
-    for k, name in enumerate(lines):
-        if name in names:
-            recorded[name] = 2 * len(recorded)
-            record_row[2 * k : 2 * k + 2] = recorded[name], recorded[name] + 1
-    return recorded, record_row

@@ -42,7 +42,6 @@ class Junctions(NamedTuple):
     first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
     group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
     blocks: Blocks
-    rows: dict[Hashable, Any]  # of the record, which assembly keeps
 
 
 @dataclass
@@ -60,7 +59,7 @@ class SlabGrid:
     diamonds: Collection[int]  # numbers of lines that lose all along
     memory: int  # states of the loss elements
     junctions: dict[Hashable, Junctions] = field(default_factory=dict)  # by the order of nodes, and nodes of a group
-    spare: dict[Hashable, Any] = field(default_factory=dict)  # what a run has left for the next, of the loop
+    spare: dict[Hashable, Any] = field(default_factory=dict)  # assemblies whose run is over
 
     @property
     def reach(self) -> NDArray:
@@ -77,7 +76,7 @@ class SlabGrid:
             degree = np.array([len(node.ends) for node in nodes.values()])
             first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
             blocks = blocks_of(self.reach, first, ends, group, self.losses)
-            self.junctions[key] = Junctions(ends, degree, first, group, blocks, {})
+            self.junctions[key] = Junctions(ends, degree, first, group, blocks)
         return self.junctions[key]
 
 
@@ -126,7 +125,7 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
 
     def laid_out() -> Layout:
         with Progress(STAGES, "stage", progress, "assembling") as bar:
-            grid = of_last(description.grids, key, lambda: _grid(description, chosen))
+            grid = of_last(description.grids, key, lambda: _grid(description, chosen), LAYOUTS + 1)  # and wiring
             bar.update()
             return _laid_out(description, chosen, grid, bar)
 

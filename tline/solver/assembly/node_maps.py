@@ -6,10 +6,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.assembly.events import Event
 from tline.solver.description.groups import Group
 from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.kernel.fronts.structures import SAME_MAP
 from tline.solver.radau import Basis
+
+
+class Event(NamedTuple):
+    """Something that happens at a group: a switch moves, or a piece of a slab begins.
+
+    Events are put in order by their instants. None takes the place of another, be it at the same instant.
+    """
+
+    at: float  # slabs
+    group: int
+    row: int = SAME_MAP  # of the group's map from then on
+
+    @property
+    def moves(self) -> bool:
+        """Whether it changes the group's map."""
+        return self.row != SAME_MAP
 
 
 class GroupSystems(NamedTuple):

@@ -77,6 +77,14 @@ def work_for(network: Network, state: State) -> Work:
     )
 
 
+def renew(work: Work, laws: Laws, s: int) -> None:
+    """Leave nothing in a workspace of what a run before has found at its laws."""
+    store = work.store
+    for part in (*work.circuit, *work.govern, store.system, store.integral, store.constant, store.division):
+        part.fill(0)
+    work.circuit.waves[:] = np.repeat(laws.before, s)
+
+
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
     """Workspace of diamonds, beside groups of at most so many states and elements."""
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0

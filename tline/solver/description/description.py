@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of, refuse_coupled
 from tline.scene.expanded import expanded
+from tline.scene.law import NonLinear
 from tline.scene.multiport import Multiport
 from tline.scene.plausible import plausibility_notes
 from tline.scene.rational import RationalImpedance
@@ -78,19 +79,24 @@ class Description:
         """
         scene = changed(self.scene, values)
         at = self._touched(scene, values)
-        return describe(scene) if at is None else replace(self, scene=scene, origin=Origin(self, at))
+        return describe(scene) if at is None else replace(self, scene=scene, origin=Origin(self, at, self.nodes))
 
     def _touched(self, scene: Scene, values: Iterable[str]) -> set[str] | None:
-        """Nodes whose loads or sources have other values in a changed scene; None where more than these changes."""
+        """Nodes whose loads or sources have other values in a changed scene; None where more than that changes.
+
+        Beside these, laws of links may.
+        """
         at = set()
         for path in values:
             part, *keys = parts_of(path)
-            if part not in ("loads", "sources") or len(keys) == 1:
+            if part not in ("loads", "sources", "links") or len(keys) == 1:
                 return None
             old, new = getattr(self.scene, part)[keys[0]], getattr(scene, part)[keys[0]]
-            if old.at is None or old.at != new.at or type(old) is not type(new):
+            if type(old) is not type(new) or (part == "links" and not issubclass(type(new), NonLinear)):
                 return None
-            at.add(new.at)
+            if old.terminals != new.terminals or (part != "links" and new.at is None):
+                return None
+            at.update([] if part == "links" else [new.at])
         return None if self._composed else at
 
     @cached_property
@@ -103,7 +109,7 @@ class Description:
         """Nodes that are not those of the description from which it was changed."""
         if self.origin is None:
             return {}
-        return nodes_anew(self.scene, self.origin.description.nodes, self.origin.changed)
+        return nodes_anew(self.scene, self.origin.nodes, self.origin.changed)
 
     @property
     def ends(self) -> list[End]:
@@ -148,13 +154,13 @@ class Description:
     def nodes(self) -> dict[str, Node]:
         """What stands at each node while no line is lumped."""
         if self.origin is not None:
-            return self.origin.description.nodes | self.anew
+            return self.origin.nodes | self.anew
         return nodes_of(self.scene, self.lines, self.ends)
 
     @cached_property
     def elements(self) -> list[PlacedLaw]:
         """Non-linear elements, but for those between efforts that are held."""
-        return elements_of(self.scene, self.nodes)
+        return elements_of(self.scene, self.nodes, self.origin.description.elements if self.origin else ())
 
     @cached_property
     def branches(self) -> list[PlacedBranch]:
@@ -330,6 +336,7 @@ class Origin(NamedTuple):
 
     description: Description
     changed: set[str]
+    nodes: dict[str, Node]  # of the description, found before: two properties that wait for each other wait for ever
 
 
 class Beside:

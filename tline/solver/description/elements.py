@@ -1,10 +1,11 @@
 """The non-linear elements of a scene: laws between nodes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from tline.solver.description.excitation import just_before
 from tline.solver.description.given import ElementLaw, Governor, LawKind, Scene
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
@@ -19,6 +20,7 @@ class PlacedLaw(NamedTuple):
     to_node: str | None
     above_level: float = 0.0  # of a node that it leads from to the open air; of one that it leads to, less than zero
     levels: tuple[float, float] = (0.0, 0.0)  # of its nodes, each where its gauge pressure is zero
+    control: float = 1.0  # what scales it over time, just before t = 0
 
     @property
     def kind(self) -> LawKind:
@@ -61,16 +63,24 @@ class PlacedLaw(NamedTuple):
         return sum(1 / abs(nodes[node].total) for node in self.nodes if nodes[node].held is None)
 
 
-def elements_of(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
-    """Those elements of a scene that are seen by anything: not those between efforts that are held."""
-    found = []
+def elements_of(scene: Scene, nodes: Mapping[str, Node], like: Iterable[PlacedLaw] = ()) -> list[PlacedLaw]:
+    """Those elements of a scene that are seen by anything: not those between efforts that are held.
+
+    What scales one of them as it does one of the same place in `like` is the same object.
+    """
+    found, known = [], {element.where: element for element in like}
     for (part, name), law in scene.laws.items():
         ends = (scene.links if part == "links" else scene.loads)[name].terminals
         if any(node is not None and nodes[node].held is None for node in ends):
             from_node, to_node = reversed(ends) if law.reverse else ends
             levels = [nodes[node].above_level if node is not None else 0.0 for node in (from_node, to_node)]
             height = _height(nodes, from_node, to_node)
-            found.append(PlacedLaw(place(part, name), law, from_node, to_node, height, (levels[0], levels[1])))
+            where, before = place(part, name), 1.0
+            if law.factor is not None and where in known and known[where].law.factor == law.factor:
+                law, before = law._replace(factor=known[where].law.factor), known[where].control
+            elif law.factor is not None:
+                before = just_before(law.factor)
+            found.append(PlacedLaw(where, law, from_node, to_node, height, (levels[0], levels[1]), before))
     return found
 
 

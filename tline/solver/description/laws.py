@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.excitation import Shape, just_before, varies
+from tline.solver.description.excitation import Shape, varies
 from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.kernel.network import Laws, Tools
@@ -46,7 +46,7 @@ def laws_of(
     for element in flat:
         factor = element.law.factor
         rows.append(first_row + len(excitations) if varies(factor) else -1)
-        controls.append(1.0 if factor is None else just_before(factor))
+        controls.append(element.control)
         excitations += [factor] if factor is not None and varies(factor) else []
         states.append(first_state if element.kind.states else -1)
         first_state += element.kind.states
@@ -133,9 +133,9 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Map
     """
     states: list[float] = []
     for element in elements:
-        u, factor = effort[element.nodes[0]], element.law.factor
+        u = effort[element.nodes[0]]
         try:
-            states += element.kind.at_rest(element.constants, u, 1.0 if factor is None else just_before(factor))
+            states += element.kind.at_rest(element.constants, u, element.control)
         except InputError as error:
             raise InputError(element.where, error.problem, got=f"{u - element.above_level:.6g} Pa") from None
         if element.governor is not None:

@@ -6,7 +6,7 @@ then a constant linear map from the Thévenin wave w at the points and the load'
 node's effort u at the points and the state at the slab's end.
 """
 
-from functools import lru_cache
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +25,6 @@ class StateSpace(NamedTuple):
     d: Matrix  # (k, k)
 
 
-@lru_cache
 def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     """Realise the reflection of a rational impedance against z in balanced companion form.
 
@@ -41,7 +40,8 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     Raises
     ------
     InputError
-        If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined.
+        If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined; or if coefficients
+        are beyond the range of floats.
     """
     p, q = impedance
     n = max(len(p), len(q)) - 1
@@ -67,16 +67,26 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     def scaled(a: int, b: int, k: int) -> float:  # a/(b rate^k), rounded once
         return (a << max(-k * exponent, 0)) / (b << max(k * exponent, 0))
 
-    A, b, c, rate = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n)), 2.0**exponent
-    b[0], d = rate, np.array([[numerator[0] / leading]])
-    for k in range(1, n + 1):
-        A[0, k - 1] = -rate * scaled(denominator[k], leading, k)
-        c[0, k - 1] = scaled(numerator[k] * leading - numerator[0] * denominator[k], leading**2, k)
+    problem = InputError(where, "its coefficients are too far apart for floating-point numbers")
+    try:
+        rate, through = 2.0**exponent, numerator[0] / leading
+        back = [-rate * scaled(denominator[k], leading, k) for k in range(1, n + 1)]
+        out = [scaled(numerator[k] * leading - numerator[0] * denominator[k], leading**2, k) for k in range(1, n + 1)]
+    except OverflowError:
+        raise problem from None
+    if not all(map(isfinite, (rate, through, *back, *out))):
+        raise problem
+    A, b, c, d = np.zeros((n, n)), np.zeros((n, 1)), np.array([out]), np.array([[through]])
+    A[0], b[0] = back, rate
     A.ravel()[n :: n + 1] = rate
     if n == 1:
         return StateSpace(A, b, c, d)
-    scale = _balance(A)
-    return StateSpace(A / scale[:, None] * scale, b / scale[:, None], c * scale, d)
+    with np.errstate(all="ignore"):
+        scale = _balance(A)
+        system = StateSpace(A / scale[:, None] * scale, b / scale[:, None], c * scale, d)
+    if not all(np.isfinite(part).all() for part in system):
+        raise problem
+    return system
 
 
 def _balance(A: Matrix) -> Matrix:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.excitation import just_before
 from tline.solver.description.given import ElementLaw
 from tline.words.wording import place
 
@@ -49,4 +50,4 @@ def switches_of(description: Description) -> Iterator[PlacedLaw]:
             moving = Moving(before, after, float(one.time))
             law = ElementLaw("table", LINEAR, moving)  # type: ignore[arg-type]
             level = description.nodes[free[0]].above_level if ends[1] is None else 0.0
-            yield PlacedLaw(place(*at), law, *ends, above_level=level)
+            yield PlacedLaw(place(*at), law, *ends, above_level=level, control=just_before(moving))

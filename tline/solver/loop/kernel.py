@@ -1,6 +1,5 @@
 """The kernel at work on one network: its structures are packed once, and then it is called by address."""
 
-from collections.abc import Hashable
 from functools import cached_property
 from typing import Any
 
@@ -8,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
-from tline.solver.assembly.workspace import work_for
+from tline.solver.assembly.workspace import renew, work_for
 from tline.solver.description.laws import units_of_laws
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import DONE, FrontRun, Fronts, Sources
@@ -17,7 +16,6 @@ from tline.solver.kernel.units import units_of
 
 PACKED_NO_LOSSES = pack(NO_LOSSES)
 NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))
-FEW = 1e5  # samples on the lines of a network that is kept
 
 
 class Kernel:
@@ -33,26 +31,24 @@ class Kernel:
     """
 
     def __init__(self, network: Network, state: State, fronts: Fronts | None = None):
-        self._shape = _shape(network, state, fronts)
+        self.network, self.state = network, state
         units = units_of(network, units_of_laws(network.laws), fronts=fronts is not None)
-        work = pack(work_for(network, state))
-        self._run = pack(Run(_packed(network), state, units, work, *NOTHING))
+        self._work = work_for(network, state)
+        self._run = pack(Run(_packed(network), state, units, pack(self._work), *NOTHING))
         self._fronts: Any = None if fronts is None else pack(fronts)
 
     def takes(self, network: Network, state: State, fronts: Fronts | None) -> bool:
-        """Advance another network from now on, on the same grid, if it has the same shape."""
-        if self._shape != _shape(network, state, fronts):
+        """Begin another run of the same network in its state, if that needs the same units."""
+        if network is not self.network or state is not self.state or (fronts is None) != (self._fronts is None):
             return False
-        run = self._run.values
-        work = work_for(network, state) if len(network.laws.kind) else run.work
-        self._run.write(run._replace(network=_packed(network), state=state, work=work))
+        if len(network.laws.kind):
+            renew(self._work, network.laws, state.before.shape[1])
         self._fronts = None if fronts is None else pack(fronts)
         return True
 
-    def rest(self) -> bool:
-        """Forget what the last run wrote; whether the rest is small enough to be kept."""
+    def rest(self) -> None:
+        """Forget what the last run wrote."""
         self.run(*NOTHING)
-        return self.state.waves.size <= FEW
 
     @cached_property
     def _advance_fronts(self) -> Any:
@@ -65,11 +61,6 @@ class Kernel:
         blocks.advance.address  # noqa: B018
         if self._fronts is not None:
             self._advance_fronts.address  # noqa: B018
-
-    @property
-    def state(self) -> State:
-        """The waves under way."""
-        return self._run.values.state
 
     def run(self, excitation: NDArray, record: NDArray) -> Any:
         """What units get, packed."""
@@ -86,7 +77,7 @@ class Kernel:
         """
         node = blocks.advance(self.run(excitation, record), 0, n_slabs, column)
         if node < 0 and not np.isfinite(self.state.waves).all():
-            return len(self._run.values.network.first) - 1
+            return len(self.network.first) - 1
         return node
 
     def fronts(
@@ -104,13 +95,6 @@ class Kernel:
 
 def _packed(network: Network) -> Network:
     return network._replace(losses=PACKED_NO_LOSSES) if network.losses is NO_LOSSES else network
-
-
-def _shape(network: Network, state: State, fronts: Fronts | None) -> Hashable:
-    """What units and the size of their workspace depend on, beside the grid."""
-    laws = network.laws
-    arrays = network.group, network.load_at, network.step_states, laws.first, laws.kind
-    return fronts is None, state.before.shape, *(array.tobytes() for array in arrays)
 
 
 def advance(network: Network, state: State, n_slabs: int, excitation: NDArray, record: NDArray, column: int) -> int:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.events import Event
 from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
-from tline.solver.description.excitation import EDGE, Broken, averaged, broken, places_of, sampled
+from tline.solver.assembly.layout import Excitation
+from tline.solver.assembly.node_maps import Event
+from tline.solver.description.excitation import EDGE, Broken, Waveform, averaged, broken, places_of, sampled
 from tline.solver.kernel.fronts.structures import BEGIN, END, LATE, LIVE, NOTED, Fronts
 from tline.solver.loop.kernel import Kernel
 from tline.words.progress import Progress
@@ -108,20 +109,39 @@ def march(
                 steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.perf_counter() - started
-    steps.leave()
+    steps.kernel.rest()
     return record, steps.run(seconds)
 
 
 class Signals:
-    """The excitations of a run, and where they break."""
+    """The excitations of a run, and where they break; as those `before`, of the same grid, found them where alike."""
 
-    def __init__(self, assembly: Assembly, n: int):
+    def __init__(self, assembly: Assembly, n: int, before: "Signals | None" = None):
         self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
-        follows, self.plain = assembly.follows_edges, assembly.resolution.plain
-        places = [np.empty(0) if self.plain else places_of(p, n * self.h, self.h) for p in self.of]
-        self.places = [_inside(each, follows) for each in places]
+        self.n, self.follows, self.plain = n, assembly.follows_edges, assembly.resolution.plain
         few = len(self.of) * n * self.basis.s <= FEW
-        self._all = self._sampled(0, n) if few else None
+        self.shape = n, self.follows, few
+        known = before.known if before and before.shape == self.shape else []
+        self.known = [self._found(k, parts, known, few) for k, parts in enumerate(self.of)]
+        self.places = [places for _, places, _ in self.known]
+        self._all = np.zeros((len(self.of), n * self.basis.s)) if few else None
+        rows = [] if self._all is None else self._all
+        for row, parts, (_, _, values) in zip(rows, self.of, self.known, strict=False):
+            np.matmul([share for _, share in parts], values, out=row)
+
+    def _found(self, k: int, parts: Excitation, known: list, few: bool) -> tuple[list[Waveform], NDArray, NDArray]:
+        """Waveforms of a row, where it breaks, and their values, shape (parts, n s), if there are few."""
+        waveforms = [waveform for waveform, _ in parts]
+        if k < len(known) and known[k][0] == waveforms:
+            return known[k]
+        places = np.empty(0) if self.plain else places_of(parts, self.n * self.h, self.h)
+        places = places if self.follows else places[places % 1 != 0]
+        values = [self._values(waveform, 0, self.n) for waveform in waveforms] if few else []
+        return waveforms, places, np.array(values)
+
+    def _values(self, waveform: Waveform, first: int, n: int) -> NDArray:
+        values = (averaged if self.plain else sampled)(waveform, self.basis, self.h, first, n)
+        return np.broadcast_to(values, (n, self.basis.s)).ravel()
 
     def broken(self, first: int, n: int) -> list[Broken]:
         """Each excitation in those of n slabs in which it breaks."""
@@ -130,17 +150,14 @@ class Signals:
 
     def sampled(self, first: int, n: int) -> NDArray:
         """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
-        if self._all is None:
-            return self._sampled(first, n)
         s = self.basis.s
-        return np.ascontiguousarray(self._all[:, first * s : (first + n) * s])
-
-    def _sampled(self, first: int, n: int) -> NDArray:
-        excitation = np.zeros((len(self.of), n, self.basis.s))
+        if self._all is not None:
+            return np.ascontiguousarray(self._all[:, first * s : (first + n) * s])
+        excitation = np.zeros((len(self.of), n * s))
         for row, parts in zip(excitation, self.of, strict=True):
             for waveform, share in parts:
-                row += share * (averaged if self.plain else sampled)(waveform, self.basis, self.h, first, n)
-        return excitation.reshape(len(self.of), n * self.basis.s)
+                row += share * self._values(waveform, first, n)
+        return excitation
 
 
 class Stepper:
@@ -150,8 +167,7 @@ class Stepper:
         self.assembly, self.record = assembly, record
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
-        self._key = assembly.basis.s, n, assembly.follows_edges, assembly.resolution.plain
-        self.signals = Signals(assembly, n)
+        self.signals = assembly.signals = Signals(assembly, n, assembly.signals)
         near = 0.5 if assembly.resolution.plain else EDGE
         events = [event for event in _snapped(assembly.events, near) if event.at < n]
         self.at_edges = [] if assembly.follows_edges else [each for each in events if each.at % 1 == 0 and each.moves]
@@ -162,19 +178,15 @@ class Stepper:
         if len(self.events):
             in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.signals.places]
             self.fronts = fronts_of(assembly, n, inside, 1 + int(np.concatenate([[0], *in_slab]).max()))
-        spare: Kernel | None = assembly.spare.pop(self._key, None)
-        again = spare is not None and spare.takes(assembly.network, assembly.state, self.fronts)
-        self.kernel = spare if spare and again else Kernel(assembly.network, assembly.state, self.fronts)
+        kept: Kernel | None = assembly.kernel
+        again = kept is not None and kept.takes(assembly.network, assembly.state, self.fronts)
+        self.kernel = kept if kept and again else Kernel(assembly.network, assembly.state, self.fronts)
+        assembly.kernel = self.kernel
         self.noted: list[Noted] = []
 
     def compile(self) -> None:
         """Compile the kernels that will be needed, or load them."""
         self.kernel.load()
-
-    def leave(self) -> None:
-        """Let the next run on the same grid have the workspace."""
-        if self.kernel.rest():
-            self.assembly.spare[self._key] = self.kernel
 
     def begin_record(self, slab: int) -> None:
         """Let the record's first column be that of a slab, from now on."""
@@ -233,11 +245,6 @@ class Stepper:
         """What there is to say now."""
         pieces = concatenated(self.noted, self.assembly.basis.s)
         return March(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
-
-
-def _inside(places: NDArray, follows_edges: bool) -> NDArray:
-    """The places that need pieces."""
-    return places if follows_edges else places[places % 1 != 0]
 
 
 def _snapped(events: list[Event], near: float) -> list[Event]:

@@ -102,8 +102,8 @@ def _seen(
 
     Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
     """
+    from tline.solver.kernel.peaks import extremes, find_extremes
     from tline.solver.many.kernel.advance import CopiesRun, advance_copies
-    from tline.solver.many.kernel.extremes import extremes, find_extremes
     from tline.solver.many.kernel.maps import fill_maps, load_maps
     from tline.solver.many.kernel.values import Values, find_values
 

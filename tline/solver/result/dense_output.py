@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.solver.result.quantities import Bounds, quantity
 from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
 
@@ -15,6 +16,7 @@ ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a sla
 NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
 PLACES = 5  # in a slab, at least, where extremes are looked for
 CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples round which is searched, places round each, and how often
+SAME = 1e-9  # of the range: what is lower by less is as high
 WIDEST = 4  # slabs over which a front may have spread
 
 
@@ -118,11 +120,9 @@ def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
     return starts, wave.at_slab_ends()
 
 
-def _rough(wave: Wave, tail: NDArray, largest: float) -> NDArray:
+def _rough(wave: Wave, breaks: NDArray, largest: float) -> NDArray:
     """Slabs in one piece whose highest degrees are large and that do not continue their neighbours."""
-    starts, ends = _edges(wave)
-    breaks = np.abs(starts - ends) > largest
-    rough = (tail > largest) & (breaks[:-1] | breaks[1:])
+    rough = (_tail(wave) > largest) & (breaks[:-1] | breaks[1:])
     rough[wave.pieces.slab] = False
     return rough
 
@@ -134,7 +134,10 @@ def _bridged(wave: Wave, largest: float) -> Wave:
     they are.
     """
     starts, ends = _edges(wave)
-    change = np.diff(np.concatenate([[0], _rough(wave, _tail(wave), largest), [0]]))
+    breaks = np.abs(starts - ends) > largest
+    if not breaks.any():
+        return wave
+    change = np.diff(np.concatenate([[0], _rough(wave, breaks, largest), [0]]))
     low, high = np.nonzero(change == 1)[0], np.nonzero(change == -1)[0]
     few = high - low <= WIDEST
     low, high = low[few], high[few]
@@ -159,6 +162,8 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
     key : str
         What of it: of a quantity in `tline.solver.result.quantities`.
     """
+    if (waves := _in_whole_slabs(probe)) is not None:
+        return _of_polynomials(probe, key, *waves)
     seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
     what, z0, noise = quantity(key), probe.record.z0, NOISE * float(max(abs(seen.a).max(), abs(seen.b).max()))
     largest = float(abs(seen.u).max()), float(abs(seen.y).max())
@@ -166,6 +171,41 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
     width = probe.slabs.width / max(DENSE // probe.slabs.number, PLACES)
     low, high = (highest(lambda t: what.of(shown.at(t)), seen.t, what.of(seen), sign, noise, width) for sign in (-1, 1))
     return low, high
+
+
+def _in_whole_slabs(probe: ProbeResult) -> tuple[Wave, Wave] | None:
+    """The waves at an end of a line, as they are drawn, if no slab of them is in pieces."""
+    waves, record, n = probe.waves, probe.record, probe.slabs.number
+    if probe.share not in (0.0, 1.0) or any(len(wave.pieces.slab) or len(wave.values) != n for wave in waves):
+        return None
+    largest = ROUGH * _span(record) if record.smeared else np.inf
+    a, b = (_bridged(wave, largest) if record.smeared else wave for wave in waves)
+    return a, b
+
+
+def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tuple[float, float], tuple[float, float]]:
+    """The extremes of what is one polynomial of its waves in each slab, and when each is first reached."""
+    from tline.solver.kernel.peaks import extremes as search
+    from tline.solver.kernel.peaks import find_extremes
+
+    slabs, what, z0, order = probe.slabs, quantity(key), probe.record.z0, a.basis
+    values = [np.append(wave.before, (wave.values @ order.evaluation([0.0, *order.c]).T).ravel()) for wave in (a, b)]
+    noise = NOISE * max(float(abs(each).max()) for each in values)
+    bounds = Bounds(noise, noise / z0, z0, probe.height.per_metre, *(2 * [noise / NOISE]))
+    seen = np.asarray(what.of(probe._samples(np.empty(0), *values)))
+    nothing = what.error(bounds)
+    seen[np.abs(seen) <= nothing] = 0.0
+    first, seen = float(seen[0]), seen - seen[0]  # what is sought begins at zero
+    wave = np.ascontiguousarray(seen[1:].reshape(slabs.number, -1)[:, 1:, None])
+    end, edges, found = slabs.whole + slabs.rest, np.array([[0.0], [1.0]]), np.empty((4, 1))
+    find_extremes(pack(search(wave, np.ones(1), edges, end, order.c, order.to_powers, found)))
+    t = np.append(0.0, (np.arange(slabs.number)[:, None] + [0.0, *order.c]).ravel())
+    near, there = SAME * (found[2, 0] - found[0, 0]), []
+    for (value, at), sign in zip(found.reshape(2, 2).tolist(), (-1, 1), strict=True):
+        reached = t[(sign * seen >= sign * value - near) & (t <= end)]
+        value = value + first if abs(value + first) > nothing else 0.0
+        there.append((value, slabs.width * min(at, *reached[:1].tolist(), end)))
+    return there[0], there[1]
 
 
 def highest(
@@ -238,5 +278,5 @@ def zoomed(
 def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
     """The largest value (sign 1) or the smallest (sign -1), and when it is first reached, rounding aside."""
     best = (sign * samples).max()
-    reached = sign * samples >= best - 1e-9 * np.ptp(samples)
+    reached = sign * samples >= best - SAME * np.ptp(samples)
     return float(sign * best) + 0.0, float(t[reached].min())  # no negative zero

@@ -1,6 +1,6 @@
 """The lowest and highest effort at every node, and when, without a record of all that lies between."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,12 +10,10 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.given import Height
-from tline.solver.kernel.extremes import CANDIDATES, ROUNDING, Seen, find_extremes
+from tline.solver.kernel.peaks import SAME, extremes, find_extremes
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.loop.slabs import Slabs, cut_at_end
-from tline.solver.radau import Basis, chebyshev
-
-SEARCHED = np.linspace(0.0, 1.0, 129)  # places of a slab where its extreme is looked for
+from tline.solver.radau import Basis, basis
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,73 +80,57 @@ class Extremes:
         self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, slabs: Slabs, at_ends: bool
     ):
         self.nodes, self.rows, self.start, self.order, self.slabs = nodes, rows, start, order, slabs
-        self.top = np.stack([-start, start])  # two maxima: of the negative effort, and of the effort
-        self.at = np.zeros_like(self.top)
-        self.at_ends = at_ends
-        self.places = order.evaluation([1.0] if at_ends or order.s == 1 else [*chebyshev(order.s), 1.0])
-        self.searched = order.evaluation(SEARCHED)
-        self._heights, self._best = np.empty((2, 0, 0)), np.empty((2, len(rows), CANDIDATES + 1), int)
+        self.at_ends, self.sought = at_ends, basis(1) if at_ends else order
+        self.top, self.at = np.zeros((2, 2, len(start)))  # by how much efforts are below the start, and above; when
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
-        s, h, rows = self.order.s, self.slabs.width, np.arange(len(self.rows))
+        s, h, whole = self.order.s, self.slabs.width, self.slabs.whole - first
         node = np.full(len(record), -1)
-        node[self.rows] = rows
+        node[self.rows] = np.arange(len(self.rows))
         ours = node[pieces.row] >= 0
         pieces = Noted(node[pieces.row[ours]], *(part[ours] for part in pieces[1:]))
+        u = (record[self.rows, 0, : n * s] + record[self.rows, 1, : n * s]) / 2 - self.start[:, None]
+        u = u.reshape(-1, n, s).transpose(1, 2, 0)
         if self.at_ends:
-            pieces = concatenated([], s)
-        left_out = np.column_stack([pieces.row, pieces.slab - first])
-        if first + n > self.slabs.whole:
-            last = self.slabs.whole - first
-            left_out = np.concatenate([left_out, np.column_stack([rows, np.full(len(rows), last)])])
+            u, pieces = u[:, -1:], concatenated([], s)
+        u = np.ascontiguousarray(u)
+        u[pieces.slab - first, :, pieces.row] = 0.0
+        if n > whole:
+            u[whole:] = 0.0
             if not self.at_ends:
-                values = record[self.rows, :, last * s : (last + 1) * s]
+                values = record[self.rows, :, whole * s : (whole + 1) * s]
                 pieces, _ = cut_at_end(self.slabs, values, pieces, self.order)
-        if self._heights.shape[2] < n:
-            self._heights = np.empty((2, len(rows), n))
-        seen = Seen(record, self.rows, self.places, left_out, self._heights, self._best)
-        find_extremes(pack(seen), n)
-        for k, sign in enumerate((-1, 1)):
-            for best in np.sort(self._best[k], axis=1).T:
-                found, late = self._heights[k, rows, best], np.full(len(rows), float(self.at_ends))
-                if not self.at_ends and s > 1:
-                    points = best[:, None] * s + np.arange(s)
-                    u = (record[self.rows[:, None], 0, points] + record[self.rows[:, None], 1, points]) / 2
-                    higher, late = _searched(sign * u @ self.searched.T)
-                    found = np.where(np.isinf(found), -np.inf, higher)
-                self._note(k, rows, found, (first + best + late) * h)
-            if len(pieces.row):
-                found, late = _searched(sign * pieces.values.sum(axis=1) / 2 @ self.searched.T)
-                order, (start, stop) = np.argsort(found), pieces.span.T
-                when = (pieces.slab + start + late * (stop - start)) * h
-                self._note(k, pieces.row[order], found[order], when[order])
+        every = np.arange(len(self.rows))
+        for k, (found, at) in enumerate(self._highest(u)):
+            self._note(k, every, found, (first + at + self.at_ends) * h)
+        if not len(pieces.row):
+            return
+        values, (start, stop) = pieces.values.sum(axis=1) / 2 - self.start[pieces.row, None], pieces.span.T
+        for k, (found, at) in enumerate(self._highest(np.ascontiguousarray(values.T[None]))):
+            order, when = np.argsort(found), (pieces.slab + start + at * (stop - start)) * h
+            self._note(k, pieces.row[order], found[order], when[order])
+
+    def _highest(self, u: NDArray) -> Iterator[tuple[NDArray, NDArray]]:
+        """How far polynomials, shape (slabs, points, rows), fall below zero and rise above it, and in which slabs."""
+        found, edges = np.empty((4, u.shape[2])), np.repeat([[0.0], [1.0]], u.shape[2], axis=1)
+        find_extremes(pack(extremes(u, edges[1], edges, float(len(u)), self.sought.c, self.sought.to_powers, found)))
+        yield -found[0], found[1]
+        yield found[2], found[3]
 
     def _note(self, k: int, node: NDArray, found: NDArray, when: NDArray) -> None:
         """Keep what is higher; of several at one node the last is the highest."""
         top = self.top[k]
-        new = found > top[node] + ROUNDING * np.abs(top[node])
+        new = found > top[node] * (1 + SAME)
         top[node[new]], self.at[k, node[new]] = found[new], np.minimum(when[new], self.slabs.end)
 
     def envelope(self, heights: Mapping[str, Height]) -> Envelope:
         """What was seen at nodes of these heights, counted from their levels."""
         (low, high), (low_at, high_at), at = self.top, self.at, [heights.get(node, Height()) for node in self.nodes]
-        level, unknown = np.array([height.level for height in at]), np.full(len(low), np.nan)
-        extremes = (level - low, low_at, unknown, high + level, high_at, unknown)
+        start, unknown = self.start + [height.level for height in at], np.full(len(low), np.nan)
+        seen = (start - low, low_at, unknown, start + high, high_at, unknown)
         weight, per_metre = np.array([h.weight for h in at]), np.array([h.per_metre for h in at])
-        return Envelope(self.nodes, self.start + level, *extremes, weight, per_metre)
-
-
-def _searched(values: NDArray) -> tuple[NDArray, NDArray]:
-    """The highest of each row, on a parabola through three neighbours, and its place in the slab."""
-    rows, k = np.arange(len(values)), values.argmax(axis=1)
-    middle = np.clip(k, 1, values.shape[1] - 2)
-    before, here, after = (values[rows, middle + j] for j in (-1, 0, 1))
-    bend = 2 * here - before - after
-    off = (after - before) / np.where(bend > 0, 2 * bend, np.inf)
-    inside = (bend > 0) & (np.abs(off) <= 1)
-    top = np.where(inside, here + off * (after - before) / 4, values[rows, k])
-    return top, np.where(inside, SEARCHED[middle] + off * SEARCHED[1], SEARCHED[k])
+        return Envelope(self.nodes, start, *seen, weight, per_metre)
 
 
 def watch(assembly: Assembly, slabs: Slabs) -> Extremes:

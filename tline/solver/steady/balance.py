@@ -128,13 +128,12 @@ def _starts(laws: EdgeLaws, linear: Linear) -> list[NDArray]:
     held, edges = ~np.isnan(linear.given), len(laws.from_node)
     effort = np.where(held, linear.given, linear.given[held].mean() if held.any() else 0.0)
     largest = _largest(linear)
-    matrix, f, _ = linear.matrix(0.0, edges)
-    starts = []
+    system, starts = _System(laws, linear, 0.0), []
     for share in STARTS if edges else STARTS[:1]:
         z = np.concatenate([np.full(edges, share * largest), effort, np.zeros(len(linear.known))])
-        starts.append((float(np.abs(_Point(laws, linear, matrix, f, z).left).max()), z))
+        starts.append((float(np.abs(_Point(system, z).left).max()), z))
     found = [z for _, z in sorted(starts, key=lambda start: start[0])]
-    return found if linear.B is None else [np.zeros(len(f)), *found]  # no flow goes round that nothing drives
+    return found if linear.B is None else [np.zeros(len(system.f)), *found]  # no flow goes round that nothing drives
 
 
 def _largest(linear: Linear) -> float:
@@ -142,43 +141,53 @@ def _largest(linear: Linear) -> float:
     return max(held, linear.unit * np.abs(linear.driven).max(initial=0.0)) or 1.0
 
 
-class _Point:
-    """What is left of laws and balances at some unknowns, and how that changes with them."""
+class _System:
+    """Laws and balances at a leak."""
 
-    def __init__(self, laws: EdgeLaws, linear: Linear, matrix: Sparse, f: NDArray, z: NDArray):
-        edges = len(laws.from_node)
-        self.z, self._matrix = z, matrix
-        drop, self.flow, self._steep, self._slope = laws.solved(z[:edges])
-        if linear.B is not None:
-            self._slope = np.maximum(self._slope, SHUT / linear.unit)
-        self.left = matrix @ z - f
-        self.left[:edges] += drop
-        self._ends = []
+    def __init__(self, laws: EdgeLaws, linear: Linear, leaking: float):
+        self.laws, self.linear, self.edges = laws, linear, len(laws.from_node)
+        self.matrix, self.f, self.leak = linear.matrix(leaking, self.edges)
+        self.least, self.ends = NOTHING * _largest(linear), []
         for end, sign in ((laws.from_node, 1.0), (laws.to_node, -1.0)):
             there = np.flatnonzero(end >= 0)
             free = there[np.isnan(linear.given[end[there]])]
-            self._ends.append((there, edges + end[there], free, edges + end[free], sign * linear.unit))
-            self.left[there] -= sign * z[edges + end[there]]
-            np.add.at(self.left, edges + end[free], sign * linear.unit * self.flow[free])
+            balance = self.edges + end[free]
+            self.ends.append((there, self.edges + end[there], free, balance, sign, sign * linear.unit))
+
+
+class _Point:
+    """What is left of laws and balances at some unknowns, and how that changes with them."""
+
+    def __init__(self, system: _System, z: NDArray):
+        linear, edges = system.linear, system.edges
+        self.z, self._system = z, system
+        drop, self.flow, self._steep, self._slope = system.laws.solved(z[:edges])
+        if linear.B is not None:
+            self._slope = np.maximum(self._slope, SHUT / linear.unit)
+        self.left = system.matrix @ z - system.f
+        self.left[:edges] += drop
+        for there, at, free, balance, sign, unit in system.ends:
+            self.left[there] -= sign * z[at]
+            np.add.at(self.left, balance, unit * self.flow[free])
         self.worst = float(np.abs(self.left).max())
         sizes = np.abs(drop).max(initial=0.0), linear.unit * np.abs(self.flow).max(initial=0.0)
-        self.scale = max(*sizes, np.abs(z[edges:]).max(), NOTHING * _largest(linear))
+        self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
 
     def jacobian(self) -> Sparse:
         """Laws first, then balances."""
         edges = np.arange(len(self.flow))
         parts = [Sparse(edges, edges, np.maximum(self._steep, LEAST))]
-        for there, at, free, balance, unit in self._ends:
-            parts.append(Sparse(there, at, np.full(len(there), -np.sign(unit))))
+        for there, at, free, balance, sign, unit in self._system.ends:
+            parts.append(Sparse(there, at, np.full(len(there), -sign)))
             parts.append(Sparse(balance, free, unit * self._slope[free]))
-        return self._matrix.plus(*parts)
+        return self._system.matrix.plus(*parts)
 
 
 def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:
     """Newton's steps from a start, halved until what is left falls."""
-    edges, n = len(laws.from_node), len(linear.given)
-    matrix, f, leak = linear.matrix(leaking, edges)
-    here, limit = _Point(laws, linear, matrix, f, start), None
+    system = _System(laws, linear, leaking)
+    edges, n = system.edges, len(linear.given)
+    here, limit = _Point(system, start), None
     for _ in range(STEPS):
         if here.worst <= SPARE * here.scale:
             break
@@ -190,7 +199,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
             step = here.z - limit.z
         share = 1.0
         for _ in range(HALVINGS):
-            there = _Point(laws, linear, matrix, f, here.z - share * step)
+            there = _Point(system, here.z - share * step)
             if there.worst < here.worst:
                 break
             share /= 2
@@ -199,7 +208,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
         here = there
     effort, others = np.split(here.z[edges:], [n])
     rest = np.abs(here.left) / here.scale
-    return Balance(here.z, effort, others, here.flow, rest, leak * effort, limit)
+    return Balance(here.z, effort, others, here.flow, rest, system.leak * effort, limit)
 
 
 def _solved(J: Sparse, edges: int, left: NDArray) -> NDArray:

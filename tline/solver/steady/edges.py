@@ -12,7 +12,7 @@ from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, opened
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import EdgeLaws
-from tline.solver.steady.flows import flows_through
+from tline.solver.steady.flows import Flows
 from tline.solver.steady.lossy_lines import Falls, FrictionTable
 from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
@@ -72,6 +72,7 @@ class Edges:
         """The same between the parts that the nodes are in, where efforts are no larger than that."""
         ends = np.append(part, -1)
         self.packed = self.packed._replace(source_impedance=_steep(self.packed, largest))
+        self._flows = Flows(self.packed)
         return EdgeLaws(
             ends[self.from_node],
             ends[self.to_node],
@@ -92,7 +93,7 @@ class Edges:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
         count = len(self.falls.z0)
         fall, y, steep, dy = self.falls.solved(a[:count])
-        flow, slope = flows_through(self.packed, a[count:])
+        flow, slope = self._flows(a[count:])
         source_impedance = self.packed.source_impedance
         return (
             np.concatenate([fall, a[count:] - source_impedance * flow]),

@@ -62,6 +62,8 @@ class Falls:
 
     def solved(self, a: NDArray) -> Slopes:
         """Falls and flows, and their slopes over a."""
+        if not len(a):
+            return a, a, a, a
         y, dy = a / self.z0, 1 / self.z0
         fall, slope = self._resistance * y, self._resistance * dy
         for here, law in self._laws:

@@ -81,18 +81,19 @@ class _Parts(NamedTuple):
     description: Description
     number: dict[str, int]
     lines: Lines
-    at: AtNodes
     joins: Joins
     part: NDArray  # (nodes,)
+    at: AtNodes
 
 
 def _under(description: Description, tables: Mapping[str, FrictionTable], openings: dict[str, float]) -> Before:
     """The steady state with these openings of the elements that move them."""
-    nodes = description.nodes
-    number, n = {name: k for k, name in enumerate(nodes)}, len(nodes)
-    lines = lines_of(description, number)
-    at, joins = at_nodes(description, number, lines), joins_of(description, number, lines)
-    parted = _Parts(description, number, lines, at, joins, parts(joins.ends[:, 0], joins.ends[:, 1], n))
+    nodes, grids = description.nodes, description.grids
+    if _Parts not in grids:  # which other values at the nodes leave as they are
+        grids[_Parts] = _joined(description)
+    number, lines, joins, part = grids[_Parts]
+    at = at_nodes(description, number, lines)
+    parted = _Parts(description, number, lines, joins, part, at)
     _check_held(description, parted.part, at.given)
     _check_between(description, parted.part, number)
     edges = Edges(description, number, tables, openings, lines.falls)
@@ -106,6 +107,13 @@ def _under(description: Description, tables: Mapping[str, FrictionTable], openin
     return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through, openings, unknowns)
 
 
+def _joined(description: Description) -> tuple[dict[str, int], Lines, Joins, NDArray]:
+    number = {name: k for k, name in enumerate(description.nodes)}
+    lines = lines_of(description, number)
+    joins = joins_of(description, number, lines)
+    return number, lines, joins, parts(joins.ends[:, 0], joins.ends[:, 1], len(number))
+
+
 def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Efforts of nodes, and flows through joins and edges: first what the parts exchange, then flows inside them."""
     at, joins, part, n = parted.at, parted.joins, parted.part, len(parted.part)
@@ -114,8 +122,9 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
     laws = edges.laws(part, np.nanmax(np.abs(given), initial=0.0))
     near = _near(parted.description, len(edges.where) + len(given))
     found = balanced(laws, Linear(given, total, source, _unit(parted, laws)), near)
-    _check_found(parted, edges, laws, found, part)
-    effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0))[part]
+    driving = _driving(parted, edges)
+    _check_found(parted, edges, found, part, driving)
+    effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0), driving)[part]
     tie[np.unique(part, return_index=True)[1][np.isnan(given)]] = np.inf  # the potential's zero, anywhere
     first, second = joins.ends.T
     flow_in = at.driven - at.conductance * effort - edges.out_of_nodes(found.flow, n)
@@ -132,18 +141,19 @@ def _near(description: Description, count: int) -> NDArray | None:
 
 def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Efforts of nodes, and flows through joins and edges, beside multiports and coupled conductors."""
-    description, number, lines, at, joins, part = parted
+    description, number, lines, joins, part, at = parted
     alone = np.arange(len(number))
     laws = edges.laws(alone, np.nanmax(np.abs(at.given), initial=0.0))
     unit = _unit(parted, laws)
     linear, names, flows = ported(description, number, at, joins, edges.where, lines.delay[lines.falls], unit)
     found = balanced(laws, linear)
     check_limit(found.limit, names, joins, number)
-    _check_found(parted, edges, laws, found, alone)
+    driving = _driving(parted, edges)
+    _check_found(parted, edges, found, alone, driving)
     known = ~np.isnan(at.given) | (at.conductance != 0)
     known[[number[node] for branch in branches_with_ports(description) for node in branch.nodes]] = True
     known, first = np.bincount(part, known) > 0, np.unique(part, return_index=True)[1]
-    shift = _settled(parted, edges, found, found.effort[first], known) - found.effort[first]
+    shift = _settled(parted, edges, found, found.effort[first], known, driving) - found.effort[first]
     return found.effort + shift[part], found.others[flows] / unit, found.flow, found.unknowns
 
 
@@ -153,19 +163,20 @@ def _unit(parted: _Parts, laws: EdgeLaws) -> float:
     return float(np.exp(np.log(known).mean()))
 
 
-def _check_found(parted: _Parts, edges: Edges, laws: EdgeLaws, found: Balance, part: NDArray) -> None:
+def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, driving: float) -> None:
     """Refuse what was not found, and a flow that nothing takes.
 
     Parameters
     ----------
     part : ndarray, shape (nodes,)
         Number of each node's balance.
+    driving : float
+        The largest flow that something drives.
     """
     if not found.worst <= CLOSE:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
         where = edges.where[k] if k < edges.count else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
-    driving = _driving(parted, edges)
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=driving))
     if stuck.size and driving > 0:
         _refuse_flow(parted.description, parted.number, part, int(stuck[0]), float(found.leak[stuck[0]]))
@@ -179,7 +190,7 @@ def _driving(parted: _Parts, edges: Edges) -> float:
     return max(np.abs(parted.at.driven).max(), by_itself)
 
 
-def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, known: NDArray) -> NDArray:
+def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, known: NDArray, driving: float) -> NDArray:
     """The effort of each part, with those of pockets.
 
     Raises
@@ -189,7 +200,7 @@ def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, know
     """
     description, number, part = parted.description, parted.number, parted.part
     start = _starts(description, number, part)
-    holding = edges.holding(part, found.flow, np.abs(found.flow).max(initial=_driving(parted, edges)))
+    holding = edges.holding(part, found.flow, np.abs(found.flow).max(initial=driving))
     effort, opened = settled(effort, known, start, *holding)
     if opened.size:
         name = next(name for name in description.starts if part[number[name]] in opened)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import Result
-from tline.solver.tolerance.difference import Difference, difference, difference_at_ends
+from tline.solver.tolerance.difference import Difference, difference, difference_at_ends, is_smooth
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # of the largest amplitude of all probes; what is below is rounding
@@ -75,12 +75,12 @@ def differences(
 ) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Largest differences to a finer run by probe, for `estimates`, `inside` and `blurred` of `Accuracy`.
 
-    Where slab ends alone are beyond a tolerance, nothing else is looked at.
+    Where slab ends alone are beyond a tolerance, and the rest takes long, nothing else is looked at.
     """
     if coarse.envelope is not None:
         coarse, fine = as_computed(coarse), as_computed(fine)
     pairs = {name: (coarse.probes[name], probe) for name, probe in fine.probes.items()}
-    if tol is not None:
+    if tol is not None and not all(is_smooth(*pair) for pair in pairs.values()):
         at_ends = {name: difference_at_ends(*pair) for name, pair in pairs.items()}
         told = relative({name: Difference(off, off, off, most) for name, (off, most) in at_ends.items()})
         if max(estimate.worst for estimate in told[0].values()) > tol:

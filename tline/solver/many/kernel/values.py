@@ -6,7 +6,7 @@ import numpy as np
 
 from tline.compiled.structure import Floats, Floats2, Floats3, Floats4
 from tline.compiled.unit import unit
-from tline.solver.many.kernel.polynomials import fill, powers
+from tline.solver.kernel.peaks import fill, powers
 
 NEAR = 1e-9  # of a period; an instant this near to a slab's end is its end
 NARROWEST = 1e-18  # of a period: slabs of no width count as so wide

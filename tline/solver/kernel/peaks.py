@@ -6,7 +6,6 @@ import numpy as np
 
 from tline.compiled.structure import Floats, Floats2, Floats3
 from tline.compiled.unit import function, unit
-from tline.solver.many.kernel.polynomials import fill, powers
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
 SAME = 1e-12  # what is larger by less, relatively, is the same extreme
@@ -121,3 +120,24 @@ def peak(wave, c, sign, furthest, points, to_powers, coef):
         if step < NEWTON and bend < 0.0:
             x = min(max(x - 0.5 * slope / bend, 0.0), furthest)
     return best, at, 4.0 * abs(bend)
+
+
+@function
+def fill(wave, c, sign, to_powers, coef):
+    """Coefficients of a copy's polynomial in a slab, times a sign."""
+    for k in range(coef.size):
+        total = 0.0
+        for j in range(coef.size):
+            total += to_powers[k, j] * wave[j, c]
+        coef[k] = sign * total
+
+
+@function
+def powers(coef, z):
+    """A polynomial at z, its slope, and its second derivative."""
+    value, slope, bend = 0.0, 0.0, 0.0
+    for k in range(coef.size - 1, -1, -1):
+        bend = bend * z + 2.0 * slope
+        slope = slope * z + value
+        value = value * z + coef[k]
+    return value, slope, bend
