@@ -56,6 +56,16 @@ class Chain(Decided):
         """How the last step ended."""
         return self.steps[-1].status
 
+    @property
+    def load(self) -> Verdict:
+        """Of Z2 as an impedance."""
+        return self.steps[0].oracle
+
+    @property
+    def reflection(self) -> Verdict:
+        """Of H2 as a reflection."""
+        return self.steps[1].oracle
+
     def text_lines(self) -> list[str]:
         """The derivation in words."""
         lines = [f"through a line of z0 = {digits(self.z0)} and delay T = {digits(self.delay)}:"]

@@ -386,7 +386,7 @@ def test_a_wrong_tolerance_is_refused(tolerance):
 
 
 def test_robustness_is_about_impedances():
-    with pytest.raises(ExpressionError, match="check_positive_real"):
+    with pytest.raises(ExpressionError, match="one port, positive real proved or refuted"):
         robustness(check_bounded_real(TOUCHING), 0)
 
 
