@@ -85,7 +85,7 @@ def assemble(
     chosen = chosen if graded.any() else chosen._replace(layers=0.0)
     grid, order, groups = layout.grid, basis(chosen.s), layout.groups
     rows = _rows_of(layout, order, record, laws, description.probed_nodes)
-    network, s = _network(layout, order, rows, chosen.same), order.s
+    network, s = _network(layout, order, rows, chosen), order.s
     state = State(
         waves=np.repeat(layout.arriving, np.repeat(grid.delay * s, 2)),
         slot=np.zeros(len(grid.delay), np.int64),
@@ -93,7 +93,8 @@ def assemble(
         before=np.repeat(layout.arriving[:, None], s, axis=1),
         load=np.concatenate([layout.systems.states, layout.states]),
         loss_states=np.zeros(grid.memory),
-        halves=np.zeros((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
+        halves=np.zeros((len(network.ends) if network.diamonds.at_group.any() else 0, len(network.diamonds.values))),
+        since=np.zeros(len(network.diamonds.line), np.int64),
     )
     if description.steady and grid.circuits:
         ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
@@ -162,7 +163,7 @@ def _rows_of(layout: Layout, order: Basis, record: set[str], laws: Collection[st
     return of_last(layout.junctions.rows, (s, frozenset(record), tuple(laws), tuple(probed), places), made, ORDERS)
 
 
-def _network(layout: Layout, order: Basis, rows: Rows, same: float) -> Network:
+def _network(layout: Layout, order: Basis, rows: Rows, chosen: Resolution) -> Network:
     """The constant arrays of a layout at an order."""
     grid, systems = layout.grid, layout.systems
     step, step_at = maps_of(systems, order, grid.h)
@@ -186,7 +187,7 @@ def _network(layout: Layout, order: Basis, rows: Rows, same: float) -> Network:
         effort_row=rows.nodes,
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
         losses=grid.losses,
-        diamonds=diamonds_of(grid, order, layout.junctions, same),
+        diamonds=diamonds_of(grid, order, layout.junctions, chosen.same, chosen.cell / grid.h),
         blocks=layout.junctions.blocks,
     )
 

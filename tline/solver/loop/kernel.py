@@ -109,7 +109,7 @@ def _packed(network: Network) -> Network:
 def _shape(network: Network, state: State, fronts: Fronts | None) -> Hashable:
     """What units and the size of their workspace depend on, beside the grid."""
     laws = network.laws
-    arrays = network.group, network.load_at, network.step_states, laws.first, laws.kind
+    arrays = network.group, network.load_at, network.step_states, laws.first, laws.kind, network.diamonds.cell
     return fronts is None, state.before.shape, *(array.tobytes() for array in arrays)
 
 
