@@ -187,7 +187,7 @@ def _network(layout: Layout, order: Basis, rows: Rows, chosen: Resolution) -> Ne
         effort_row=rows.nodes,
         laws=with_basis(layout.laws, order, grid.h, rows.laws),
         losses=grid.losses,
-        diamonds=diamonds_of(grid, order, layout.junctions, chosen.same, chosen.cell / grid.h),
+        diamonds=diamonds_of(grid, order, layout.junctions, chosen.same),
         blocks=layout.junctions.blocks,
     )
 

@@ -85,7 +85,7 @@ def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
     return np.stack([across[:, m] * along[:, n] for m in range(s + 1) for n in range(s + 1 - m)], axis=1)
 
 
-def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float, cell: float) -> Diamonds:
+def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float) -> Diamonds:
     """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint.
 
     Friction is in cells of so many slabs if these are some, and else in diamonds of one.
@@ -94,9 +94,11 @@ def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: fl
     lines = list(grid.lines.values())
     each = [lines[k] for k in here]
     row, rest = np.full(len(lines), -1), [rests[at] if at >= 0 else 0.0 for at in grid.shift_row[here].tolist()]
+    cell, blocks = grid.cell, junctions.blocks
     if not cell:
         row[here] = np.arange(len(here))
-    cells = [_cell(D, f, cell) for D, f in zip(grid.delay[here].tolist(), rest, strict=True)]
+    steps = np.where(blocks.waits[here], blocks.stride, 1).tolist()
+    cells = [_cell(*each, cell) for each in zip(grid.delay[here].tolist(), rest, steps, strict=True)]
     tables, table_at = _tables(each)
     at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
     matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here and not cell]
@@ -122,12 +124,12 @@ def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: fl
     )
 
 
-def _cell(D: int, f: float, wanted: float) -> tuple[int, float]:
-    """Slabs in a cell of a line D + f slabs long, at most so many, that leave least of it, and what they leave."""
+def _cell(D: int, f: float, step: int, wanted: float) -> tuple[int, float]:
+    """Slabs in a cell of a line D + f slabs long, whole steps, that leave least of it, and what they leave."""
     if not wanted:
         return 0, 0.0
     most = min(int(wanted), D)
-    k = min(range(most, most // 2, -1), key=lambda k: (D % k + f) / k)
+    k = min(range(most - most % step, most // 2, -step), key=lambda k: (D % k + f) / k)
     return k, D % k + f
 
 

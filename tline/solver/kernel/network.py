@@ -121,6 +121,8 @@ class Blocks(NamedTuple):
     near_lines: Integers
     far_rows: Integers
     near_rows: Integers
+    far_cells: Integers  # rows of diamonds
+    near_cells: Integers
     waits: Flags  # (L,) whether a line is far
 
 

@@ -11,6 +11,7 @@ from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import copy, times
 from tline.solver.kernel.diamonds.full import flushed
 from tline.solver.kernel.network import Run
+from tline.solver.kernel.scatter import FAR
 
 CELL_ORDER = 2  # at most: what cells take in place of half diamonds is of second order whatever theirs
 PARTS = 8  # of a wave in a cell, between jumps; beyond that jumps are projected
@@ -141,27 +142,29 @@ def put_back(run, row, o, at, ring, side, n):
 
 
 @function
-def due(run, row):
-    """Place in its line's ring of the last k slabs that have left end 1, if their cells are due, or else -k."""
+def due(run, row, count):
+    """Place in its line's ring of the last k slabs that have left end 1, if their cells are now due, or else -2 k."""
     network, state = run.network, run.state
     k, line = network.diamonds.cell[row], network.diamonds.line[row]
-    state.since[row] += 1
+    state.since[row] += count
     if state.since[row] < k:
-        return -k
+        return -2 * k
     state.since[row] = 0
-    return state.side[line] * network.delay[line] + state.slot[line] + 1 - k
+    return state.side[line] * network.delay[line] + state.slot[line] - k
 
 
 @unit
-def pass_cells(run: Run) -> int:
-    """Advance all lines with losses by the cells that are complete. Returns as `pass_diamonds` does.
+def pass_cells(run: Run, chosen: int, count: int) -> int:
+    """Advance the FAR or NEAR lines with losses by cells that are complete after so many slabs more.
+
+    Returns as `pass_diamonds` does.
 
     Cells half of whose time has passed come first, then those half a cell later.
     """
-    network, diamonds = run.network, run.network.diamonds
-    for row in range(diamonds.line.size):
-        begin, line, k = due(run, row), diamonds.line[row], diamonds.cell[row]
-        if begin == -k:
+    network, diamonds, blocks = run.network, run.network.diamonds, run.network.blocks
+    for row in blocks.far_cells if chosen == FAR else blocks.near_cells:
+        begin, line, k = due(run, row, count), diamonds.line[row], diamonds.cell[row]
+        if begin < -k:
             continue
         o, D = network.offset[line], network.delay[line]
         ring, number = 2 * D, D // k

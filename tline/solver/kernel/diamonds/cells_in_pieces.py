@@ -125,12 +125,12 @@ def put_back_wave(job, row, o, at, ring, side, in_pieces, n):
 
 
 @unit
-def pass_cells_in_pieces(job: FrontRun) -> int:
+def pass_cells_in_pieces(job: FrontRun, count: int) -> int:
     """Advance all lines with losses as `pass_cells` does, where some slabs are in pieces."""
     run, network, diamonds = job.run, job.run.network, job.run.network.diamonds
     for row in range(diamonds.line.size):
-        begin, line, k = due(run, row), diamonds.line[row], diamonds.cell[row]
-        if begin == -k:
+        begin, line, k = due(run, row, count), diamonds.line[row], diamonds.cell[row]
+        if begin < -k:
             continue
         o, D = network.offset[line], network.delay[line]
         ring, number = 2 * D, D // k

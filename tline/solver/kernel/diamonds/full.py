@@ -111,7 +111,7 @@ def meet_apart(run, row, a, p, b, q, wide, high):
 
 
 @unit
-def pass_diamonds(run: Run) -> int:
+def pass_diamonds(run: Run, chosen: int, count: int) -> int:
     """Advance all lines with losses by the diamonds of the slab in which the nodes have just worked.
 
     Those in whose middle the slab begins come first, then those half a slab later. Returns the number of a line whose
@@ -122,7 +122,7 @@ def pass_diamonds(run: Run) -> int:
     for row in range(diamonds.line.size):
         line = diamonds.line[row]
         D, o = network.delay[line], network.offset[line]
-        t = state.side[line] * D + state.slot[line]
+        t = state.side[line] * D + state.slot[line] - 1
         for later in range(2):
             for k in range(1 - later, D):
                 a, b = t - k, t + k + later
