@@ -162,7 +162,9 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
     Cells half of whose time has passed come first, then those half a cell later.
     """
     network, diamonds, blocks = run.network, run.network.diamonds, run.network.blocks
-    for row in blocks.far_cells if chosen == FAR else blocks.near_cells:
+    rows = blocks.far_cells if chosen == FAR else blocks.near_cells
+    for index in range(rows.size):
+        row = int(rows[index])
         begin, line, k = due(run, row, count), diamonds.line[row], diamonds.cell[row]
         if begin < -k:
             continue
