@@ -157,14 +157,15 @@ def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
         before=np.empty((2 * lines, s)),
         load=np.empty(loads),
         loss_states=np.empty(grid.memory),
-        halves=np.empty((len(network.ends), len(network.diamonds.values)) if len(network.diamonds.line) else (0, 0)),
+        halves=np.empty((len(network.ends) if network.diamonds.at_group.any() else 0, len(network.diamonds.values))),
+        since=np.empty(len(network.diamonds.line), np.int64),
     )
 
 
 def _begin(assembly: Assembly, layout: Layout) -> None:
     """Put in place what there is before t = 0."""
     state, network, grid, order = assembly.state, assembly.network, layout.grid, assembly.basis
-    for part in (state.slot, state.side, state.loss_states, state.halves):
+    for part in (state.slot, state.side, state.loss_states, state.halves, state.since):
         part.fill(0)
     state.waves[:] = np.repeat(layout.arriving, np.repeat(grid.delay * order.s, 2))
     state.before[:] = layout.arriving[:, None]

@@ -5,6 +5,8 @@ take of the waves there. All nodes for which that takes a stride or longer go a 
 short steps.
 """
 
+from collections.abc import Collection
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,13 +15,16 @@ from tline.solver.kernel.network import Blocks, LossElements
 LONGEST = 512  # slabs; more at once save nothing
 
 
-def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, losses: LossElements) -> Blocks:
+def blocks_of(
+    reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, losses: LossElements, diamonds: Collection[int] = ()
+) -> Blocks:
     """The blocks of a network whose lines each reach so many slabs; for the other arrays see `Network`."""
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])
     stride = _stride(of_group, np.add.reduceat(degree, group[:-1]))
     groups, lines, rows = of_group >= stride, reach >= stride, reach[losses.line] >= stride
+    cells = lines[list(diamonds)]
     return Blocks(
         stride,
         step=int(reach[~lines].min(initial=stride)),
@@ -29,6 +34,8 @@ def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, los
         near_lines=np.flatnonzero(~lines),
         far_rows=np.flatnonzero(rows),
         near_rows=np.flatnonzero(~rows),
+        far_cells=np.flatnonzero(cells),
+        near_cells=np.flatnonzero(~cells),
         waits=lines,
     )
 

@@ -14,7 +14,9 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
+from tline.solver.description.laws import tools_of
 from tline.solver.description.lines import Line
+from tline.solver.kernel.diamonds.cells import CELL_ORDER
 from tline.solver.kernel.diamonds.friction import PLACES, TERMS
 from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds
 from tline.solver.radau import Basis, basis, gauss
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 EXPONENT = 1023  # of 1.0, as numbers hold it
 EXACT, SHARE = 1e-15, 1e-6  # of the largest wave, and of what may be left out: changes that end an iteration
+STEP, WEAK = 1e-5, 8.0  # of the largest wave, and of what may be left out: jumps that part a cell
 KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
 
 
@@ -83,30 +86,51 @@ def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
 
 
 def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float) -> Diamonds:
-    """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint."""
+    """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint.
+
+    Friction is in cells of so many slabs if these are some, and else in diamonds of one.
+    """
     here, rests, ends = list(grid.diamonds), grid.rests, junctions.ends
     lines = list(grid.lines.values())
     each = [lines[k] for k in here]
-    row = np.full(len(lines), -1)
-    row[here] = np.arange(len(here))
+    row, rest = np.full(len(lines), -1), [rests[at] if at >= 0 else 0.0 for at in grid.shift_row[here].tolist()]
+    cell, blocks = grid.cell, junctions.blocks
+    if not cell:
+        row[here] = np.arange(len(here))
+    steps = np.where(blocks.waits[here], blocks.stride, 1).tolist()
+    cells = [_cell(*each, cell) for each in zip(grid.delay[here].tolist(), rest, steps, strict=True)]
     tables, table_at = _tables(each)
     at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
-    matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here]
+    matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here and not cell]
     friction = [_friction(line, grid.h) for line in each]
     return Diamonds(
         np.array(here, int),
         row,
         np.diff(at_end[junctions.first[junctions.group]]) > 0,
-        np.array([rests[at] if at >= 0 else 0.0 for at in grid.shift_row[here].tolist()]),
+        np.array(rest),
         np.array([kind for kind, _ in friction], int),
         np.array([constants for _, constants in friction]).reshape(-1, 5),
         tables,
         table_at,
-        order.A,
-        *triangle(order.s if here else 1),
+        tools_of(basis(min(order.s, CELL_ORDER)) if cell else order),
+        order.A[-1],
+        *triangle(order.s if here and not cell else 1),
         ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
         exact=max(EXACT, SHARE * same),
+        cell=np.array([k for k, _ in cells], int),
+        over=np.array([over for _, over in cells]),
+        begin=order.evaluation([0.0])[0],
+        jump=max(STEP, WEAK * same),
     )
+
+
+def _cell(D: int, f: float, step: int, wanted: float) -> tuple[int, float]:
+    """Slabs in a cell of a line D + f slabs long, whole steps, that leave least of it, and what they leave."""
+    if not wanted:
+        return 0, 0.0
+    most = min(int(wanted), D)
+    k = min(range(most - most % step, most // 2, -step), key=lambda k: (D % k + f) / k)
+    return k, D % k + f
 
 
 def _friction(line: Line, h: float) -> tuple[int, list[float]]:

@@ -28,6 +28,7 @@ from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.steady_state import Before, above_level, rest
 from tline.words.progress import Progress
 
+CELLS_AHEAD = 2  # times that nodes go on at once while a cell passes, at least: cells are whole multiples of that
 LAYOUTS = 2  # of a scene that are kept
 STAGES = 3  # lines, state before t = 0, nodes
 
@@ -57,6 +58,7 @@ class SlabGrid:
     circuits: dict[str, Circuits]  # of lossy lines
     losses: LossElements
     diamonds: Collection[int]  # numbers of lines that lose all along
+    cell: float  # slabs of the cells in which they do, at most; 0 for diamonds of one
     memory: int  # states of the loss elements
     junctions: dict[Hashable, Junctions] = field(default_factory=dict)  # by the order of nodes, and nodes of a group
     spare: dict[Hashable, Any] = field(default_factory=dict)  # assemblies whose run is over
@@ -65,7 +67,8 @@ class SlabGrid:
     def reach(self) -> NDArray:
         """Slabs in which nothing passes along a line from one place that takes of it to another, or an end."""
         reach = self.losses.gap if len(self.losses.gap) else self.delay.copy()
-        reach[list(self.diamonds)] = 1
+        here = list(self.diamonds)
+        reach[here] = np.minimum(reach[here], max(int(self.cell / CELLS_AHEAD), 1))
         return reach
 
     def joined(self, groups: list[Group], nodes: dict[str, Node]) -> Junctions:
@@ -75,7 +78,7 @@ class SlabGrid:
             ends = np.array([end for node in nodes.values() for end in node.ends])
             degree = np.array([len(node.ends) for node in nodes.values()])
             first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
-            blocks = blocks_of(self.reach, first, ends, group, self.losses)
+            blocks = blocks_of(self.reach, first, ends, group, self.losses, self.diamonds)
             self.junctions[key] = Junctions(ends, degree, first, group, blocks)
         return self.junctions[key]
 
@@ -138,7 +141,7 @@ def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
     fit = fit_of(description.t_end, chosen.h, chosen.fit, fastest)
-    return chosen.s, fit, chosen.loss_elements, chosen.diamonds and description.diamonds
+    return chosen.s, fit, chosen.loss_elements, chosen.cell, chosen.diamonds and description.diamonds
 
 
 def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
@@ -163,7 +166,7 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
     diamonds = [k for k, line in enumerate(lines.values()) if losses and losses[-1] and line.in_diamonds]
     elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, diamonds)
     z0 = np.array([line.z0 for line in lines.values()])
-    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, elements, diamonds, memory)
+    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, elements, diamonds, chosen.cell / h, memory)
 
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:

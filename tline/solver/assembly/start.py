@@ -62,6 +62,9 @@ def fill_diamonds(network: Network, state: State, flows: Mapping[int, Ends], ord
     """Write waves on lines that lose all along, each slab on its next edge, and what half diamonds take."""
     s, c = order.s, order.c
     for row, k in enumerate(network.diamonds.line.tolist()):
+        if network.diamonds.cell[row]:
+            _fill_cells(network, state, row, flows[k], order)
+            continue
         D, f = int(network.delay[k]), float(network.diamonds.rest[row])
         m, n = np.arange(-D, 0)[:, None], np.arange(D)[:, None]
         ring = state.waves[network.offset[k] :][: 2 * D * s].reshape(2, D, s)
@@ -76,3 +79,15 @@ def fill_diamonds(network: Network, state: State, flows: Mapping[int, Ends], ord
         d = 2 * flows[k].line.z0 * float(flows[k].y[0])
         state.halves[2 * k] = lost(network.diamonds, row, d)[0]
         state.halves[2 * k + 1] = -state.halves[2 * k]
+
+
+def _fill_cells(network: Network, state: State, row: int, flow: Ends, order: Basis) -> None:
+    """Write waves on a line whose friction is in cells: what each slab has lost in those that it has passed."""
+    line, k, over = network.diamonds.line[row], int(network.diamonds.cell[row]), float(network.diamonds.over[row])
+    D, s, long = int(network.delay[line]), order.s, float(network.delay[line] + network.diamonds.rest[row])
+    since, most = np.arange(D)[::-1, None], D // k - 1  # slabs since each has left its end
+    passed, place = since // k, (k - 1 - since % k + order.c) / k
+    share = np.where(passed < most, (2 * passed + 3 - place + over / k) * k / (2 * long), 1.0)
+    ring = state.waves[network.offset[line] :][: 2 * D * s].reshape(2, D, s)
+    (ua, qa), (ub, qb) = flow.at(share), flow.at(1 - share)
+    ring[0], ring[1] = ub - qb, ua + qa

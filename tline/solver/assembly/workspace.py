@@ -7,6 +7,7 @@ import numpy as np
 
 from tline.compiled.structure import pack
 from tline.solver.assembly.settling import SUBSTEPS
+from tline.solver.kernel.diamonds.cells import CELL_ORDER, PARTS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.losses.passing import ABREAST
 from tline.solver.kernel.network import (
@@ -88,19 +89,27 @@ def renew(work: Work, laws: Laws, s: int) -> None:
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
     """Workspace of diamonds, beside groups of at most so many states and elements."""
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
+    widest = int(network.diamonds.cell.max(initial=0))
+    r = min(s, CELL_ORDER) if widest else s
     modes, kept = (
         len(network.diamonds.moments),
         states + (GOVERNED + int(network.laws.states.max(initial=0))) * elements,
     )
     return DiamondWork(
-        taken=np.empty((s, s)),
-        along=np.empty((s, s)),
-        base=np.empty((s, s)),
-        value=np.empty((s, s)),
-        slope=np.empty((s, s)),
+        taken=np.empty((r, r)),
+        along=np.empty((r, r)),
+        base=np.empty((r, r)),
+        value=np.empty((r, r)),
+        slope=np.empty((r, r)),
+        weight=np.ones((r, r)),
+        edges=np.empty((2, PARTS + 1)),
+        parts=np.empty((4, PARTS, r)),
+        slabs=np.empty((2, widest * s)),
+        shape=np.empty((r, widest * s)),
+        shaped=np.zeros(1, np.int64),
         tangent=np.empty((3, ends, len(network.diamonds.values))),
-        a=np.empty(s),
-        b=np.empty(s),
+        a=np.empty(r),
+        b=np.empty(r),
         coming=np.empty((ends, s)),
         tail=np.empty((ends, s)),
         seen=np.empty((ends, modes)),

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
-from tline.solver.description.slab import ORDER, WHOLE, breaks_of, relative_work, slab_of, whole_slabs
+from tline.solver.description.slab import ORDER, WHOLE, breaks_of, cell_of, relative_work, slab_of, whole_slabs
 from tline.words.wording import place
 
 FIT = 1e-7
@@ -32,6 +32,7 @@ class Resolution(NamedTuple):
     loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
     same: float = 0.0  # of the largest wave: pieces that continue each other so well are one, and always by rounding
     diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
+    cell: float = 0.0  # width of the cells in which it is found, s; 0 for slabs
     exact: bool = True  # whether waves are convolutions, where a scene is one for that; else lines have loss elements
     convolved: bool = False  # whether slabs are chosen for convolutions; by hand they may be any
     near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
@@ -70,7 +71,8 @@ def resolution(
     h = h or float(fixed.slab or 0.0)
     h = h or (_first_rounded(delays, t_end) if fixed.rounded else slab_of(description, delays, scales, settle))
     _check(t_end, delays, s, h, by_hand)
-    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
+    cell = cell_of(description, h)
+    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements, cell=cell)
     if fixed.rounded:
         places = ceil(sqrt(max(delays.values()) / h))  # of second order in these, so of first order in the slab
         chosen = chosen._replace(loss_elements=places, plain=True, rounded=True)

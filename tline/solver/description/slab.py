@@ -25,6 +25,7 @@ MOST_PLACES = 4  # pieces of a slab, as far as is foretold
 WITH_SHIFTS = 20.0  # the same where no front is, but waves are projected
 BESIDE = 2e4  # samples without fronts that take as long as what comes with a run whose slabs are not whole
 DIAMONDS = 2e4  # that a first run may have: some hundredths of a second
+MOST_DIAMONDS = 1e6  # of a run, beyond which friction is in cells wider than slabs, at first as few of these
 SPARE_PARTS = 2  # times that slabs may be narrower to divide delays
 PLACES = 9  # digits of an instant's place in its slab
 ORDER = 5
@@ -63,6 +64,13 @@ def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wante
     times = ((*delays, *breaks[:MOST_MARKS].tolist()), (*delays,))
     parts = next(filter(None, (common_parts(each, shortest, most) for each in times)), 1)
     return shortest / (parts * 2 ** max(floor(log2(shortest / parts / wanted)), 0))
+
+
+def cell_of(description: Description, h: float) -> float:
+    """Width of cells of friction beside slabs of width h, s; 0 where diamonds are not too many."""
+    delays = [line.delay for line in description.lines.values() if line.in_diamonds] if description.diamonds else []
+    area = 2 * sum(delays) * description.t_end
+    return sqrt(area / DIAMONDS) if area > MOST_DIAMONDS * h * h else 0.0
 
 
 @lru_cache(maxsize=8)  # runs with other values ask the same

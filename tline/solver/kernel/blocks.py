@@ -30,6 +30,15 @@ def lose(run, rows, m):
 
 
 @function
+def until_due(run, rows, most):
+    """Slabs until friction is due in the cells of some lines, at most so many."""
+    for r in rows:
+        if run.network.diamonds.cell[r] > 0:
+            most = min(most, run.network.diamonds.cell[r] - run.state.since[r])
+    return most
+
+
+@function
 def node_at(network, end):
     """Node at which a line ends."""
     node = np.int64(0)
@@ -50,22 +59,26 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
     network, state, blocks, units = run.network, run.state, run.network.blocks, run.units
     done = np.int64(0)
     while done < n_slabs:
-        block, begun, far = min(blocks.stride, n_slabs - done), np.int64(0), True
+        block = until_due(run, blocks.far_cells, min(blocks.stride, n_slabs - done))
+        begun, far = np.int64(0), True
         while begun < block:
-            groups, count = (FAR, block) if far else (NEAR, min(blocks.step, block - begun))
+            count = block if far else until_due(run, blocks.near_cells, min(blocks.step, block - begun))
+            groups = FAR if far else NEAR
             node = invoke(units.scatter, (run, np.int64(groups), k + done + begun, begun, count, column))
             if node >= 0:
                 return node
             if not far:
                 lose(run, blocks.near_rows, count)
-                if units.diamonds != 0:
-                    line = invoke(units.diamonds, (run,))
-                    if line >= 0:
-                        return node_at(network, 2 * line)
                 rotate(network, state, blocks.near_lines, count)
+                line = invoke(units.diamonds, (run, np.int64(NEAR), count)) if blocks.near_cells.size else -1
+                if line >= 0:
+                    return node_at(network, 2 * line)
                 begun += count
             far = False
         lose(run, blocks.far_rows, block)
         rotate(network, state, blocks.far_lines, block)
+        line = invoke(units.diamonds, (run, np.int64(FAR), block)) if blocks.far_cells.size else -1
+        if line >= 0:
+            return node_at(network, 2 * line)
         done += block
     return -1

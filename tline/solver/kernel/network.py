@@ -84,14 +84,15 @@ class Diamonds(NamedTuple):
     """Lines that lose all along, advanced slab by slab in diamonds; K modes on a triangle, M points in it."""
 
     line: Integers  # (rows,)
-    row: Integers  # (L,) of a line, or -1
+    row: Integers  # (L,) of a line with half diamonds, or -1
     at_group: Flags  # (G,) whether such a line ends there
     rest: Floats  # (rows,) fractional rest of the delay
     kind: Integers  # (rows,)
     constants: Floats2  # (rows, 5) r, k, c, n or ρ, and roughness: see `tline.solver.kernel.diamonds.friction`
     tables: Floats
     table_at: Integers  # (rows,) place of a row's table
-    radau: Floats2  # (s, s)
+    tools: Tools  # of the order of friction, that of waves or a low one in cells: r
+    weight: Floats  # (s,) of the points of a slab
     sent: Floats2  # (K, s) modes of what is sent, over the triangle
     seen: Floats2  # (K, s) of what arrives
     inside: Floats2  # (K, K) by which modes of friction lower those of the flow
@@ -101,6 +102,12 @@ class Diamonds(NamedTuple):
     left: Floats3  # (2, s, K) what it takes from what leaves
     ends: Floats4  # (rows of shift, 2, s, s) a rest of a slab in the next one, and the rest of a slab
     exact: float  # of the largest wave: changes that end an iteration
+    cell: (
+        Integers  # (rows,) slabs of each wave in a cell of friction, or 0: diamonds of one slab, and half ones at nodes
+    )
+    over: Floats  # (rows,) slabs of the delay that whole cells leave
+    begin: Floats  # (s,) of a polynomial's values at the points, its value where its slab begins
+    jump: float  # of the largest wave of a cell: jumps between slabs that are to part it
 
 
 class Blocks(NamedTuple):
@@ -114,6 +121,8 @@ class Blocks(NamedTuple):
     near_lines: Integers
     far_rows: Integers
     near_rows: Integers
+    far_cells: Integers  # rows of diamonds
+    near_cells: Integers
     waits: Flags  # (L,) whether a line is far
 
 
@@ -153,6 +162,7 @@ class State(NamedTuple):
     load: Floats  # of all groups, one after the other
     loss_states: Floats  # of all circuits in loss elements
     halves: Floats2  # (2 L, M) what friction takes at the points of the half diamonds at line ends
+    since: Integers  # (rows of diamonds,) slabs since the cells of a line were advanced
 
 
 class Units(NamedTuple):
@@ -259,13 +269,19 @@ class GovernWork(NamedTuple):
 class DiamondWork(NamedTuple):
     """Workspace of diamonds, and of their halves at the E ends of a group."""
 
-    taken: Floats2  # (s, s) by friction
-    along: Floats2  # (s, s) the flow that this leaves
-    base: Floats2  # (s, s) the flow at which the next two are
-    value: Floats2  # (s, s) of friction
-    slope: Floats2  # (s, s)
+    taken: Floats2  # (r, r) by friction
+    along: Floats2  # (r, r) the flow that this leaves
+    base: Floats2  # (r, r) the flow at which the next two are
+    value: Floats2  # (r, r) of friction
+    slope: Floats2  # (r, r)
+    weight: Floats2  # (r, r) times that friction counts
+    edges: Floats2  # (2, PARTS + 1) of the parts of two waves in a cell
+    parts: Floats3  # (4, PARTS, r) of these, and their coefficients before they meet
+    slabs: Floats2  # (2, k s) of these waves
+    shape: Floats2  # (r, k s) Legendre polynomials over a part
+    shaped: Integers  # (1,) slabs of that
     tangent: Floats3  # (3, E, M) the same three of half diamonds
-    a: Floats  # (s,) a wave in a part of a diamond
+    a: Floats  # (r,) a wave in a part of a diamond, or in a cell
     b: Floats
     coming: Floats2  # (E, s) what arrives if no friction acts in the triangle
     tail: Floats2  # (E, s) the rest of a slab

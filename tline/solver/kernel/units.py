@@ -34,6 +34,8 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         return unit_at(path).address if needed else 0
 
     losses, diamonds = network.losses.kind, len(network.diamonds.line)
+    whole = diamonds and network.diamonds.cell.any()  # cells, which nodes do not see
+    in_pieces = "cells_in_pieces.pass_cells_in_pieces" if whole else "pieces.pass_diamonds_in_pieces"
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
     remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
@@ -47,10 +49,10 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         govern=address("laws.govern.govern", network.laws.governed.any()),
         law=law_addresses(kinds),
         loss=np.where(losses == REMEMBERED, remembered, constant),
-        diamonds=address("diamonds.full.pass_diamonds", diamonds),
-        halves=address("diamonds.half.pass_halves", diamonds),
-        diamonds_in_pieces=address("diamonds.pieces.pass_diamonds_in_pieces", fronts and diamonds),
-        halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds),
+        diamonds=address("diamonds.cells.pass_cells" if whole else "diamonds.full.pass_diamonds", diamonds),
+        halves=address("diamonds.half.pass_halves", diamonds and not whole),
+        diamonds_in_pieces=address(f"diamonds.{in_pieces}", fronts and diamonds),
+        halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds and not whole),
         rectangle=address("diamonds.full.pass_rectangle", diamonds),
         pieces=address("fronts.pieces.scatter_pieces", fronts),
         arrive=address("fronts.pieces.arrive", fronts),

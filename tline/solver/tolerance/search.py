@@ -21,6 +21,7 @@ JOINED, FINER = 5e-2, 0.5  # of the tolerance: pieces that continue each other s
 FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: an error told by two runs alone is to be below; if laws kink
+LEAST_CELL = 4.0  # slabs of a cell of friction that is halved; narrower ones give way to diamonds
 HALVED = 4  # times that a slab is halved at most to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
@@ -148,11 +149,12 @@ class Orders(Grids):
         chosen = resolution(description, s, sections=sections, settle=self.settle)
         if halved and given.slab is None and not sections:
             chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)
-        h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
+        h, cell, fixed, enough = chosen.h, chosen.cell, given.slab is not None or bool(sections), False
         crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
         same = JOINED * tol if crowded else 0.0
         while True:
-            helped, layered, met, stay = yield chosen._replace(same=same)
+            helped, layered, met, stay = yield chosen._replace(same=same, cell=cell)
+            cell = cell / 2 if cell >= LEAST_CELL * h else 0.0
             same *= FINER  # so that the difference of two runs tells what was joined in the first
             enough |= met
             if enough:

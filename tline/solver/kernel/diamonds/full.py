@@ -39,6 +39,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     the last one than the slope of friction. Where steps do not end, for friction bends, each is a single round.
     """
     s, taken, flow, base, value, slope = radau.shape[0], work.taken, work.along, work.base, work.value, work.slope
+    weight = work.weight
     size, last, reach, done = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s), False
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
@@ -51,6 +52,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
             for j in range(s):
                 base[i, j] = flow[i, j]
                 value[i, j], slope[i, j] = lost(diamonds, row, flow[i, j])
+                value[i, j], slope[i, j] = value[i, j] * weight[i, j], slope[i, j] * weight[i, j]
                 off, steep = max(off, abs(value[i, j] - taken[i, j])), max(steep, slope[i, j])
         weak = min(reach * steep, 1.0)
         if off * weak <= diamonds.exact * size or (off >= 0.5 * last and off * weak <= ROUNDED * size):
@@ -93,7 +95,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
 def pass_rectangle(run: Run, row: int, wide: float, high: float) -> int:
     """Advance the two waves in the workspace through a rectangle. Returns whether friction was found; see `meet`."""
     diamonds, work, zero = run.network.diamonds, run.work.diamonds, np.int64(0)
-    return 1 if meet(diamonds, row, diamonds.radau, work, work.a, zero, work.b, zero, wide, high) else 0
+    return 1 if meet(diamonds, row, diamonds.tools.radau, work, work.a, zero, work.b, zero, wide, high) else 0
 
 
 @function
@@ -109,7 +111,7 @@ def meet_apart(run, row, a, p, b, q, wide, high):
 
 
 @unit
-def pass_diamonds(run: Run) -> int:
+def pass_diamonds(run: Run, chosen: int, count: int) -> int:
     """Advance all lines with losses by the diamonds of the slab in which the nodes have just worked.
 
     Those in whose middle the slab begins come first, then those half a slab later. Returns the number of a line whose
@@ -120,11 +122,11 @@ def pass_diamonds(run: Run) -> int:
     for row in range(diamonds.line.size):
         line = diamonds.line[row]
         D, o = network.delay[line], network.offset[line]
-        t = state.side[line] * D + state.slot[line]
+        t = state.side[line] * D + state.slot[line] - 1
         for later in range(2):
             for k in range(1 - later, D):
                 a, b = t - k, t + k + later
                 a, b = a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
-                if not meet(diamonds, row, diamonds.radau, work, waves, o + a * s, waves, o + b * s, 1.0, 1.0):
+                if not meet(diamonds, row, diamonds.tools.radau, work, waves, o + a * s, waves, o + b * s, 1.0, 1.0):
                     return line
     return -1

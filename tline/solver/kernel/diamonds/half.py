@@ -138,7 +138,7 @@ def makes_energy(diamonds, coming, arrived, sent, work, k):
         total = 0.0
         for j in range(modes.size):
             total += diamonds.left[0, i, j] * modes[j]
-        out, weight = sent[i] - wide * total, diamonds.radau[s - 1, i]
+        out, weight = sent[i] - wide * total, diamonds.weight[i]
         gain += weight * (arrived[i] * arrived[i] - coming[i] * coming[i] + out * out - sent[i] * sent[i])
         size += weight * (arrived[i] * arrived[i] + sent[i] * sent[i])
     return gain > BALANCED * size

@@ -107,7 +107,7 @@ def cut_tail(job, e):
 
 
 @unit
-def pass_diamonds_in_pieces(job: FrontRun) -> int:
+def pass_diamonds_in_pieces(job: FrontRun, count: int) -> int:
     """Advance all lines with losses as `pass_diamonds` does, where some slabs are in pieces."""
     run, pieces = job.run, job.fronts.pieces
     network, state, diamonds = run.network, run.state, run.network.diamonds
@@ -115,7 +115,7 @@ def pass_diamonds_in_pieces(job: FrontRun) -> int:
     for row in range(diamonds.line.size):
         line = diamonds.line[row]
         D, o = network.delay[line], network.offset[line]
-        t = state.side[line] * D + state.slot[line]
+        t = state.side[line] * D + state.slot[line] - 1
         for later in range(2):
             for k in range(1 - later, D):
                 a, b = t - k, t + k + later

@@ -25,11 +25,9 @@ def note_last(network, state, pieces):
 
 @function
 def front_free_slabs(run, fronts, sources, slab, most):
-    """Number of slabs ahead, at most so many and none beyond the shortest delay, in which no group meets a front."""
+    """Number of slabs ahead, at most so many, in which no group meets a front."""
     network, state, events, due = run.network, run.state, fronts.events, sources.due
     delay, pieces, s = network.delay, fronts.pieces, state.before.shape[1]
-    for line in range(delay.size):
-        most = min(most, delay[line])
     for g in range(events.due.size):
         if fronts.settled[g] > slab + MERGE:
             return 0
@@ -46,7 +44,7 @@ def front_free_slabs(run, fronts, sources, slab, most):
     for line in range(delay.size):
         for end in range(2):
             slot, side = state.slot[line], state.side[line] ^ end
-            for ahead in range(most):
+            for ahead in range(min(most, delay[line])):
                 if slot == delay[line]:
                     slot, side = 0, 1 - side
                 if pieces.of_slab[network.offset[line] // s + side * delay[line] + slot] >= 0:
@@ -102,6 +100,31 @@ def scatter_all(job, slab, k):
     return -1
 
 
+@function
+def advance_past(job, k, n_slabs, column):
+    """Advance by slabs in which no group meets a front. Returns as `advance_fronts` does.
+
+    Where some are under way, cells of friction see them: what is due is left to those that know pieces.
+    """
+    run, since, cell, done = job.run, job.run.state.since, job.run.network.diamonds.cell, np.int64(0)
+    if run.units.diamonds == 0 or job.fronts.counts[LIVE] == 0:
+        return invoke(run.units.advance, (run, k, n_slabs, column))
+    while done < n_slabs:
+        count = n_slabs - done
+        for r in range(since.size):
+            count = min(count, cell[r] - since[r])
+        for r in range(since.size):
+            since[r] -= count
+        node = invoke(run.units.advance, (run, k + done, count, column))
+        if node >= 0:
+            return node
+        line = invoke(run.units.diamonds_in_pieces, (job, count))
+        if line >= 0:
+            return node_at(run.network, 2 * line)
+        done += count
+    return -1
+
+
 @unit
 def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
     """Advance all nodes slab by slab with fronts as breakpoints, until none is left or the log is full.
@@ -120,10 +143,10 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
-        if units.collapse_at_losses == 0 and (units.diamonds == 0 or counts[LIVE] == 0):
+        if units.collapse_at_losses == 0 and (units.halves == 0 or counts[LIVE] == 0):
             free = front_free_slabs(run, fronts, sources, slab, n_slabs - k)
             if free > 1:
-                node = invoke(units.advance, (run, k, free, first_slab))
+                node = advance_past(job, k, free, first_slab)
                 if node >= 0:
                     return node
                 note_last(network, state, fronts.pieces)
@@ -136,12 +159,11 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
             invoke(units.collapse_at_losses, (job,))
             lose(run, network.blocks.far_rows, np.int64(1))
             lose(run, network.blocks.near_rows, np.int64(1))
-        if units.diamonds != 0:
-            line = invoke(units.diamonds_in_pieces, (job,))
-            if line >= 0:
-                return node_at(network, 2 * line)
         rotate(network, state, network.blocks.far_lines, 1)
         rotate(network, state, network.blocks.near_lines, 1)
+        line = invoke(units.diamonds_in_pieces, (job, np.int64(1))) if units.diamonds != 0 else -1
+        if line >= 0:
+            return node_at(network, 2 * line)
         k += 1
     counts[DONE] = n_slabs
     return -1

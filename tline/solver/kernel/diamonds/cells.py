@@ -1,0 +1,184 @@
+"""Friction in cells many slabs wide and high: it is as smooth as the waves that it takes from, and these change slowly.
+
+A cell is a rectangle of the (ξ, η) plane where k slabs of a meet k of b. Of both it sees the L2 projection on one
+polynomial, or one on each side of a jump; these it advances as a diamond does, and what lies between the waves and
+their projections passes untouched. These are of a low order
+whatever that of the waves. Cells that touch a node would bind it for k slabs, so there are none: what is lost
+there is added to that of the cells beside them, to each part of a wave as much as it misses (`weigh`).
+"""
+
+from tline.compiled.unit import function, invoke, unit
+from tline.solver.kernel.arithmetic import copy, times
+from tline.solver.kernel.diamonds.full import flushed
+from tline.solver.kernel.network import Run
+from tline.solver.kernel.scatter import FAR
+
+CELL_ORDER = 2  # at most: what cells take in place of half diamonds is of second order whatever theirs
+PARTS = 8  # of a wave in a cell, between jumps; beyond that jumps are projected
+
+
+@function
+def weigh(run, row, i, j, first, last):
+    """Let friction in part i of a and j of b count as often as it takes for what no cell covers at an end.
+
+    With p and q in [0, 1] along the k slabs of a and b, and o over k slabs that the cells leave beside half ones, at
+    end 1 a misses 1 - p + o and b q + o of a cell: both are integrals of (1 - p + o)(q + o)/(1/2 + o).
+    """
+    diamonds, work, c = run.network.diamonds, run.work.diamonds, run.network.diamonds.tools.c
+    k = diamonds.cell[row]
+    over, a, b = diamonds.over[row] / k, work.edges[0], work.edges[1]
+    for x in range(c.size):
+        p = (a[i] + c[x] * (a[i + 1] - a[i])) / k
+        for y in range(c.size):
+            q, total = (b[j] + c[y] * (b[j + 1] - b[j])) / k, 1.0
+            if first:
+                total += (1.0 - p + over) * (q + over) / (0.5 + over)
+            if last:
+                total += (1.0 - q + over) * (p + over) / (0.5 + over)
+            work.weight[x, y] = total
+
+
+@function
+def meet_in_cell(run, row, n, m, first, last):
+    """Advance n parts of a past m of b. Returns whether friction was found."""
+    work, done = run.work.diamonds, True
+    for i in range(n):
+        for j in range(m):
+            weigh(run, row, i, j, first, last)
+            copy(work.parts[0, i], work.a)
+            copy(work.parts[1, j], work.b)
+            wide, high = work.edges[0, i + 1] - work.edges[0, i], work.edges[1, j + 1] - work.edges[1, j]
+            done &= invoke(run.units.rectangle, (run, row, wide, high)) == 1
+            copy(work.a, work.parts[0, i])
+            copy(work.b, work.parts[1, j])
+    return done
+
+
+@function
+def fetch(run, row, o, at, ring, side):
+    """Copy the slabs of a cell from a line's ring, from a place on. Returns the number of parts between jumps."""
+    diamonds, waves, work, s = run.network.diamonds, run.state.waves, run.work.diamonds, run.state.before.shape[1]
+    slabs, edges, k, begin = work.slabs[side], work.edges[side], diamonds.cell[row], o + at * s
+    whole, size, n = min(k, ring - at) * s, 0.0, 1
+    for i in range(whole):
+        slabs[i] = waves[begin + i]
+    for i in range(k * s - whole):
+        slabs[whole + i] = waves[o + i]
+    for i in range(s - 1, k * s, s):
+        size = max(size, abs(slabs[i]))
+    for i in range(1, k):
+        jump = -slabs[i * s - 1]
+        for j in range(s):
+            jump += diamonds.begin[j] * slabs[i * s + j]
+        if abs(jump) > diamonds.jump * size and n < PARTS:
+            edges[n] = i
+            n += 1
+    edges[0], edges[n] = 0.0, k
+    return n
+
+
+@function
+def shape(run, length):
+    """Legendre polynomials over so many slabs at the points of these, in the workspace; kept for the next of them."""
+    work, c = run.work.diamonds, run.network.laws.tools.c
+    if work.shaped[0] == length:
+        return
+    work.shaped[0] = length
+    for i in range(length):
+        for j in range(c.size):
+            x = i * c.size + j
+            y = 2.0 * (i + c[j]) / length - 1.0
+            work.shape[0, x], last, here = 1.0, 1.0, y
+            for k in range(1, work.a.size):
+                work.shape[k, x] = here
+                last, here = here, ((2 * k + 1) * y * here - k * last) / (k + 1)
+
+
+@function
+def take_up(run, side, n):
+    """Project the slabs of a cell on one polynomial in each of n parts."""
+    work, diamonds, s = run.work.diamonds, run.network.diamonds, run.state.before.shape[1]
+    for part in range(n):
+        low, high = int(work.edges[side, part]), int(work.edges[side, part + 1])
+        shape(run, high - low)
+        for k in range(work.a.size):
+            row, total = work.shape[k], 0.0
+            for j in range(s):
+                each = 0.0
+                for i in range(high - low):
+                    each += row[i * s + j] * work.slabs[side, (low + i) * s + j]
+                total += diamonds.weight[j] * each
+            work.parts[side + 2, part, k] = (2 * k + 1) * total / (high - low)
+        times(diamonds.tools.to_points, work.parts[side + 2, part], 0, work.parts[side, part])
+
+
+@function
+def find_change(run, side, part):
+    """Put the coefficients of what has become of a part, less those of what it was, in the workspace."""
+    work = run.work.diamonds
+    times(run.network.diamonds.tools.to_legendre, work.parts[side, part], 0, work.a)
+    for k in range(work.a.size):
+        work.a[k] -= work.parts[side + 2, part, k]
+
+
+@function
+def put_back(run, row, o, at, ring, side, n):
+    """Write the slabs of a cell back with what has changed."""
+    waves, work, s = run.state.waves, run.work.diamonds, run.state.before.shape[1]
+    slabs, size, begin = work.slabs[side], run.network.diamonds.cell[row] * s, o + at * s
+    for part in range(n):
+        find_change(run, side, part)
+        low, high = int(work.edges[side, part]), int(work.edges[side, part + 1])
+        shape(run, high - low)
+        for k in range(work.a.size):
+            polynomial, factor = work.shape[k], work.a[k]
+            for i in range((high - low) * s):
+                slabs[low * s + i] += factor * polynomial[i]
+    whole = min(size, (ring - at) * s)
+    for i in range(whole):
+        waves[begin + i] = flushed(slabs[i])
+    for i in range(size - whole):
+        waves[o + i] = flushed(slabs[whole + i])
+
+
+@function
+def due(run, row, count):
+    """Place in its line's ring of the last k slabs that have left end 1, if their cells are now due, or else -2 k."""
+    network, state = run.network, run.state
+    k, line = network.diamonds.cell[row], network.diamonds.line[row]
+    state.since[row] += count
+    if state.since[row] < k:
+        return -2 * k
+    state.since[row] = 0
+    return state.side[line] * network.delay[line] + state.slot[line] - k
+
+
+@unit
+def pass_cells(run: Run, chosen: int, count: int) -> int:
+    """Advance the FAR or NEAR lines with losses by cells that are complete after so many slabs more.
+
+    Returns as `pass_diamonds` does.
+
+    Cells half of whose time has passed come first, then those half a cell later.
+    """
+    network, diamonds, blocks = run.network, run.network.diamonds, run.network.blocks
+    rows = blocks.far_cells if chosen == FAR else blocks.near_cells
+    for index in range(rows.size):
+        row = int(rows[index])
+        begin, line, k = due(run, row, count), diamonds.line[row], diamonds.cell[row]
+        if begin < -k:
+            continue
+        o, D = network.offset[line], network.delay[line]
+        ring, number = 2 * D, D // k
+        for later in range(2):
+            for i in range(number - later):
+                rest = number - 1 - later - i
+                a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
+                n, m = fetch(run, row, o, a, ring, 0), fetch(run, row, o, b, ring, 1)
+                take_up(run, 0, n)
+                take_up(run, 1, m)
+                if not meet_in_cell(run, row, n, m, later + i == 0, later + rest == 0):
+                    return line
+                put_back(run, row, o, a, ring, 0, n)
+                put_back(run, row, o, b, ring, 1, m)
+    return -1
