@@ -62,7 +62,7 @@ def survives(whole):
 def shipped(path):
     """A short run with all there is to ask of it."""
     scene = read_scene(path)
-    short = min(scene.t_end, 4 * min(line.shortest for line in scene.lines.values()))
+    short = min(scene.t_end, 3 * min(line.shortest for line in scene.lines.values()))
     scene = scene.with_changes(t_end=short, solver={"order": 2})
     single = "pair" not in path.stem  # for coupled conductors neither is known
     record = list(scene.lines)[:2] if single else []
