@@ -1,9 +1,11 @@
 """A verdict may be undecided, so it is neither true nor false: who asks so hears what to ask instead."""
 
+import numpy as np
 import pytest
 
 import passivity
 from passivity import Kind, RationalFunction, Status
+from passivity.sampled.model import MatrixModel
 from passivity.status import Decided
 from tline.solver.description.passive import CircuitVerdict
 
@@ -20,6 +22,7 @@ VERDICTS = [
     passivity.derive("25", "50", "1"),
     passivity.check_bounded_real_matrix(passivity.transformer_scattering(2)),
     passivity.check_samples(passivity.SampledResponse([1.0, 2.0], [0.5, 0.25], "S")),
+    passivity.nearest(MatrixModel(np.zeros(0), np.zeros((0, 1, 1)), np.array([[2.0]]))),
     CHAIN,
     CircuitVerdict(["loads.a", "loads.b"], ["a"], Status.UNDECIDED, "too many ports"),
 ]

@@ -15,6 +15,7 @@ from tline.solver.assembly.assemble import assemble
 from tline.solver.description.circuits import one_step
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.slab import cell_of
 from tline.solver.kernel.losses.dissipation import dissipation
 from tline.solver.kernel.losses.memory import memory
 from tline.solver.kernel.network import REMEMBERED, SQUARED
@@ -189,4 +190,5 @@ def test_friction_is_in_cells_beside_pipes_too_short_for_diamonds(length, in_cel
     ends = {"long": (["a", "b"], 1000), "stub": (["b", "c"], length)}
     lines = {name: {"nodes": nodes, "length": own, **pipe} for name, (nodes, own) in ends.items()}
     scene = Scene(medium="hydraulic", t_end=20, lines=lines, probes={"c": {"at": "c"}})
-    assert (resolution(describe(scene)).cell > 0) == in_cells
+    description = describe(scene)
+    assert (cell_of(description, resolution(description).h) > 0) == in_cells

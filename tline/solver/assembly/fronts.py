@@ -169,6 +169,6 @@ def sources_of(broken: list[Broken], s: int) -> Sources:
 def tally(fronts: Fronts) -> Tally:
     """The counts of a run so far."""
     counts, scale, lost = fronts.counts, fronts.sizes[SCALE], fronts.sizes[LOST]
-    share = float(lost / scale) if scale else 0.0
+    share = float(lost) / float(scale) if scale else 0.0
     most, merged, dissolved, dropped = (int(counts[k]) for k in (PEAK, MERGED, DISSOLVED, DROPPED))
     return Tally(most, merged, dissolved, dropped, share)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
-from tline.solver.description.slab import ORDER, WHOLE, breaks_of, cell_of, relative_work, slab_of, whole_slabs
+from tline.solver.description.slab import ORDER, WHOLE, breaks_of, relative_work, slab_of, whole_slabs
 from tline.words.wording import place
 
 FIT = 1e-7
@@ -71,8 +71,7 @@ def resolution(
     h = h or float(fixed.slab or 0.0)
     h = h or (_first_rounded(delays, t_end) if fixed.rounded else slab_of(description, delays, scales, settle))
     _check(t_end, delays, s, h, by_hand)
-    cell = cell_of(description, h)
-    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements, cell=cell)
+    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
     if fixed.rounded:
         places = ceil(sqrt(max(delays.values()) / h))  # of second order in these, so of first order in the slab
         chosen = chosen._replace(loss_elements=places, plain=True, rounded=True)

@@ -10,6 +10,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.description.short_lines import short_lines
+from tline.solver.description.slab import cell_of
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.tolerance.kinks import Cuts
@@ -149,7 +150,8 @@ class Orders(Grids):
         chosen = resolution(description, s, sections=sections, settle=self.settle)
         if halved and given.slab is None and not sections:
             chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)
-        h, cell, fixed, enough = chosen.h, chosen.cell, given.slab is not None or bool(sections), False
+        h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
+        cell = 0.0 if given.order or given.slab else cell_of(description, h)
         crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
         same = JOINED * tol if crowded else 0.0
         while True:

@@ -1,0 +1,158 @@
+"""Verdicts on state spaces with many states and ports, into docs/: python -m benchmarks.systems.
+
+Beside them in the same run: the H-infinity norm of SLICOT's AB13DD in doubles, and the linear matrix inequality of the
+bounded real lemma under Clarabel. All are asked whether |S| <= 1. Times are CPU times, medians over the systems.
+"""
+
+import time
+import warnings
+from collections.abc import Callable
+from statistics import median
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.harness import table, write
+from passivity import StateSpace, Status, check_bounded_real, verify
+
+SIZES = (10, 2), (20, 2), (20, 8), (50, 4), (100, 8), (200, 8)  # states, ports
+NORMS = {"lossy": 0.9, "marginal": 1 - 1e-6, "active": 1.01}  # largest singular value
+LARGEST_INEQUALITY = 50  # states; beyond, it takes minutes
+SYSTEMS = 10
+ROUNDING = 1e-9  # by which a norm in doubles may be beyond one
+
+
+class System(NamedTuple):
+    """x' = A x + B u, y = C x + D u."""
+
+    a: NDArray
+    b: NDArray
+    c: NDArray
+    d: NDArray
+
+
+def norm_of(system: System) -> float:
+    """Largest singular value on the axis, by AB13DD."""
+    import slycot
+
+    n, m = system.b.shape
+    return float(slycot.ab13dd("C", "I", "N", "D", n, m, m, system.a, np.eye(n), *system[1:])[0])
+
+
+def lossless(seed: int, states: int, ports: int) -> System:
+    """S of a network of reactances: its norm is one at all frequencies."""
+    rng = np.random.default_rng(seed)
+    j, b = rng.integers(-9, 10, (states, states)), rng.integers(-3, 4, (states, ports))
+    return System((j - j.T - b @ b.T / 2).astype(float), b / 1.0, -b.T / 1.0, np.eye(ports))
+
+
+def random_system(seed: int, states: int, ports: int, norm: float) -> System:
+    """Damped modes that are coupled, over what gives the norm."""
+    rng = np.random.default_rng(seed)
+    j, r = rng.normal(size=(states, states)), rng.normal(size=(states, states)) / np.sqrt(states)
+    found = System(
+        j - j.T - r @ r.T - 0.1 * np.eye(states),
+        rng.normal(size=(states, ports)),
+        rng.normal(size=(ports, states)),
+        rng.normal(size=(ports, ports)) / 10,
+    )
+    by = norm / norm_of(found)
+    return found._replace(c=by * found.c, d=by * found.d)
+
+
+def tline(system: System) -> bool | None:
+    """Proved, refuted, or neither; a proof is verified beside the clock."""
+    verdict = check_bounded_real(StateSpace.from_entries(*(each.tolist() for each in system)))
+    return None if verdict.status is Status.UNDECIDED else verdict.status is Status.PROVED
+
+
+def ab13dd(system: System) -> bool | None:
+    return norm_of(system) <= 1 + ROUNDING
+
+
+def clarabel(system: System) -> bool | None:
+    """Whether there is a P with [-A'P - PA - C'C, -PB - C'D; ., I - D'D] >= 0."""
+    import clarabel as solver
+    from scipy import sparse
+
+    a, b, c, d = system
+    n, m = b.shape
+    if n > LARGEST_INEQUALITY:
+        return None
+    row, column = np.triu_indices(n + m)
+    order = np.lexsort((row, column))
+    row, column = row[order], column[order]
+    scale = np.where(row == column, 1.0, np.sqrt(2.0))
+
+    def entries(matrix: NDArray) -> NDArray:
+        return matrix[row, column] * scale
+
+    columns = []
+    for i, k in zip(*np.triu_indices(n), strict=True):
+        p = np.zeros((n, n))
+        p[i, k] = p[k, i] = 1.0
+        top = np.hstack([-a.T @ p - p @ a, -p @ b])
+        columns.append(entries(np.vstack([top, np.hstack([-b.T @ p, np.zeros((m, m))])])))
+    known = np.vstack([np.hstack([-c.T @ c, -c.T @ d]), np.hstack([-d.T @ c, np.eye(m) - d.T @ d])])
+    settings = solver.DefaultSettings()
+    settings.verbose = False
+    size = len(columns)
+    found = solver.DefaultSolver(
+        sparse.csc_matrix((size, size)), np.zeros(size), sparse.csc_matrix(-np.array(columns).T), entries(known),
+        [solver.PSDTriangleConeT(n + m)], settings,
+    ).solve()  # fmt: skip
+    said = str(found.status)
+    return {"Solved": True, "PrimalInfeasible": False}.get(said)
+
+
+WHO: dict[str, Callable[[System], bool | None]] = {"tline": tline, "AB13DD": ab13dd, "Clarabel": clarabel}
+
+
+def measured(systems: list[System], passive: bool) -> list[Any]:
+    """Of each program the share of right answers, and wrong ones, and its time."""
+    cells: list[Any] = []
+    for who, ask in WHO.items():
+        if who == "Clarabel" and len(systems[0].a) > LARGEST_INEQUALITY:
+            cells += ["", ""]
+            continue
+        answers, seconds = [], []
+        for system in systems:
+            begun = time.process_time()
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                answers.append(ask(system))
+            seconds.append(time.process_time() - begun)
+        wrong = sum(answer is not None and answer != passive for answer in answers)
+        right = f"{sum(answer == passive for answer in answers)} of {len(systems)}"
+        cells += [right + (f", {wrong} wrong" if wrong else ""), f"{1e3 * median(seconds):.1f}"]
+    return cells
+
+
+def timing() -> str:
+    rows = []
+    for states, ports in SIZES:
+        for name, norm in NORMS.items():
+            systems = [random_system(seed, states, ports, norm) for seed in range(SYSTEMS)]
+            rows.append((name, states, ports, *measured(systems, norm <= 1)))
+        rows.append(
+            ("lossless", states, ports, *measured([lossless(k, states, ports) for k in range(SYSTEMS)], passive=True))
+        )
+    head = "<systems|states|ports|" + "|".join(f"{who}|ms" for who in WHO)
+    return table(head, rows)
+
+
+def proofs_hold() -> str:
+    """Of proofs of the largest systems, how long it takes to verify one beside deciding."""
+    system = random_system(0, *SIZES[-1], NORMS["lossy"])
+    begun = time.process_time()
+    verdict = check_bounded_real(StateSpace.from_entries(*(each.tolist() for each in system)))
+    decided = time.process_time()
+    holds = verdict.certificate is not None and verify(verdict.certificate)
+    spent = time.process_time() - decided
+    share = spent / (decided - begun)
+    return f"The proof of one with {SIZES[-1][0]} states is verified ({holds}) in {share:.2f} of the time of deciding."
+
+
+if __name__ == "__main__":
+    write("benchmarks-passivity.md", f"{timing()}\n\n{proofs_hold()}", "systems")
