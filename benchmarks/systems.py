@@ -19,7 +19,7 @@ from passivity import StateSpace, Status, check_bounded_real, verify
 SIZES = (10, 2), (20, 2), (20, 8), (50, 4), (100, 8), (200, 8)  # states, ports
 NORMS = {"lossy": 0.9, "marginal": 1 - 1e-6, "active": 1.01}  # largest singular value
 LARGEST_INEQUALITY = 50  # states; beyond, it takes minutes
-SYSTEMS = 10
+SYSTEMS = 4
 ROUNDING = 1e-9  # by which a norm in doubles may be beyond one
 
 
