@@ -4,7 +4,17 @@ import sys
 
 from benchmarks.harness import ROOT, spent
 
-PAGES = "time_to_answer", "cheapest_grid", "sweeps", "networks", "circuits", "passivity", "systems", "friction", "mutants"
+PAGES = (
+    "time_to_answer",
+    "cheapest_grid",
+    "sweeps",
+    "networks",
+    "circuits",
+    "passivity",
+    "systems",
+    "friction",
+    "mutants",
+)
 
 if __name__ == "__main__":
     for name in sys.argv[1:] or PAGES:
