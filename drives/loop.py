@@ -19,7 +19,8 @@ from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from drives.by_hand import Control
-from drives.control import PI, Design, decoupler
+from drives.control import PI, Design
+from drives.decoupling import decoupler
 from drives.discretise import integrate, legs, propagate
 from drives.energy import Energy, Rows, energy_of, open_torques, powers, stored_in
 from drives.number import positive, rational, written

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from drives import CoupledDrives, Torque, design, hidden_modes, simulate, simulate_control
-from drives.control import decoupler, relative_gain_array
+from drives.decoupling import decoupler, relative_gain_array
 from drives.derivation import check_pulley, wrong_sign
 from drives.linearise import artefact
 from drives.number import written
