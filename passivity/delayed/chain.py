@@ -22,7 +22,7 @@ from passivity.exact.positive_real import check_bounded_real, check_positive_rea
 from passivity.exact.report import point
 from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import digits, written
-from passivity.rational.evaluate import Exact, exact
+from passivity.rational.evaluate import Exact, exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Kind, Status
 from passivity.symbolic.question import delayed_witness
@@ -104,9 +104,7 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
     >>> [step.status.value for step in chain.steps]
     ['proved', 'proved', 'proved', 'proved']
     """
-    reference, travel = exact(z0, "z0"), exact(delay, "delay")
-    if reference <= 0:
-        raise ExpressionError("z0", "not positive", "more than 0", shown(z0))
+    reference, travel = positive(z0, "z0"), exact(delay, "delay")
     if travel < 0:
         raise ExpressionError("delay", "negative", "at least 0", shown(delay))
     one, unit = load.p * reference.denominator, load.q * reference.numerator

@@ -10,8 +10,7 @@ from fractions import Fraction
 from flint import acb, arb, ctx, fmpq
 
 from passivity.delayed.chain import Chain, check_line
-from passivity.errors import ExpressionError, shown
-from passivity.rational.evaluate import Exact, exact
+from passivity.rational.evaluate import Exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Status
 
@@ -52,10 +51,7 @@ def check_line_two_port(z0: Exact, delay: Exact, *, through: bool = False) -> Li
     >>> check_line_two_port(1, 1, through=True).value < 0
     True
     """
-    reference, travel = exact(z0, "z0"), exact(delay, "delay")
-    for name, value, given in (("z0", reference, z0), ("delay", travel, delay)):
-        if value <= 0:
-            raise ExpressionError(name, "not positive", "more than 0", shown(given))
+    reference, travel = positive(z0, "z0"), positive(delay, "delay")
     if through:
         return _refuted(reference, travel)
     ends = (RationalFunction.constant(Fraction(0)), RationalFunction.constant(Fraction(0)).inverse())

@@ -12,12 +12,11 @@ from typing import NamedTuple
 from flint import fmpq_mat, fmpz_poly
 
 from passivity.budget import ASIDE, budget
-from passivity.errors import ExpressionError, shown
 from passivity.exact.verdict import Margin, Margins, Verdict
 from passivity.expression.number import double
 from passivity.polynomial.infimum import infimum
 from passivity.polynomial.sign import allowance, find_sign, product
-from passivity.rational.evaluate import Exact, exact
+from passivity.rational.evaluate import Exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix, real_form
 from passivity.rational.polynomial_matrix import PolynomialMatrix, add, axis_sums, degree, identity, scaled
@@ -62,9 +61,7 @@ def margins(verdict: Verdict, z0: Exact = 1) -> Margins:
 
 
 def _of_one_port(function: RationalFunction, kind: Kind, z0: Exact) -> Margins:
-    p, q, reference = function.p, function.q, exact(z0, "z0")
-    if reference <= 0:
-        raise ExpressionError("z0", "not positive", "more than 0", shown(z0))
+    p, q, reference = function.p, function.q, positive(z0, "z0")
     if kind is Kind.BR:
         return Margins(reflection=_reflection(p, q))
     a = allowance(Kind.PR, p, q)

@@ -3,12 +3,10 @@
 All flows are counted into the network; waves a and b are those of ports with the same reference resistance.
 """
 
-from fractions import Fraction
-
 from flint import fmpz_poly
 
 from passivity.errors import ExpressionError, shown
-from passivity.rational.evaluate import Exact, exact
+from passivity.rational.evaluate import Exact, exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import PolynomialMatrix, add, identity, minor_sums, scaled
@@ -35,7 +33,7 @@ def scattering(z: RationalMatrix, z0: Exact = 1) -> RationalMatrix:
     [(1)/(3)]
     """
     n, d = z.fraction
-    reference = _positive(z0, "z0")
+    reference = positive(z0, "z0")
     c, x = inverted(scaled(n, reference.denominator), d * reference.numerator)
     if not c:
         raise ExpressionError("Z + z0 I", "has no inverse", "a network that is not active everywhere")
@@ -63,7 +61,7 @@ def impedances(s: RationalMatrix, z0: Exact = 1) -> RationalMatrix:
     [(1)/(s)]
     """
     n, d = s.fraction
-    reference = _positive(z0, "z0")
+    reference = positive(z0, "z0")
     c, x = inverted(scaled(n, -1), d)
     if not c:
         raise ExpressionError("I - S", "has no inverse: there are no impedances", "a network that has them")
@@ -87,13 +85,6 @@ def inverted(n: PolynomialMatrix, d: fmpz_poly) -> tuple[fmpz_poly, PolynomialMa
 
 def _quotient(n: PolynomialMatrix, d: fmpz_poly) -> RationalMatrix:
     return RationalMatrix(tuple(tuple(RationalFunction(x, d).reduced() for x in row) for row in n))
-
-
-def _positive(given: Exact, name: str) -> Fraction:
-    value = exact(given, name)
-    if value <= 0:
-        raise ExpressionError(name, "not positive", "more than 0", shown(given))
-    return value
 
 
 def transformer_scattering(ratio: Exact) -> RationalMatrix:

@@ -70,6 +70,14 @@ def exact(value: Exact, where: str) -> Fraction:
     return constant.numerator[0] / constant.denominator[0]
 
 
+def positive(value: Exact, where: str) -> Fraction:
+    """The same, above zero."""
+    found = exact(value, where)
+    if found <= 0:
+        raise ExpressionError(where, "not positive", "more than 0", shown(value))
+    return found
+
+
 def is_rational(node: Node) -> bool:
     """Whether no function is in a tree."""
     match node:
