@@ -34,9 +34,10 @@ from tline.scene.load import Link, Load
 from tline.scene.measure import Measure, Probe
 from tline.scene.medium import MEDIA, check_units
 from tline.scene.mistakes import MOST, limited, mistakes
-from tline.scene.quantity import Duration, Effort, Tolerance, Whole
+from tline.scene.quantity import Duration, Effort
 from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
+from tline.scene.solver import Solver
 from tline.scene.source import Source
 from tline.scene.text_file import Folder
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
@@ -49,23 +50,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
-
-
-class Solver(Element):
-    """How accurate a run is to be, or order and slab width, where they are to be fixed by hand."""
-
-    tol: Tolerance | None = Field(
-        default=None, description="largest error of a probe at slab ends, relative to its amplitude"
-    )
-    order: Annotated[int, Whole(1, 16)] | None = Field(
-        default=None, description="order of the method, a whole number from 1 to 16"
-    )
-    slab: Duration | None = Field(default=None, description="width of a time slab, at most the shortest delay")
-    rounded: bool = Field(
-        default=False,
-        description="whether delays are rounded to whole slabs, in the first order, as in textbooks: quick where pipes "
-        "are many; the tolerance is then of the highest and lowest values at all nodes and probes",
-    )
 
 
 def _line_of_medium(value: Any, info: ValidationInfo) -> Any:

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.scene import Scene, Solver
+from tline.scene.scene import Scene
+from tline.scene.solver import Solver
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, Waveform, sampled
