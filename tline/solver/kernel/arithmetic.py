@@ -1,7 +1,5 @@
 """Small vectors and matrices; loops like these compile many times faster than array expressions."""
 
-import numpy as np
-
 from tline.compiled.unit import function
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
@@ -29,24 +27,6 @@ def times(matrix, values, o, out):
         for j in range(out.size):
             total += matrix[i, j] * values[o + j]
         out[i] = total
-
-
-@function
-def add_product(matrix, at, rows, columns, x, o, out, q):
-    """Add the product of a matrix, held by columns, with part of an array to part of another; four columns at once."""
-    n, whole = np.uint64(rows), columns - columns % 4
-    for j in range(0, whole, 4):
-        a, b, c, d = x[np.uint64(o + j)], x[np.uint64(o + j + 1)], x[np.uint64(o + j + 2)], x[np.uint64(o + j + 3)]
-        one = np.uint64(at + j * rows)
-        two, three, four = one + n, one + n + n, one + n + n + n
-        for i in range(n):
-            out[np.uint64(q) + i] += (
-                matrix[one + i] * a + matrix[two + i] * b + matrix[three + i] * c + matrix[four + i] * d
-            )
-    for j in range(whole, columns):
-        factor, place = x[np.uint64(o + j)], np.uint64(at + j * rows)
-        for i in range(np.uint64(rows)):
-            out[np.uint64(q) + i] += matrix[place + i] * factor
 
 
 @function
