@@ -23,7 +23,7 @@ from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.ladder import Search, inside_slabs, refined
 from tline.solver.tolerance.mixed_modes import Doublings
 from tline.solver.tolerance.places import Places
-from tline.solver.tolerance.rounded import compared, rounded
+from tline.solver.tolerance.rounded import Rounded, compared
 from tline.solver.tolerance.search import Start, within
 from tline.solver.witness.witness import Witness
 
@@ -217,7 +217,7 @@ def _searched(description: Description, how: _How, tol: float | None) -> Result:
         result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
         result = replace(result, accuracy=tol and _by_hand(result, tol))
     elif scene.solver.rounded:
-        result = rounded(Search(description, tol, how.record, how.progress, how.budget))
+        result = refined(Rounded(Search(description, tol, how.record, how.progress, how.budget)))
     else:
         key = tol, frozenset(how.record)
         known = None if how.envelope or how.start else description.known.get(key)
@@ -277,7 +277,7 @@ def judged(result: Result) -> Accuracy:
     description = whole.parted()
     if result.resolution.rounded:
         both = [run(description, resolution(description, h=result.resolution.h / k), envelope=True) for k in (1, 2)]
-        found, _ = compared(None, *both)
+        found = compared(None, *both)
         return replace(found, attempts=(Attempt.of(both[0], found.worst), Attempt.of(both[1])))
 
     def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:

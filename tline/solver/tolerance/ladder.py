@@ -68,6 +68,7 @@ class Grids(ABC):
     """Ever finer grids for one way to compute a scene."""
 
     unknown = SLOWEST  # share of a difference that a step leaves, as long as there is one difference
+    latest = False  # whether the finest run is given out, though an error told before it may be smaller by chance
 
     def __init__(self, search: Search):
         self.search = search
@@ -147,7 +148,7 @@ class Ladder:
         self.told, steps = step.told, step.differences or step.told
         self.attempts[-1] = replace(self.attempts[-1], estimate=self.told.worst)
         self.attempts.append(Attempt.of(finer))
-        if rank(self.told) <= rank(self._accuracy):
+        if self._grids.latest or rank(self.told) <= rank(self._accuracy):
             self._best, self._accuracy = with_errors(step.result, self.last, step.by), self.told
             self._pair = step.differences and (self.last, finer, self.search.tol, [*self.differences])
         self._steps.append(steps)

@@ -5,44 +5,54 @@ many pipes costs little. Fronts arrive up to half a slab early or late at every 
 are therefore the highest and the lowest values, at all nodes and probes.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, NoFlowError
 from tline.solver.description.resolution import resolution
-from tline.solver.result.accuracy import Accuracy, Attempt, Estimate
+from tline.solver.result.accuracy import Accuracy, Estimate
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.tolerance.compare import relative
 from tline.solver.tolerance.difference import Difference
-from tline.solver.tolerance.ladder import Search, limit_of
+from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
 
 CAUTION = 2.0  # errors over differences: delays that are rounded err at random, and by half as much on half the slab
 
 
-def rounded(search: Search) -> Result:
-    """Halve slabs until the extremes of two runs differ by what is asked; two comparisons are made at least."""
-    search = search._replace(envelope=True)
-    chosen = resolution(search.description)
-    result = search.run(chosen)
-    attempts, found, limit = [Attempt.of(result)], Accuracy(search.tol), ""
-    while not limit and (found.worst > search.tol or len(attempts) < 3):
+class Rounded(Grids):
+    """Slabs halved, until the extremes of two runs differ by what is asked; two comparisons are made at least."""
+
+    latest = True
+
+    def __init__(self, search: Search):
+        super().__init__(search._replace(envelope=True))
+
+    def first(self) -> Result:
+        """The run on the widest slabs."""
+        return self.search.run(resolution(self.search.description))
+
+    def next(self, ladder: Ladder) -> Result:
+        """The run on slabs half as wide; where it finds no flow, no finer one is tried."""
         try:
-            finer = search.run(resolution(search.description, h=result.resolution.h / 2))
-        except InputError as error:
-            limit = f"{error.where}: {error.problem}"
-            break
-        found, result = compared(search.tol, result, finer)
-        attempts[-1] = replace(attempts[-1], estimate=found.worst)
-        attempts.append(Attempt.of(finer))
-        limit = search.budget.limit(attempts, search.tol) or limit_of(attempts, 0, False, search.most)
-    limit = limit if found.worst > search.tol else ""
-    return replace(result, accuracy=replace(found, attempts=tuple(attempts), limit=limit))
+            return self.search.run(resolution(self.search.description, h=ladder.last.resolution.h / 2))
+        except NoFlowError as error:
+            raise InputError(error.where, error.problem) from error
+
+    def step(self, ladder: Ladder, finer: Result) -> Step:
+        """By how much extremes differ from those of the run before it."""
+        return Step(finer, compared(self.search.tol, ladder.last, finer), CAUTION)
+
+    def is_enough(self, ladder: Ladder) -> bool:
+        """Whether the tolerance is met, of which one comparison is no proof."""
+        return ladder.compared > 1 and ladder.told.met
+
+    def limit(self, ladder: Ladder) -> str:
+        """What forbids a finer run: that it takes too many samples."""
+        return limit_of(ladder.attempts, 0, False, self.search.most)
 
 
-def compared(tol: float | None, coarse: Result, fine: Result) -> tuple[Accuracy, Result]:
-    """Errors by the differences of extremes, and the finer run with those of its envelope.
+def compared(tol: float | None, coarse: Result, fine: Result) -> Accuracy:
+    """Errors by the differences of extremes.
 
     Those at nodes are relative to the largest effort of all (pressures are gauge pressures), as those at a probe are to
     its own; no probe is said to be better than that.
@@ -57,7 +67,7 @@ def compared(tol: float | None, coarse: Result, fine: Result) -> tuple[Accuracy,
     off = {name: (CAUTION * np.abs(a - b).max(axis=0), np.abs(b).max(axis=0)) for name, (a, b) in seen.items()}
     told, *_ = relative({name: Difference(error, error, error, size) for name, (error, size) in off.items()})
     told = {name: each.or_more(Estimate(float(worst), 0.0)) for name, each in told.items()}
-    return Accuracy(tol, told, told, told), replace(fine, envelope=envelope)
+    return Accuracy(tol, told, told, told)
 
 
 def _extremes(probe: ProbeResult) -> NDArray:
