@@ -1,7 +1,8 @@
 """Energy stored in a scene: in the waves on its lines and in its inductances and capacitances."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -141,3 +142,15 @@ def in_pieces(steps: Stepper) -> float:
     for end in np.flatnonzero(pieces.before >= 0):
         total += energy(pieces.before[end], end // 2, 1.0 - fronts.rest[end // 2])
     return total
+
+
+def never_grows(scene: Scene, seed: int, held: Callable[[Assembly], float], least: float) -> None:
+    """From random waves on, energy on lines and what is held at their ends grow by no more than that share a slab."""
+    assembly = silent(scene, seed)
+    n = int(scene.t_end / float(scene.solver.slab))
+    steps, energies = Stepper(assembly, n, np.zeros((0, 2, n * scene.solver.order))), []
+    for low, high in pairwise(range(n)):
+        waiting = 0.0 if steps.fronts is None else in_pieces(steps)
+        energies.append(on_lines(assembly) + waiting + held(assembly))
+        assert energies[-1] <= energies[max(len(energies) - 2, 0)] + least * energies[0]
+        steps.advance(low, high)
