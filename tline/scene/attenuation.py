@@ -98,7 +98,7 @@ def _nearest(sheet: Sheet, p: NDArray) -> NDArray:
     from scipy.optimize import linprog
 
     for _ in range(ROUNDS):
-        missed = sheet.misses(p)
+        missed: NDArray = sheet.misses(p)
         size = float(np.abs(missed).max())
         if size < DONE:
             break

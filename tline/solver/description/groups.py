@@ -158,7 +158,9 @@ class Group:
         fastest = max(rate, SLOW * np.abs(A).max(initial=0.0)) or 1.0
         whole = C @ np.linalg.solve(fastest * np.eye(len(A)) - A, B) + D if len(A) else D
         first = whole[k:, k:]  # from waves behind these impedances to efforts, Z/(Z + z)
-        other, now, z = np.eye(len(seen)) - first, first, seen
+        other = np.eye(len(seen)) - first
+        now: NDArray = first
+        z: NDArray = seen
         for _ in range(ROUNDS):
             share = np.clip(np.diag(now), 1 - OPEN, OPEN)
             z = np.where(share == OPEN, z, np.maximum(z * share / (1 - share), (1 - OPEN) * seen))
@@ -197,9 +199,9 @@ class Group:
         of_branches, at = slice(k, len(F) - n), np.arange(len(F) - n)
         size = np.maximum(np.abs(Q).max(axis=1, initial=0.0), np.abs(L).max(axis=1, initial=0.0))[:, None]
         size[size == 0.0] = 1.0
-        system = np.block([[F[at, of_branches], -G[at]], [L[:, of_branches] / size, Q / size]])
+        system: NDArray = np.block([[F[at, of_branches], -G[at]], [L[:, of_branches] / size, Q / size]])
         known = H[at, :k] @ w - F[at, :k] @ u - F[at, len(F) - n :] @ passed
-        given = np.concatenate([known, -(L[:, :k] / size) @ u])
+        given: NDArray = np.concatenate([known, -(L[:, :k] / size) @ u])
         column = 0
         for branch in branches:
             for flow in branch.flows:
