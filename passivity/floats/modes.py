@@ -42,7 +42,7 @@ class Modes:
         return bool((self.poles.real < 0).all())
 
     def has_pole_near(self, s: complex) -> bool:
-        """Whether an eigenvalue of A lies on the axis or to the right of it, and closer than twice as far as the axis."""
+        """Whether an eigenvalue of A on the axis, or to the right of it, is not farther than twice the axis."""
         away = self.poles[self.poles.real > -_ON_AXIS * abs(self.poles)] - s / self.system.unit
         return bool((abs(away) <= 2 * s.real / self.system.unit).any())
 
