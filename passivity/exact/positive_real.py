@@ -220,13 +220,12 @@ def refuted_or_undecided(kind: Kind, system: StateSpace, reason: str) -> Verdict
 
     verdict = Verdict(kind, system, Status.UNDECIDED, budget=reason)
     try:
-        verdict = replace(verdict, floats=FloatSystem.of(kind, system))
-        look = Modes(verdict.floats)
-        frequencies = [look.lowest[1]]
-        if verdict.analysis:
-            frequencies.append(verdict.analysis.frequency / verdict.floats.unit)
-        refuted = (_refuted(look, system, w) for w in frequencies)
-        return next((found for found in refuted if found is not None), verdict)
+        floats = FloatSystem.of(kind, system)
+        look, verdict = Modes(floats), replace(verdict, floats=floats)
+        found = _refuted(look, system, look.lowest[1])
+        if found is None and verdict.analysis and verdict.analysis.bands:  # narrower ones than the look has seen
+            found = _refuted(look, system, verdict.analysis.frequency / floats.unit)
+        return verdict if found is None else found
     except (OverflowError, ValueError):  # beyond the range of doubles, or the eigenvalues do not converge
         return verdict
     except UndecidedError as error:

@@ -92,7 +92,7 @@ class Modes:
             yield Fraction(s.real) * unit, Fraction(s.imag) * unit, vector
 
 
-def _short(form: NDArray, vector: NDArray) -> list[complex]:
+def _short(form: NDArray[np.complex128], vector: NDArray[np.complex128]) -> list[complex]:
     """The vector on the coarsest grid on which the form still has half its value."""
     vector = vector / vector[np.argmax(abs(vector))]
     least, bits = (vector.conj() @ form @ vector).real / 2, 1
@@ -111,7 +111,7 @@ def _over_axis(w: float) -> list[complex]:
     return [_rounded(size / 2**k, w, size / 2**k) for k in range(_HALVINGS)]
 
 
-def _around_poles(poles: NDArray) -> list[complex]:
+def _around_poles(poles: NDArray[np.complex128]) -> list[complex]:
     """To the right of poles on the axis, and around those to the right of it."""
     found = []
     for p in poles[poles.imag >= 0]:
@@ -167,7 +167,7 @@ def is_negative(kind: Kind, system: StateSpace, re: Fraction, im: Fraction, vect
 
 
 def _balls(x: NDArray) -> acb_mat:
-    return acb_mat(*x.shape, [acb(z.real, z.imag) for z in x.ravel().tolist()])
+    return acb_mat(len(x), x.shape[1], [acb(z.real, z.imag) for z in x.ravel().tolist()])
 
 
 def _square(x: acb) -> arb:

@@ -81,7 +81,7 @@ def is_positive(x: arb_mat | fmpq_mat) -> bool:
             return False
         if not np.isfinite(t).all():
             return False
-        t = arb_mat(*t.shape, t.ravel().tolist())
+        t = arb_mat(len(t), len(t), t.ravel().tolist())
         rows = (t * x * t.transpose()).tolist()
         return all(2 * abs(row[i]) > sum(map(abs, row), arb(0)) and row[i] > 0 for i, row in enumerate(rows))
 
