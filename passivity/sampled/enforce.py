@@ -298,7 +298,7 @@ def _nearest(model: M, w: NDArray, free: NDArray) -> tuple[M, Verdict, int]:
 
     found, rounds = _least_changed(model, w, free, extremes)
     verdict = verdict_of(found)
-    for room in ROOM if isinstance(found, MatrixModel) else ():
+    for room in ROOM:
         if verdict.status is Status.PROVED or not size < math.inf:
             break
         moved = found.moved_inside(max(size, 0.0) + room * unit)
