@@ -1,6 +1,6 @@
 """Rational models as sums of partial fractions, of one port and of several with common poles, and the same exactly."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Self
 
@@ -46,6 +46,18 @@ class PartialFractions:
             residues[i] = x[k] + (1j * x[k + 1] if a.imag > 0 else 0.0)
             k += 1 + (a.imag > 0)
         return type(self)(self.poles, residues, x[k], x[k + 1], self.parameter)  # pyright: ignore[reportCallIssue]
+
+    def over(self, size: float) -> Self:
+        """S/size, rounded."""
+        return self.with_coefficients(self.coefficients / size)
+
+    def moved_inside(self, by: float) -> Self:
+        """S/(1 + by), or Z + by: less beyond the bound by so much."""
+        if self.parameter is Parameter.S:
+            return self.over(1 + by)
+        x = self.coefficients
+        x[-2] += by * np.eye(len(np.atleast_1d(self.constant))).reshape(x.shape[1:])
+        return self.with_coefficients(x)
 
     def at(self, w: NDArray) -> NDArray[np.complex128]:
         """Values at s = jw; w in rad/s, shape (n,)."""
@@ -165,16 +177,6 @@ class MatrixModel(PartialFractions):
         """The matrix, its floats taken as the binary numbers they are."""
         ports = range(len(self.constant))
         return RationalMatrix(tuple(tuple(self.entry(i, k).rational() for k in ports) for i in ports))
-
-    def over(self, size: float) -> Self:
-        """S/size, rounded."""
-        return self.with_coefficients(self.coefficients / size)
-
-    def moved_inside(self, by: float) -> Self:
-        """S/(1 + by), or Z + by: less beyond the bound by so much."""
-        if self.parameter is Parameter.S:
-            return self.over(1 + by)
-        return replace(self, constant=self.constant + by * np.eye(len(self.constant)))
 
     def realised(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """A, B, C, D of dx/dt = A x + B a, b = C x + D a, without E: for each pole one state a port, for each pair two.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from passivity.exact.certificate import verify
 from passivity.sampled.check import Band, SampleVerdict, worst_values
 from passivity.sampled.enforce import Enforced
+from passivity.sampled.extremes import off_poles
 from passivity.sampled.model import PartialFractions
 from passivity.sampled.response import Parameter
 
@@ -181,9 +182,7 @@ def _ends(band: Band) -> tuple[float, float]:
 def _draw_models(axes: Axes, enforced: Enforced, f: NDArray) -> None:
     spread = np.geomspace if f[0] > 0 else np.linspace
     ends = f[0], f[-1] * BEYOND
-    w = 2 * np.pi * np.unique([*f, *np.linspace(*ends, POINTS), *spread(*ends, POINTS)])
-    on_axis = enforced.model.poles.imag[enforced.model.poles.real == 0]
-    w = w[~np.isin(w, on_axis)]
+    w = off_poles(enforced.model, 2 * np.pi * np.array([*f, *np.linspace(*ends, POINTS), *spread(*ends, POINTS)]))
     for model, color, style, name in (
         (enforced.original, _BEFORE, "--", "model as given"),
         (enforced.model, _AFTER, "-", "nearest passive model"),
