@@ -8,7 +8,8 @@ from passivity.calculus.graph import UNIT, ZERO, Graph, Value
 from passivity.verifier import added
 
 Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; nodes that are not looked into
-Reading = tuple[bool, int, tuple[Value, Value, Value], list[int]]  # as before, of 1 or -1 times a line by its parts
+Line = tuple[Value, Value, Value]  # z0, propagation, load
+Reading = tuple[bool, int, Line, list[int]]  # as before, of 1 or -1 times a line
 
 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
@@ -171,6 +172,20 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
     cut = _factors(graph, z0[1]) | _factors(graph, load[1]) | ({t} if kind == "tanh" else set())
     parts = graph.scaled(z0, sign), (x if kind == "tanh" else abs(x) / 2, through), graph.scaled(load, sign)
     return sign, parts, sorted(cut)
+
+
+def merged(graph: Graph, line: Line, inner: Line, c: Fraction) -> Value | None:
+    """A line before c times one of the same z0, or of its negative, which is as one of negative length."""
+    (z0, through, _), (a, along, end) = line, inner
+    if (abs(z0[0]), z0[1]) != (abs(c * a[0]), a[1]):
+        return None
+    lengths = [graph.scaled(x, 1 if sign > 0 else -1) for x, sign in ((through, z0[0]), (along, c * a[0]))]
+    length, load = graph.sum(lengths), graph.scaled(end, c)
+    if not length[0]:
+        return load
+    sign = Fraction(1 if length[0] > 0 else -1)
+    one = (abs(z0[0]), z0[1]), graph.scaled(length, sign), graph.scaled(load, sign)
+    return sign, graph.node("line", one)
 
 
 def _factors(graph: Graph, n: int) -> set[int]:
