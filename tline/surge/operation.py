@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tline.errors import InputError, import_extra
 from tline.interchange.any_file import refuse_water
@@ -41,6 +41,16 @@ LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at it
 SMALL = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
+
+
+class Network(NamedTuple):
+    """A network that was read."""
+
+    scene: Scene
+    notes: tuple[str, ...] = ()  # on what is left out of its file
+    controls: tuple[WaterControl, ...] = ()  # of its file, that act within a run
+
+
 Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guessed for it
 
 
@@ -142,7 +152,7 @@ class Operation:
 
 
 def operate(
-    network: Scene | str | Path | Mapping[str, Any],
+    network: Network | Scene | str | Path | Mapping[str, Any],
     *,
     trip: Texts = (),
     start: Texts = (),
@@ -282,23 +292,23 @@ def operate(
 
 
 def read_network(
-    network: Scene | str | Path | Mapping[str, Any],
+    network: Network | Scene | str | Path | Mapping[str, Any],
     *,
     wave_speed: float | str | None = None,
     material: str | None = None,
     hour: float | None = None,
     moving_tanks: bool = False,
-) -> tuple[Scene, tuple[str, ...], tuple[WaterControl, ...]]:
+) -> Network:
     """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`."""
     water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
     if isinstance(network, str | Path):
         suffix = Path(network).suffix.lower()
         if suffix in EPANET:
-            return read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks)
+            return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks))
         if suffix != ".toml":
             raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
     refuse_water(water)
-    return as_scene(network), (), ()
+    return network if isinstance(network, Network) else Network(as_scene(network))
 
 
 def plan(
