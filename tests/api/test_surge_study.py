@@ -129,6 +129,8 @@ def test_pipes_pumps_valves_and_nodes_in_turn():
         ({"events": {"a": {"close": "z*@1s", "each": "pipes"}}}, "close: nothing that it may mean is called 'z*'"),
         ({"paths": [["lake", "towr"]]}, "path: no such node, expected 'tower'"),
         ({"variants": {"a": 3}}, "variants.a: not a table"),
+        ({"variants": {"a": {"loads": {"x": {"at": "lift"}}}}}, "variants.a: loads.x"),
+        ({"variants": {"a": {"run": {"tol": 1, "toll": 1}}}}, "variants.a.run.toll: unknown key, expected 'tol'"),
         ({"network": "nowhere.toml"}, "nowhere.toml: cannot be read"),
     ],
 )  # fmt: skip

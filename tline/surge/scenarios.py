@@ -85,17 +85,19 @@ def read_plan(given: str | Path | Tables) -> Plan:
     for key in ("network", "events"):
         if not tables.get(key):
             raise InputError(key, "is missing", "a network and at least one event")
-    run = _table("run", tables.get("run", {}), inspect.signature(operate).parameters.keys() - OTHERS)
+    known = inspect.signature(operate).parameters.keys() - OTHERS
+    run, runs = _table("run", tables.get("run", {}), known), dict[str, Tables]()
     reading, read = _table("reading", tables.get("reading", {}), READING), dict[str, Network]()
     variants = dict[str, Network]()
     for name, changes in {AS_READ: {}, **_table("variants", tables.get("variants", {}))}.items():
         more = dict(_table(f"variants.{name}", changes))
         options = {**reading, **_table(f"variants.{name}.reading", more.pop("reading", {}), READING)}
+        runs[name] = {**run, **_table(f"variants.{name}.run", more.pop("run", {}), known)}
         key = json.dumps(options, sort_keys=True, default=str)
         read[key] = read.get(key) or _network(tables["network"], folder, options)
-        variants[name] = _laid_over(read[key], more)
+        variants[name] = _laid_over(read[key], more, f"variants.{name}")
     scenarios = [
-        Scenario(event, element, variant, network, {**run, **operations})
+        Scenario(event, element, variant, network, {**runs[variant], **operations})
         for event, table in _table("events", tables["events"]).items()
         for variant, network in variants.items()
         for element, operations in _in_turn(f"events.{event}", table, network.scene)
@@ -115,11 +117,14 @@ def _network(given: Any, folder: Path, options: Tables) -> Network:
     return read_network(given, **more)
 
 
-def _laid_over(network: Network, changes: Tables) -> Network:
+def _laid_over(network: Network, changes: Tables, where: str) -> Network:
     if not changes:
         return network
     scene = network.scene
-    return network._replace(scene=Scene(scene.folder, **_over(scene.table(), changes)))
+    try:
+        return network._replace(scene=Scene(scene.folder, **_over(scene.table(), changes)))
+    except InputError as error:
+        raise InputError(where, str(error)) from None
 
 
 def _over(tables: Tables, more: Tables) -> dict[str, Any]:
