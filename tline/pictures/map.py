@@ -144,7 +144,13 @@ def plot_map(result: Result) -> Figure:
     >>> [axes.get_title(loc="left") for axes in maps.axes[:2]]
     ['rise above the start', 'fall below the start']
     """
-    scene, both, places = result.scene, surges(result), layout(result.scene)
+    return draw_surges(result.scene, *surges(result))
+
+
+@styled
+def draw_surges(scene: Scene, *both: Surge) -> Figure:
+    """Draw the two maps of how far the effort rose and how far it fell."""
+    places = layout(scene)
     wide, high = np.ptp([*places.values()], axis=0)
     rows = 2 if wide > WIDE * high else 1
     picture = figure(8.0 if rows == 2 else 9.0, 8.0 if rows == 2 else 5.2, scene.title)

@@ -130,7 +130,7 @@ def simulate(
         ledger=ledger,
         active=active,
         progress=progress,
-        seconds=seconds,
+        budget=Budget(None if seconds is None else as_seconds(seconds), progress),
     )
 
 
@@ -144,11 +144,10 @@ def simulated(
     active: bool = False,
     progress: bool = False,
     start: Start | None = None,
-    seconds: float | str | None = None,
+    budget: Budget | None = None,
 ) -> Result:
     """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
-    budget = Budget(None if seconds is None else as_seconds(seconds), progress)
-    how = _How([*record], envelope, ledger, active, progress, start, budget)
+    how = _How([*record], envelope, ledger, active, progress, start, budget or Budget(shown=progress))
     with user_mistakes(description.scene):
         result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
     for note in result.unresolved:
