@@ -200,7 +200,7 @@ A loop over `solve_ivp` (LSODA) at the same tolerance would take {loop:.0f} s of
 
 
 def main() -> None:
-    page, costs = "benchmarks-friction.md", {case: measured(case) for case in ENDS}
+    page, costs = "benchmarks/pages/friction.md", {case: measured(case) for case in ENDS}
     pictures = {"cost": draw_cost(costs), "limits": draw_maps(), "failures": draw_failures(ENDS["stribeck"])}
     models = {"LuGre": LuGre(sigma1=5.0), "elasto-plastic": ElastoPlastic(sigma1=5.0), "Karnopp": Karnopp()}
     pictures["curves"] = draw_curves(models)
