@@ -11,13 +11,19 @@ extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autos
 root_doc = "index"
 templates_path = ["templates"]
 myst_heading_anchors = 4
-suppress_warnings = ["myst.xref_missing", "myst.header"]  # links to folders and to files that are no pages
+suppress_warnings = [
+    "myst.xref_missing",  # links to folders and to files that are no pages
+    "myst.header",
+    "toc.not_included",  # tables of measurements, which pages lead to
+]
 autosummary_generate = True
 autodoc_typehints = "none"  # docstrings have types in words
 numpydoc_show_class_members = False
 html_theme = "pydata_sphinx_theme"
 html_title = "tline"
 html_theme_options = {"show_prev_next": False, "navigation_with_keys": False, "header_links_before_dropdown": 3}
+html_static_path = ["style"]
+html_css_files = ["site.css"]
 html_show_sourcelink = False
 
 
