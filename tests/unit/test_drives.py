@@ -1,6 +1,7 @@
 """Parts, torques, hidden modes, slack, control and refusals of the package drives."""
 
 import math
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -304,12 +305,13 @@ def test_pictures_and_animations(tmp_path):
     ):
         figure.savefig(tmp_path / f"{k}.png")
         assert (tmp_path / f"{k}.png").stat().st_size > 5000
-    drives.animate(EXERCISE, run.t, run.outputs, tmp_path / "m.html")
+    moving = drives.animate(EXERCISE, run)
+    moving.save(tmp_path / "m.html")
     page = (tmp_path / "m.html").read_text(encoding="utf-8")
-    assert "DATA" not in page
+    assert {"DATA", "SCRIPT", "TITLE", "SHOWN"} & {*re.findall(r"[A-Z]+", page)} == set()
     assert "http" not in page
-    with pytest.raises(InputError, match="phi1"):
-        drives.animate(EXERCISE, run.t, {}, tmp_path / "m.html")
+    with pytest.raises(InputError, match=r"expected \.html, got '\.gif'"):
+        moving.save(tmp_path / "m.gif")
 
 
 def test_what_has_no_damping_swings_for_ever():

@@ -219,14 +219,12 @@ Examples:
 )
 def animate(file: str, *, t_end: str = "2 s", **given: Any) -> None:
     """Write an animation of the mechanism under control: FILE.html, a page of its own."""
-    from drives import animate as write
+    from drives import animate as animated
     from tline.cli.options import check_files
-    from tline.solver.result.atomic import replacing
 
     check_files({"FILE": (file, (".html",))})
     found, made, run = _controlled(animate, t_end, given)
-    with replacing(file) as temporary:
-        write(found, run.t, run.outputs, temporary)
+    animated(found, run).save(file)
     click.echo(f"wrote {file}")
     for note in run.notes:
         click.echo(f"note: {note}", err=True)
