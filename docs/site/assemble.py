@@ -49,12 +49,14 @@ def letter_page(answer: Answer) -> str:
 
 
 def public_names() -> dict[str, list[str]]:
-    """What each package offers, packages within it left out."""
-    found = {}
+    """What each package offers, once; packages within it left out."""
+    found, seen = {}, set[int]()
     for package in PACKAGES:
         module = importlib.import_module(package)
-        names = [name for name in module.__all__ if not isinstance(getattr(module, name), type(sys))]
+        offered = {name: getattr(module, name) for name in module.__all__}
+        names = [name for name, each in offered.items() if not isinstance(each, type(sys)) and id(each) not in seen]
         found[package] = sorted(names, key=str.lower)
+        seen |= {id(each) for each in offered.values()}
     return found
 
 
