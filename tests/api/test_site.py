@@ -74,7 +74,7 @@ def test_the_notebook_of_a_letter_runs():
     made = ASSEMBLED["notebook"](ASSEMBLED["letter_page"](tl.exercise("2b")))
     done = NotebookClient(made, timeout=300, kernel_name="python3").execute()
     ((shown,),) = [cell.outputs for cell in done.cells if cell.cell_type == "code"]
-    assert "C = 11.1 pF/m" in shown.data["text/plain"]
+    assert "= 11.1 pF/m and L = " in shown.data["text/plain"]
 
 
 def test_what_is_to_be_read_is_no_book():

@@ -1,6 +1,7 @@
 """Waves and effort along a route, moving in time: as a web page of its own, or as a film."""
 
 from math import ceil, log10
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -59,6 +60,26 @@ class MovingQuantities(NamedTuple):
         return max(ceil(-log10(self.t[1])), 0) + 1
 
 
+class Waves(Animation):
+    """Waves along a route and against it, and the effort, half of their sum: as a page, GIF or MP4."""
+
+    suffixes = (".html", ".gif", ".mp4")
+
+    def __init__(self, motion: MovingQuantities):
+        super().__init__(_page(motion))
+        self.motion = motion
+
+    def write(self, path: Path) -> None:
+        """Write page or film to a file, by its suffix."""
+        suffix = path.suffix.lower()
+        if suffix == ".html":
+            super().write(path)
+            return
+        from tline.pictures import film
+
+        (film.write_gif if suffix == ".gif" else film.write_mp4)(self.motion, path)
+
+
 def animated(result: Result, path: Route) -> Animation:
     """Waves and effort along a route, moving.
 
@@ -74,8 +95,7 @@ def animated(result: Result, path: Route) -> Animation:
     InputError
         A line of the route was not recorded.
     """
-    motion = _motion(result, path)
-    return Animation(_page(motion), motion)
+    return Waves(_motion(result, path))
 
 
 def _motion(result: Result, path: Route) -> MovingQuantities:

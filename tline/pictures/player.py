@@ -5,12 +5,11 @@ import json
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from tline.errors import InputError
 from tline.solver.result.atomic import replacing
 
-SUFFIXES = (".html", ".gif", ".mp4")
 FRAME = 480  # pixels, height in a notebook
 
 
@@ -21,12 +20,12 @@ class Animation:
     ----------
     html : str
         A page that needs nothing else: play, pause and a slider; keys do the same.
-    motion : MovingQuantities, optional
-        What films show; without it there is the page alone.
     """
 
-    def __init__(self, html: str, motion: Any = None):
-        self.html, self.motion = html, motion
+    suffixes: ClassVar[tuple[str, ...]] = (".html",)
+
+    def __init__(self, html: str):
+        self.html = html
 
     def _repr_html_(self) -> str:
         return f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{FRAME}" style="border: 0"></iframe>'
@@ -46,16 +45,15 @@ class Animation:
         MissingExtraError
             A film is asked for, and ffmpeg is not installed.
         """
-        suffix, known = Path(filename).suffix.lower(), SUFFIXES if self.motion else SUFFIXES[:1]
-        if suffix not in known:
-            raise InputError(str(filename), "unknown kind of animation", " or ".join(known), f"'{suffix}'")
+        suffix = Path(filename).suffix.lower()
+        if suffix not in self.suffixes:
+            raise InputError(str(filename), "unknown kind of animation", " or ".join(self.suffixes), f"'{suffix}'")
         with replacing(filename) as temporary:
-            if suffix == ".html":
-                temporary.write_text(self.html, encoding="utf-8")
-                return
-            from tline.pictures import film
+            self.write(temporary)
 
-            (film.write_gif if suffix == ".gif" else film.write_mp4)(self.motion, temporary)
+    def write(self, path: Path) -> None:
+        """Write the page to a file."""
+        path.write_text(self.html, encoding="utf-8")
 
 
 def player(package: str, script: str, shown: str, data: Mapping[str, Any]) -> str:
