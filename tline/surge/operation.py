@@ -68,6 +68,9 @@ class Operation(Presentation):
         text = as_text(self.result, self.result.accuracy, self.worst, self.columns)
         return [*text.splitlines(), *(f"note: {n}" for n in self.notes)]
 
+    def __str__(self) -> str:
+        return "\n".join(self.text_lines())  # all of it, for what it ends with counts
+
     @property
     def scene(self) -> Scene:
         """The network with all operations in it: `tline.simulate` runs it just so, and ``to_toml()`` writes it."""
