@@ -175,7 +175,7 @@ def draw_cost(all_found: dict[str, dict]) -> Figure:
 
 
 def main() -> None:
-    page, costs = "benchmarks-friction.md", {case: measured(case) for case in ENDS}
+    page, costs = "benchmarks/pages/friction.md", {case: measured(case) for case in ENDS}
     pictures = {"cost": draw_cost(costs), "limits": draw_maps(), "failures": draw_failures(ENDS["stribeck"])}
     for name, picture in pictures.items():
         picture.savefig(DOCS / "pictures" / f"friction_{name}.png")

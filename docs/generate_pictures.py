@@ -24,7 +24,6 @@ from tline.pictures.sweep import plot_sweep
 from tline.pictures.traces import plot
 from tline.pictures.waves import plot_line_waves
 from tline.scene.file import read_scene
-from tline.scene.medium import ELECTRICAL
 from tline.scene.scene import Scene
 from tline.signal.crosstalk import crosstalk
 from tline.signal.eye_diagram import eye
@@ -86,13 +85,13 @@ def signals() -> dict[str, Figure]:
     refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
     return {
         "bode": bode(),
-        "tdr": plot_reflections(reflectometry(cascade, "near", "100 ps"), ELECTRICAL, cascade.title),
-        "eye": plot_eye(eye(cascade, "far", "0.8 ns", "0.2 ns"), ELECTRICAL, cascade.title),
-        "load_lines": plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title),
+        "tdr": plot_reflections(reflectometry(cascade, "near", "100 ps")),
+        "eye": plot_eye(eye(cascade, "far", "0.8 ns", "0.2 ns")),
+        "load_lines": plot_load_lines(bergeron(ringing)),
         "fit": plot_misfit(scene_of("antenna").loads["antenna"].model, "antenna.s1p"),
-        "skin_pair": plot_crosstalk(crosstalk(pair), pair.title),
-        "coax_fault": plot_reflections(reflectometry(coax, "near", "5 ns"), ELECTRICAL, coax.title),
-        "ddr_eye": plot_eye(eye(net, "die", "1 ns"), ELECTRICAL, net.title),
+        "skin_pair": plot_crosstalk(crosstalk(pair)),
+        "coax_fault": plot_reflections(reflectometry(coax, "near", "5 ns")),
+        "ddr_eye": plot_eye(eye(net, "die", "1 ns")),
         "passivity": styled(draw_verdict)(refuted, refuted.margins),
     }
 

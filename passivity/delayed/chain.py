@@ -80,12 +80,12 @@ class Chain(Decided):
         return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
 
 
-def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
+def check_line(load: RationalFunction | str, z0: Exact, delay: Exact) -> Chain:
     """Is the input port of a lossless line passive, with this load at its other end?
 
     Parameters
     ----------
-    load : RationalFunction
+    load : RationalFunction or str
         Z2, the impedance of the load; open and short circuit included.
     z0 : int, float, Fraction, Decimal or str
         Characteristic impedance of the line, above zero.
@@ -99,11 +99,11 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
 
     Examples
     --------
-    >>> load = RationalFunction.from_expression("25 + s/1000000000")
-    >>> chain = check_line(load, "50 ohm", "3 ns")
+    >>> chain = check_line("25 + s/1000000000", "50 ohm", "3 ns")
     >>> [step.status.value for step in chain.steps]
     ['proved', 'proved', 'proved', 'proved']
     """
+    load = RationalFunction.from_expression(load) if isinstance(load, str) else load
     reference, travel = positive(z0, "z0"), exact(delay, "delay")
     if travel < 0:
         raise ExpressionError("delay", "negative", "at least 0", shown(delay))

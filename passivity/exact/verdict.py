@@ -272,13 +272,13 @@ class Verdict(Decided):
 
         return as_dict(self, self._margins)
 
-    def _figure(self) -> Any:
-        """Impedance plane, Smith chart and reflection, z0 = 1; of one port."""
+    def plot(self, ax: Any = None) -> Any:
+        """Impedance plane, Smith chart and reflection, z0 = 1; of one port. On `ax` the Smith chart alone."""
         if not isinstance(self.function, RationalFunction):
-            return super()._figure()
+            return super().plot(ax)
         from passivity.exact.picture import draw_verdict
 
-        return draw_verdict(self, self._margins)
+        return draw_verdict(self, self._margins, ax=ax)
 
     @property
     def _margins(self) -> Margins:

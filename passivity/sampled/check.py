@@ -87,11 +87,11 @@ class SampleVerdict(Decided):
 
         return samples_as_dict(self)
 
-    def _figure(self) -> Any:
-        """The worst values against their bound."""
+    def plot(self, ax: Any = None) -> Any:
+        """The worst values against their bound, on `ax` or in a new figure."""
         from passivity.sampled.report import draw_samples
 
-        return draw_samples(self)
+        return draw_samples(self, ax=ax)
 
     @property
     def worst_value(self) -> float:

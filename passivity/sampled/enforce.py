@@ -126,11 +126,11 @@ class Enforced(Decided):
 
         return models_as_dict(self)
 
-    def _figure(self) -> Any:
-        """The worst values of samples and models against their bound."""
+    def plot(self, ax: Any = None) -> Any:
+        """The worst values of samples and models against their bound, on `ax` or in a new figure."""
         from passivity.sampled.report import draw_samples
 
-        return draw_samples(check_samples(self.samples), self)
+        return draw_samples(check_samples(self.samples), self, ax)
 
 
 def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) -> Enforced:

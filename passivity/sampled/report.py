@@ -126,7 +126,7 @@ def _band(band: Band, parameter: str) -> str:
     return f"{where}, worst {worst} at {band.frequency:.6g} Hz"
 
 
-def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Figure:
+def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None, ax: Axes | None = None) -> Any:
     """A figure: worst singular value of S or smallest eigenvalue of Z or Y against frequency, violations shaded.
 
     Parameters
@@ -135,10 +135,12 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
         From `check_samples`.
     enforced : Enforced, optional
         Its models, before and after, are drawn to BEYOND times the highest frequency.
+    ax : matplotlib Axes, optional
+        Where to draw; without it a new figure.
     """
     response, f = verdict.response, verdict.response.f
     figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
-    axes = figure.subplots()
+    axes = ax if ax is not None else figure.subplots()
     for k, band in enumerate(verdict.bands):
         label = "" if k else "samples violate the bound"
         axes.axvspan(*_ends(band), facecolor=_BAD, alpha=0.3, hatch="///", edgecolor="white", linewidth=0, label=label)
@@ -168,6 +170,9 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
     axes.legend(loc="best", fontsize=8, frameon=False)
     title = f"samples: {verdict.status.value}"
     title += "" if enforced is None else f"; model: {enforced.status.value}"
+    if ax is not None:
+        ax.set_title(title, loc="left")
+        return ax
     figure.suptitle(title, x=0.02, ha="left", fontweight="bold")
     return figure
 

@@ -8,7 +8,6 @@ from typing import Any
 from numpy.typing import NDArray
 
 from tline.cli.measured import as_dict, in_words
-from tline.pictures.handy import handy
 from tline.scene.ibis.element import Ibis
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.solver.assembly.loss_elements import loss_elements_in
@@ -19,6 +18,7 @@ from tline.solver.result.accuracy import Accuracy, Estimate
 from tline.solver.result.quantities import Bounds, in_tables
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.simulate import judged
+from tline.units import handy
 from tline.words.aligned import aligned
 from tline.words.wording import place
 

@@ -64,9 +64,9 @@ def sweep(
     """
     wanted = _wanted(vary)
     from tline import sweeps
-    from tline.cli.sweep_report import as_text, notes, summary
     from tline.interchange.any_file import read as read_any
     from tline.solver.simulate import UnresolvedWarning
+    from tline.sweeps.report import as_text, notes, summary
 
     read = read_any(scene, confined=confined)
     with _executor(dask) as executor, sweep.named(), warnings.catch_warnings():

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.pictures.along import effort_along
 from tline.pictures.bounds import scale
-from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis, route
+from tline.pictures.spread import spread
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.prepared import prepare
@@ -21,7 +21,7 @@ from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import in_tables
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
-from tline.units import engineering
+from tline.units import engineering, handy
 from tline.words.wording import place
 
 SECTIONS, MOST_SLIDERS, MOST_PROBES = ("lines", "sources", "loads", "links"), 60, 6

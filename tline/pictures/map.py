@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.bounds import scale
-from tline.pictures.handy import spread
 from tline.pictures.layout import Places, course, has_positions, layout, refuse_too_many
+from tline.pictures.spread import spread
 from tline.pictures.style import FAINT, INK, LONGEST_NAME, figure, styled
 from tline.scene.coupled import refuse_coupled
 from tline.scene.heights import weight_at

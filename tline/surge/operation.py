@@ -11,6 +11,7 @@ from tline.errors import InputError, import_extra
 from tline.interchange.any_file import refuse_water
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_scene import read_with_controls
+from tline.presentation import Presentation
 from tline.scene.file import EPANET, as_scene
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
@@ -31,6 +32,7 @@ from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst
 from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
@@ -55,7 +57,7 @@ Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guesse
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Operation:
+class Operation(Presentation):
     """An operated network and what came of it; printed, it is the report of ``tline surge``.
 
     Attributes
@@ -72,9 +74,13 @@ class Operation:
     guesses: tuple[str, ...]
     columns: Columns | None = None
 
-    def __repr__(self) -> str:
+    def text_lines(self) -> list[str]:
+        """The report, and notes."""
         text = as_text(self.result, self.result.accuracy, self.worst, self.columns)
-        return "\n".join([text, *(f"note: {n}" for n in self.notes)])
+        return [*text.splitlines(), *(f"note: {n}" for n in self.notes)]
+
+    def __str__(self) -> str:
+        return "\n".join(self.text_lines())  # all of it, for what it ends with counts
 
     @property
     def scene(self) -> Scene:
@@ -138,9 +144,9 @@ class Operation:
         """
         save_tables(self.result, path)
 
-    def plot(self) -> "Figure":
-        """Draw pressure and flow over time at the probes."""
-        return self.result.plot()
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw pressure and flow over time at the probes; on `ax` the pressure."""
+        return self.result.plot() if ax is None else self.result.plot(ax)
 
     def plot_map(self) -> "Figure":
         """Draw maps of the network, coloured by how far the head rose and fell."""
