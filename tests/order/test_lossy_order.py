@@ -5,11 +5,11 @@ import itertools
 import numpy as np
 import pytest
 from lossy_scenes import cable
+from tline.solver.tolerance.extrapolate import extrapolated
 
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.run import run
-from tline.solver.tolerance.extrapolate import extrapolated
 from tline.study.charts.scenes import chart_scene
 from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy import lossy_response

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tline.solver.assembly.flow_tables import HIGHEST, LOWEST, flow_table
+from tline.solver.kernel.losses.dissipation import looked_up
 
 from tline.errors import InputError
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic, side_by_side
 from tline.scene.line import Pipe
 from tline.scene.site import GRAVITY
-from tline.solver.assembly.flow_tables import HIGHEST, LOWEST, flow_table
-from tline.solver.kernel.losses.dissipation import looked_up
 
 LENGTH, DIAMETER, DENSITY = 1000.0, 0.3, 1000.0
 PIPE = {"nodes": ["a", "b"], "length": LENGTH, "diameter": DIAMETER, "wave_speed": 1000, "density": DENSITY}

@@ -5,6 +5,8 @@ import re
 import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
+from tline.solver.kernel.losses.dissipation import dissipation
+from tline.solver.kernel.losses.memory import memory
 
 from tline.errors import InputError, SceneError
 from tline.frequency.oscillations import resonances
@@ -16,8 +18,6 @@ from tline.solver.description.circuits import one_step
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.description.slab import cell_of
-from tline.solver.kernel.losses.dissipation import dissipation
-from tline.solver.kernel.losses.memory import memory
 from tline.solver.kernel.network import REMEMBERED, SQUARED
 from tline.solver.loop.kernel import Kernel
 from tline.solver.radau import basis
