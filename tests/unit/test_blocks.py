@@ -10,7 +10,6 @@ from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.blocks import LONGEST, blocks_of
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.kernel.network import NO_LOSSES
 from tline.solver.run import run
 
 SLAB = 0.05
@@ -36,7 +35,7 @@ def of_chain(delays: list[int]) -> blocks.Blocks:
     n = len(delays)
     ends = np.array([0, *(e for k in range(n - 1) for e in (2 * k + 1, 2 * k + 2)), 2 * n - 1])
     first = np.array([0, *range(1, 2 * n, 2), 2 * n])
-    return blocks_of(np.array(delays), first, ends, np.arange(n + 2), NO_LOSSES)
+    return blocks_of(np.array(delays), first, ends, np.arange(n + 2))
 
 
 def test_a_short_line_keeps_only_its_own_nodes_back():
@@ -54,7 +53,7 @@ def test_equal_lines_are_all_far_and_lines_of_one_slab_all_near():
 
 
 def test_a_node_without_lines_beside_lines_of_one_slab_makes_nothing_far_of_them():
-    found = blocks_of(np.array([1]), np.array([0, 1, 2, 2]), np.array([0, 1]), np.arange(4), NO_LOSSES)
+    found = blocks_of(np.array([1]), np.array([0, 1, 2, 2]), np.array([0, 1]), np.arange(4))
     assert (found.stride, found.near_lines.tolist(), found.far_groups.tolist()) == (LONGEST, [0], [2])
 
 
@@ -62,15 +61,15 @@ def test_a_node_without_lines_beside_lines_of_one_slab_makes_nothing_far_of_them
 @pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("seed", range(4))
 def test_the_same_comes_out_as_slab_by_slab(monkeypatch, seed, order, friction):
-    scene, resolution = mixed(seed, friction), Resolution(order, SLAB, loss_elements=4, diamonds=False)
+    scene, resolution = mixed(seed, friction), Resolution(order, SLAB, cell=0.3)
     chosen = assemble(describe(scene), set(), resolution).network.blocks
     assert chosen.far_groups.size
     assert chosen.near_groups.size
-    assert bool(chosen.far_rows.size) == friction
+    assert bool(chosen.far_cells.size) == friction
     at_once = run(describe(scene), resolution).probes["p"].u
     assert np.abs(at_once).max() > 0
     monkeypatch.setattr(blocks, "_stride", lambda *_: LONGEST)
     scene = mixed(seed, friction)  # one that keeps no grid
     assert not assemble(describe(scene), set(), resolution).network.blocks.far_groups.size
     apart = np.abs(at_once - run(describe(scene), resolution).probes["p"].u).max() / np.abs(at_once).max()
-    assert apart <= (1e-13 if friction else 0.0)  # loss elements that are met one by one round otherwise than abreast
+    assert apart <= (1e-13 if friction else 0.0)  # cells are whole multiples of what is done at once

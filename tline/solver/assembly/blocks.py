@@ -1,7 +1,7 @@
 """How far the nodes of a network are advanced at once: those that meet only long lines farther than the others.
 
-What leaves a node is not seen elsewhere before the shortest of its lines has passed, or half a cell of friction. All nodes for which that takes a stride or longer go a stride at once, the others meanwhile in
-short steps.
+What leaves a node is not seen elsewhere before the shortest of its lines has passed, or half a cell of friction. All
+nodes for which that takes a stride or longer go a stride at once, the others meanwhile in short steps.
 """
 
 from collections.abc import Collection

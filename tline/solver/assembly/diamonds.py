@@ -152,26 +152,23 @@ def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> 
 def _memory(grid: "SlabGrid", here: list[int], cells: list[tuple[int, float]], long: NDArray, order: Basis) -> Memory:
     """Circuits of the columns of cells, half a cell apart; the outermost stand for what lies before them, too."""
     first, signs, modes, at, maps, states, size, held = [0], [], [], [], [np.empty(0)], [], 0, 0
+    rest = np.ones((len(here), 2))
     lines = list(grid.lines.items())
-    for (name, line), (k, over), slabs in zip(map(lines.__getitem__, here), cells, long.tolist(), strict=True):
+    for row, ((name, line), (k, over), slabs) in enumerate(
+        zip(map(lines.__getitem__, here), cells, long.tolist(), strict=True)
+    ):
         for sign, law, per in _laws(line, grid.circuits[name]) if k else ():
             number, half = 2 * int(slabs // k) - 1, k / (2 * slabs)
             ends = (1.5 + over / k) * half if number > 1 else 1.0
             each = [one_step(law, share * per, order, k * grid.h) for share in (half, ends)]
+            rest[row] /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
             at.append([size, size + each[0].size])
             signs, modes, states = [*signs, sign], [*modes, law.rates.size], [*states, held]
             maps, size, held = [*maps, *each], size + 2 * each[0].size, held + number * law.rates.size
         first.append(len(signs))
     places = np.array(at, int).reshape(-1, 2)
-    return Memory(
-        np.array(first),
-        np.array(signs),
-        np.array(modes, int),
-        places,
-        np.concatenate(maps),
-        np.array(states, int),
-        held,
-    )
+    each = np.array(first), np.array(signs), np.array(modes, int), places, np.concatenate(maps), np.array(states, int)
+    return Memory(*each, rest, held)
 
 
 def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float]]:

@@ -102,6 +102,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         edges=np.empty((2, PARTS + 1)),
         parts=np.empty((4, PARTS, r)),
         slabs=np.empty((2, widest * s)),
+        rest=np.ones(1),
         shape=np.empty((r, widest * s)),
         shaped=np.zeros(1, np.int64),
         tangent=np.empty((3, ends, len(network.diamonds.values))),

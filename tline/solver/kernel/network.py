@@ -65,6 +65,9 @@ class Memory(NamedTuple):
     at: Integers2  # (circuits, 2) place of a circuit's maps: inside, and for the first and the last column
     maps: Floats  # D (r, r), C (r, modes), B (modes, r), decay (modes,) of e = D w + C x, x' = B w + decay x
     state_at: Integers  # (circuits,) place of its states, shape (columns, modes)
+    rest: (
+        Floats2  # (rows of diamonds, 2) share that cells, as in `at`, leave of what lies between waves and polynomials
+    )
     states: int  # of all
 
 
@@ -266,6 +269,7 @@ class DiamondWork(NamedTuple):
     edges: Floats2  # (2, PARTS + 1) of the parts of two waves in a cell
     parts: Floats3  # (4, PARTS, r) of these, and their coefficients before they meet
     slabs: Floats2  # (2, k s) of these waves
+    rest: Floats  # (1,) share of a wave in a cell that is left beside its polynomial
     shape: Floats2  # (r, k s) Legendre polynomials over a part
     shaped: Integers  # (1,) slabs of that
     tangent: Floats3  # (3, E, M) the same three of half diamonds

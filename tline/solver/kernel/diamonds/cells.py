@@ -116,11 +116,11 @@ def take_up(run, side, n):
 
 @function
 def find_change(run, side, part):
-    """Put the coefficients of what has become of a part, less those of what it was, in the workspace."""
+    """Put the coefficients of what has become of a part, less what is left of what it was, in the workspace."""
     work = run.work.diamonds
     times(run.network.diamonds.tools.to_legendre, work.parts[side, part], 0, work.a)
     for k in range(work.a.size):
-        work.a[k] -= work.parts[side + 2, part, k]
+        work.a[k] -= work.rest[0] * work.parts[side + 2, part, k]
 
 
 @function
@@ -132,6 +132,8 @@ def put_back(run, row, o, at, ring, side, n):
         find_change(run, side, part)
         low, high = int(work.edges[side, part]), int(work.edges[side, part + 1])
         shape(run, high - low)
+        for i in range(low * s, high * s):
+            slabs[i] *= work.rest[0]
         for k in range(work.a.size):
             polynomial, factor = work.shape[k], work.a[k]
             for i in range((high - low) * s):
@@ -176,6 +178,7 @@ def recall(run, row, o, a, b, ring, column):
     invoke(run.units.remember, (run, row, column))
     put_back(run, row, o, a, ring, 0, np.int64(1))
     put_back(run, row, o, b, ring, 1, np.int64(1))
+    run.work.diamonds.rest[0] = 1.0
 
 
 @unit

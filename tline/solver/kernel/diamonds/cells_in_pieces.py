@@ -90,7 +90,7 @@ def put_back_pieces(job, k, o, at, ring, side, n):
                     clear(more)
                     project(work.a, low, high, i + start, i + stop, tools.gauss, more)
                     for x in range(s):
-                        coef[x] += more[x]
+                        coef[x] = work.rest[0] * coef[x] + more[x]
                     if row >= 0:
                         for x in range(s):
                             pieces.coef[row, j, x] = flushed(coef[x])
@@ -137,6 +137,7 @@ def recall_in_pieces(job, row, o, a, b, ring, column):
     invoke(job.run.units.remember, (job.run, row, column))
     put_back_wave(job, row, o, a, ring, 0, of_a, n)
     put_back_wave(job, row, o, b, ring, 1, of_b, m)
+    job.run.work.diamonds.rest[0] = 1.0
 
 
 @unit
