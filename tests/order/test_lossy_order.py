@@ -30,7 +30,7 @@ def test_behind_a_step_cells_are_of_second_order(order, slope):
 
 SMOOTH = {"shape": "sine", "amplitude": 1, "frequency": "0.2 GHz"}
 REMEMBERS = {
-    "leak": {"resistance": 200, "conductance": 0.004},
+    "leak": {"conductance": 0.004},
     "skin": {"skin": {"resistance": 60, "frequency": "10 GHz"}},
     "insulation": {"loss_tangent": {"value": 0.02, "frequency": "1 GHz", "low": "1 MHz", "high": "100 GHz"}},
 }

@@ -67,11 +67,10 @@ def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wante
 
 
 def cell_of(description: Description, s: int, h: float) -> float:
-    """Width of cells beside slabs of order s and width h, s; 0 where diamonds serve and are not too many."""
+    """Width of cells beside slabs of order s and width h, s; 0 for diamonds or cells of slabs if these are not many."""
     number = cells_in(description, h)
-    if not number or (description.diamonds and s > 1 and number <= MOST_DIAMONDS):
-        return 0.0
-    return max(sqrt(number / DIAMONDS), 1.0) * h
+    few = number <= (MOST_DIAMONDS if description.diamonds and s > 1 else DIAMONDS)
+    return 0.0 if few else sqrt(number / DIAMONDS) * h
 
 
 def cells_in(description: Description, width: float) -> float:

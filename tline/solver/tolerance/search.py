@@ -24,7 +24,7 @@ MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is
 CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: an error told by two runs alone is to be below; if laws kink
 LEAST_CELL = 4.0  # slabs of a cell of friction that is halved; narrower ones give way to diamonds
 FITTED = 0.1, 1e-9  # tolerance of circuits over the run's, and the least
-STEPS, SOON, MOST_CELLS = 3, 5e4, 1e7  # steps that tell a pace; cells of one run: a tenth of a second; half a minute
+STEPS, SOON, MOST_CELLS = 3, 5e5, 1e7  # steps that tell a pace; cells of one run: a second, and half a minute
 HALVED = 4  # times that a slab is halved at most to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
@@ -188,7 +188,7 @@ class Orders(Grids):
                 s += 1
             elif not fixed:
                 h /= 2
-                s += stay and given.order is None and s < last
+                s += stay and given.order is None and s < last and not narrow
             else:
                 return
             chosen = resolution(description, s, h, sections, self.settle)
