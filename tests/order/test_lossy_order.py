@@ -37,12 +37,12 @@ REMEMBERS = {
 
 
 @pytest.mark.parametrize("losses", REMEMBERS.values(), ids=REMEMBERS)
-@pytest.mark.parametrize("delay", [1.0, 0.87 * 2**0.5])
+@pytest.mark.parametrize("delay", [1.0, 0.8])
 def test_memory_is_of_second_order(losses, delay):
-    """Against a convolution, of a sine, at instants behind its start."""
+    """Against a convolution on slabs that divide the delay, of a sine, at instants behind its start."""
     scene = cable(SMOOTH, t_end="6 ns", **losses).change({"lines.line.length": 0.2 * delay})
     t, errors = np.linspace(3e-9, 5.9e-9, 50), []
-    exact = run(describe(scene), Resolution(5, 1e-9 / 32)).probes["far"].at(t).u
+    exact = run(describe(scene), Resolution(5, 1e-9 / 40)).probes["far"].at(t).u
     for n in SLABS:
         found = run(describe(scene), Resolution(3, 1e-9 / n, fit=1e-9, exact=False)).probes["far"].at(t).u
         errors.append(np.abs(found - exact).max())
