@@ -33,6 +33,7 @@ from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
+MOST_DIAMONDS = 5e7  # of a run in slabs as wide as the shortest delay, beyond which fronts are not followed past valves
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +131,13 @@ class Description:
         """Whether lines lose something, and what each of them loses depends on its flow alone, at once."""
         lossy = [line for line in self.lines.values() if line.losses is not None]
         return bool(lossy) and all(line.in_diamonds for line in lossy)
+
+    @cached_property
+    def crowded(self) -> bool:
+        """Whether fronts are not followed: those of valves that move multiply beside lossy lines far shorter than all."""
+        lossy = [line.delay for line in self.lines.values() if line.dispersive]
+        moving = (getattr(self.scene, part)[name].kind for part, name, _ in self.scene.waveforms)
+        return bool(lossy) and self.t_end * sum(lossy) > MOST_DIAMONDS * min(lossy) ** 2 and "orifice" in moving
 
     @cached_property
     def blurred(self) -> bool:
