@@ -173,3 +173,17 @@ def test_friction_is_in_cells_beside_pipes_too_short_for_diamonds(length, in_cel
     scene = Scene(medium="hydraulic", t_end=20, lines=lines, probes={"c": {"at": "c"}})
     description = describe(scene)
     assert (cell_of(description, 2, resolution(description).h) > 0) == in_cells
+
+
+@pytest.mark.parametrize(("length", "crowded"), [(10.0, False), (1.0, True)])
+def test_fronts_of_valves_that_move_beside_very_short_pipes_are_projected(length, crowded):
+    """They would multiply at its ends; what is lost of them is told."""
+    pipe = {"diameter": 0.2, "wave_speed": 1000, "density": 1000, "friction": {"kind": "darcy", "factor": 0.02}}
+    ends = {"long": (["a", "b"], 4000), "stub": (["b", "c"], length)}
+    shut = {"shape": "ramp", "from": 1, "to": 0, "at": 0.5, "duration": 0.1}
+    valve = {"at": "c", "kind": "orifice", "flow": 0.03, "pressure_drop": 1e5, "opening": shut}
+    scene = Scene(
+        medium="hydraulic", t_end=20, lines={n: {"nodes": at, "length": own, **pipe} for n, (at, own) in ends.items()},
+        loads={"valve": valve}, probes={"c": {"at": "c"}},
+    )  # fmt: skip
+    assert describe(scene).crowded == crowded

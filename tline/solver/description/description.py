@@ -33,7 +33,7 @@ from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
-MOST_DIAMONDS = 5e7  # of a run in slabs as wide as the shortest delay, beyond which fronts are not followed past valves
+MOST_BESIDE_VALVES = 5e7  # of a run in slabs as wide as the shortest delay, beyond which fronts are not followed past valves
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,10 +134,10 @@ class Description:
 
     @cached_property
     def crowded(self) -> bool:
-        """Whether fronts are not followed: those of valves that move multiply beside lossy lines far shorter than all."""
+        """Whether fronts are not followed: those of valves that move multiply beside very short lines that lose."""
         lossy = [line.delay for line in self.lines.values() if line.dispersive]
         moving = (getattr(self.scene, part)[name].kind for part, name, _ in self.scene.waveforms)
-        return bool(lossy) and self.t_end * sum(lossy) > MOST_DIAMONDS * min(lossy) ** 2 and "orifice" in moving
+        return bool(lossy) and self.t_end * sum(lossy) > MOST_BESIDE_VALVES * min(lossy) ** 2 and "orifice" in moving
 
     @cached_property
     def blurred(self) -> bool:
