@@ -33,7 +33,7 @@ from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
-MOST_BESIDE_VALVES = 5e7  # of a run in slabs as wide as the shortest delay, beyond which fronts are not followed past valves
+MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest delay, with which fronts are followed
 
 
 @dataclass(frozen=True, eq=False)
