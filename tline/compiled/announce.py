@@ -14,7 +14,7 @@ FOR = {  # a part of the kernel -> what it is needed for, and how many seconds a
     "friction": ("friction models", 5),
     "fronts": ("fronts", 10),
     "laws": ("non-linear elements", 5),
-    "losses": ("losses", 3),
+    "diamonds": ("losses", 3),
     "many": ("sweeps", 4),
     "stores": ("vessels, tanks and pumps", 5),
 }
