@@ -5,6 +5,7 @@ is in proportion to -q(p); q is the flow of air through orifices by the formulas
 """
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,13 +56,13 @@ def leaving(e: float, outlet: float, small: float, switch: float) -> float:
 
 def by_hand(outlet, small, switch, t_end):
     """Gauge pressure over time, and when the valve opens and is shut again; states are V and p/p_outside - 1."""
-    opens = brentq(wave, DELAY + 0.5 / RATE, DELAY + 0.75 / RATE, xtol=1e-15)
+    opens: Any = brentq(wave, DELAY + 0.5 / RATE, DELAY + 0.75 / RATE, xtol=1e-15)
     start = opens + EARLY
 
     def flow(t, e):
         return (wave(t) - OUTSIDE * e) / Z0
 
-    least = brentq(lambda e: (1 + e) * flow(start, e) - leaving(e, outlet, small, switch), -0.5, 0, xtol=1e-20)
+    least: Any = brentq(lambda e: (1 + e) * flow(start, e) - leaving(e, outlet, small, switch), -0.5, 0, xtol=1e-20)
 
     def rates(t, y):
         i = flow(t, y[1])
@@ -70,8 +71,9 @@ def by_hand(outlet, small, switch, t_end):
     def empty(t, y):
         return y[0] - 1e-12
 
-    empty.terminal, empty.direction = True, -1
-    options = {"rtol": 1e-10, "atol": [1e-17, 1e-14], "dense_output": True, "events": empty}
+    ends: Any = empty
+    ends.terminal, ends.direction = True, -1
+    options = {"rtol": 1e-10, "atol": [1e-17, 1e-14], "dense_output": True, "events": ends}
     done = solve_ivp(rates, (start, t_end), [-EARLY / 2 * flow(start, least), least], "Radau", **options)
     until = done.t[-1] if done.status == 1 else np.inf
 

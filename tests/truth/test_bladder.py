@@ -5,6 +5,7 @@ p V^n constant, up to the vessel's volume; there nothing flows until the wave ex
 """
 
 from math import pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,11 +51,12 @@ def by_hand():
         def event(s, y, moves=moves):
             return y[0] - TOTAL if moves else wave(s) - gauge(TOTAL)
 
-        event.terminal, event.direction = True, 1
+        ends: Any = event
+        ends.terminal, ends.direction = True, 1
         done = solve_ivp(
             lambda s, y, moves=moves: [-moves * (wave(s) - gauge(y[0])) / Z0],
             (t, DELAY if t < DELAY else T_END), [volume], "DOP853",
-            rtol=1e-12, atol=1e-15, dense_output=True, events=event, max_step=0.01,
+            rtol=1e-12, atol=1e-15, dense_output=True, events=ends, max_step=0.01,
         )  # fmt: skip
         pieces.append((done.t[-1], done.sol))
         t, volume = done.t[-1], done.y[0, -1]
