@@ -55,18 +55,11 @@ def models_as_dict(enforced: Enforced) -> dict[str, Any]:
     certificate, told = enforced.verdict.certificate, {}
     models = {"fitted": (enforced.original, enforced.misfit_before), "model": (enforced.model, enforced.misfit)}
     for (name, (model, misfit)), (worst, frequency) in zip(models.items(), enforced.worst, strict=True):
-        told[name] = _model(model) | {"misfit": misfit._asdict(), "worst": worst}
+        told[name] = model.to_dict() | {"misfit": misfit._asdict(), "worst": worst}
         told[name]["worst_frequency"] = frequency if np.isfinite(frequency) else str(frequency)
     told["model"] |= {"status": enforced.status.value, "why": enforced.why, "rounds": enforced.rounds}
     told["model"] |= {"verified": certificate is not None and verify(certificate), "change": enforced.change._asdict()}
     return told
-
-
-def _model(model: PartialFractions) -> dict[str, Any]:
-    """Real and imaginary part of each pole and residue; of several ports residues and the rest are matrices."""
-    poles, residues = (np.stack([x.real, x.imag], -1).tolist() for x in (model.poles, model.residues))
-    rest = {"constant": model.constant, "proportional": model.proportional}
-    return {"poles": poles, "residues": residues} | {name: np.asarray(x).tolist() for name, x in rest.items()}
 
 
 def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[str]:
@@ -175,6 +168,19 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None, ax: A
         return ax
     figure.suptitle(title, x=0.02, ha="left", fontweight="bold")
     return figure
+
+
+def draw_model(model: PartialFractions, ax: Axes | None = None) -> Any:
+    """Magnitude of all entries over frequency, from below the slowest to above the fastest pole."""
+    figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
+    axes = ax if ax is not None else figure.subplots()
+    sizes = np.abs(model.poles[model.poles != 0]) if np.any(model.poles) else np.ones(1)
+    w = off_poles(model, np.geomspace(sizes.min() / 10, sizes.max() * 10, POINTS))
+    axes.loglog(w / (2 * np.pi), np.abs(model.matrices(w)).reshape(len(w), -1), linewidth=1.7)
+    axes.set(xlabel="frequency f", ylabel=f"|{model.parameter.value}|" + _UNITS[model.parameter])
+    axes.xaxis.set_major_formatter(EngFormatter("Hz"))
+    axes.grid(alpha=0.3)
+    return figure if ax is None else ax
 
 
 def _ends(band: Band) -> tuple[float, float]:

@@ -53,7 +53,8 @@ DRAWN = {
     "transfer function": lambda: tl.drives.CoupledDrives().transfer("w1", "T1"),
     "verdict": lambda: tl.passivity.check_positive_real("(s+2)/(s^2+s+1)"),
     "samples": lambda: tl.passivity.check_samples(samples()),
-    "fit": lambda: tl.passivity.nearest(samples(), 1),
+    "nearest": lambda: tl.passivity.nearest(samples(), 1),
+    "fit": lambda: tl.passivity.fit(samples(), 1),
     "exercise": lambda: tl.exercise("2a"),
 }
 TOLD = {

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
 import tline as tl
 from tline.cli.main import main
@@ -68,6 +69,13 @@ def test_what_is_kept_is_not_run_again_and_what_changes_is(study, folder, monkey
     events = {**STUDY["events"], "power failure": {"trip": "duty@0.6s"}}
     tl.surge_study({**STUDY, "events": events}, folder=folder, workers=1)
     assert [each.event for each in ran] == ["power failure"] * 2
+
+
+def test_its_map_may_stand_on_axes_of_others(study):
+    axes = Figure().subplots()
+    assert study.plot(axes) is axes
+    assert axes.get_title(loc="left") == "rise above the steady state"
+    assert axes.collections
 
 
 def test_an_executor_finds_the_same(study):

@@ -124,7 +124,7 @@ def _found(search: Command, network: str, confined: bool, given: dict[str, Any])
         )
     files = {
         "output": lambda file: write_text(scene_text(found.scene), file),
-        "plot": drawn("tline.design.picture:plot_sizing", found),
+        "plot": drawn(found.picture, found),
         "csv": found.save,
     }
     return Output(found.text_lines(), found.to_dict, files, (*guesses, *found.notes))

@@ -78,7 +78,7 @@ def sweep(
     return Output(
         as_text(found),
         lambda: summary(found) | {"files": list(files.values())},
-        dict.fromkeys(("npz", "netcdf", "csv"), found.save) | {"plot": drawn("tline.pictures.sweep:plot_sweep", found)},
+        dict.fromkeys(("npz", "netcdf", "csv"), found.save) | {"plot": drawn(found.picture, found)},
         [*told, *filter(None, [found.told_unresolved])],
         0 if not told else 1 if found.done.all() else INTERRUPTED,
     )

@@ -17,15 +17,7 @@ WORDS = ("lowest", "highest")
 
 @styled
 def plot_sizing(sizing: Sizing, ax: Axes | None = None) -> Figure | Axes:
-    """Draw the lowest and highest pressure or head over the size, their limits, and the size found.
-
-    Parameters
-    ----------
-    sizing : Sizing
-        From `tline.design.vessel`, `closure`, `relief` or `flywheel`.
-    ax : matplotlib Axes, optional
-        Where to draw; without it a new figure.
-    """
+    """Draw the lowest and highest pressure or head over the size, their limits, and the size found."""
     name, size = sizing.searched
     limits, curve = sizing.limits, np.array(sizing.curve)
     metre, unit = handy(float(curve[:, 0].max()), size.unit) if size.unit in ("s", "bar") else (1.0, size.unit)

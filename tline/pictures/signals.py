@@ -18,21 +18,7 @@ STEEP = 20.0  # times z0; a higher impedance is off the picture
 
 @styled
 def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Figure | Axes:
-    """All bits laid upon each other, two wide, the sampling instant in the middle, with height and width of the eye.
-
-    Parameters
-    ----------
-    seen : Eye
-    ax : matplotlib Axes, optional
-        Where to draw; without it a new figure.
-    mask : Mask, optional
-        Drawn around the sampling instant.
-
-    Returns
-    -------
-    Figure or Axes
-        What was drawn on.
-    """
+    """All bits laid upon each other, two wide, the sampling instant in the middle, with height and width of the eye."""
     medium = seen.medium
     n, fine = seen.u.shape
     shift = round((seen.instant / seen.period % 1.0) * fine) - fine  # one bit in front of the sampling instant
@@ -67,19 +53,7 @@ def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Fig
 
 @styled
 def plot_reflections(seen: Reflections, ax: Axes | None = None) -> Figure | Axes:
-    """Waves in units of the step above, impedance below; high impedances leave the picture.
-
-    Parameters
-    ----------
-    seen : Reflections
-    ax : matplotlib Axes, optional
-        Where to draw the waves alone; without it a new figure.
-
-    Returns
-    -------
-    Figure or Axes
-        A figure has two axes that share time.
-    """
+    """Waves in units of the step above, impedance below, not on `ax`; high impedances leave the picture."""
     second, time_unit = handy(float(seen.t[-1]), "s")
     drawn, (upper, *rest) = cells_of(ax, 8.0, 5.4, 2, title=seen.title, sharex=True)
     for k, (name, wave) in enumerate((("incident", seen.incident), ("reflected", seen.reflected))):
@@ -105,19 +79,7 @@ def _draw_impedance(lower: Axes, seen: Reflections, second: float) -> None:
 
 @styled
 def plot_crosstalk(seen: Crosstalk, ax: Axes | None = None) -> Figure | Axes:
-    """Voltages of the driven conductor and of the quiet ones, and differential and common mode of pairs, over time.
-
-    Parameters
-    ----------
-    seen : Crosstalk
-    ax : matplotlib Axes, optional
-        Where to draw the quiet conductors alone; without it a new figure.
-
-    Returns
-    -------
-    Figure or Axes
-        A figure has three axes that share time; of more than two conductors without the modes.
-    """
+    """Voltages of the driven conductor, of the quiet ones (alone on `ax`), and modes of a single pair, over time."""
     second, unit = handy(float(seen.t[-1]), "s")
     quiet = {**seen.near, **seen.far}
     modes = seen.pairs if len(seen.pairs) == 2 else ()
@@ -156,19 +118,7 @@ NUMBERED = 5  # states that are told apart by a number
 
 @styled
 def plot_load_lines(found: Bergeron, ax: Axes | None = None) -> Figure | Axes:
-    """Effort over flow: where a characteristic meets the load line of the end it arrives at is the next state.
-
-    Parameters
-    ----------
-    found : Bergeron
-    ax : matplotlib Axes, optional
-        Where to draw; without it a new figure.
-
-    Returns
-    -------
-    Figure or Axes
-        What was drawn on.
-    """
+    """Effort over flow: where a characteristic meets the load line of the end it arrives at is the next state."""
     medium = found.medium
     size_u, unit_u = handy(float(np.abs(found.u).max()) or 1.0, medium.shown["effort"])
     size_y, unit_y = handy(float(np.abs(found.y).max()) or 1.0, medium.shown["flow"])

@@ -22,19 +22,8 @@ def plot_sweep(found: Sweep, ax: Axes | None = None) -> Figure | Axes:
     """Draw the lowest and the highest effort at every probe.
 
     Over the values of a grid or a list of one path as curves, over those of a grid of two as maps; of all others, as
-    histograms with 5, 50 and 95 % quantiles. Failed runs are left out.
-
-    Parameters
-    ----------
-    found : Sweep
-        Of which extremes were kept.
-    ax : matplotlib Axes, optional
-        Where to draw: all curves, or the highest effort at the first probe; without it a new figure.
-
-    Raises
-    ------
-    InputError
-        They were not, there are no probes, or all runs failed.
+    histograms with 5, 50 and 95 % quantiles. Failed runs are left out. On `ax` all curves, or the highest effort at the
+    first probe.
     """
     if "highest" not in found.kept or not found.probes or not len(found.good):
         raise InputError("plot", "there are no extremes to draw", "a sweep with probes, and keep='extremes'")

@@ -128,11 +128,11 @@ class SurgeStudy(Presentation):
         rows = [{"name": each.scenario.name, "file": each.scenario.file, **each.told} for each in self.outcomes]
         return {"title": self.plan.title, "scenarios": rows}
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw maps of how far pressures rose and fell in any scenario of the network as it is."""
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw maps of how far pressures rose and fell in any scenario of the network as it is; on `ax` the first."""
         from tline.surge.study_page import worst_map
 
-        return worst_map(self, AS_READ)
+        return worst_map(self, AS_READ, ax)
 
     def save(self, path: str | Path) -> None:
         """Write the report, ``.html``, or the table of scenarios, ``.csv``.

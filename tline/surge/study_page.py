@@ -17,6 +17,7 @@ from tline.scene.heights import weight_at
 from tline.surge.scenarios import AS_READ
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from tline.surge.study import Outcome, SurgeStudy
@@ -122,8 +123,8 @@ def _of_variant(study: "SurgeStudy", variant: str) -> list["Outcome"]:
     return [outcome for outcome in study.outcomes if outcome.scenario.variant == variant and outcome.extremes]
 
 
-def worst_map(study: "SurgeStudy", variant: str) -> "Figure":
-    """Maps of how far the pressure rose, and fell, in any scenario of a variant."""
+def worst_map(study: "SurgeStudy", variant: str, ax: "Axes | None" = None) -> "Figure | Axes":
+    """Maps of how far the pressure rose, and fell, in any scenario of a variant; on `ax` of how far it rose."""
     found, scene = _of_variant(study, variant), study.plan.variants[variant].scene
     there = {node for line in scene.lines.values() for node in line.nodes}
     both = []
@@ -131,7 +132,7 @@ def worst_map(study: "SurgeStudy", variant: str) -> "Figure":
         nodes = _of_nodes(found, word, sign)
         moves = {name: max(sign * (node[word] - node["before"]), 0.0) for name, node in nodes.items() if name in there}
         both.append(Surge(moves, {}, {}))
-    return draw_surges(scene, *both)
+    return draw_surges(scene, *both, ax=ax)
 
 
 @styled
