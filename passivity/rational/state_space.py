@@ -14,6 +14,8 @@ from passivity.polynomial.sign import UndecidedError
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix, check_shape, table
+from passivity.rational.polynomial_matrix import MAX_WORK as MINORS
+from passivity.rational.polynomial_matrix import check_work
 from passivity.status import Kind
 
 MAX_STATES = 400
@@ -153,11 +155,12 @@ class StateSpace:
         Raises
         ------
         UndecidedError
-            If it would take more than MAX_WORK.
+            If it would take more than MAX_WORK, or its minors would.
         """
         n, m, bits = self.states, self.size, self.bits
         if n**4 * bits > MAX_WORK:
             raise UndecidedError(f"{n} states with {bits} bits take too long; fewer would be decided")
+        check_work(m, n, n * bits, 10 * MINORS)  # whose coefficients may be shorter than that, though
         q, markov = self.a.charpoly(), self.markov(n)
 
         def entry(i: int, k: int) -> RationalFunction:
