@@ -14,6 +14,8 @@ from passivity.polynomial.sign import UndecidedError
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix, check_shape, table
+from passivity.rational.polynomial_matrix import MAX_WORK as MINORS
+from passivity.rational.polynomial_matrix import check_work
 from passivity.status import Kind
 
 MAX_STATES = 400
@@ -21,6 +23,7 @@ MAX_WORK = 40_000_000_000  # states^4 bits: some seconds
 MAX_VALUE_WORK = 5_000_000_000  # states^3 bits: half a minute
 MAX_BITS = 10_000  # of an entry, and of the denominator common to all of a matrix
 _PRIME = 2**61 - 1
+Rows: TypeAlias = Iterable[Iterable[Exact]]
 Parts: TypeAlias = tuple[Fraction, Fraction]  # real and imaginary part
 
 
@@ -42,10 +45,10 @@ class StateSpace:
     @classmethod
     def from_entries(
         cls,
-        a: Iterable[Iterable[Exact]],
-        b: Iterable[Iterable[Exact]],
-        c: Iterable[Iterable[Exact]],
-        d: Iterable[Iterable[Exact]],
+        a: Rows,
+        b: Rows,
+        c: Rows,
+        d: Rows,
     ) -> Self:
         """State space of the given entries.
 
@@ -72,6 +75,52 @@ class StateSpace:
             raise ExpressionError("A", "too many states", f"at most {MAX_STATES}", f"{n}")
         shapes = {"A": (n, n), "B": (n, m), "C": (m, n), "D": (m, m)}
         return cls(*(_matrix(name, rows[name], *shape) for name, shape in shapes.items()))
+
+    @classmethod
+    def from_descriptor(cls, e: Rows, a: Rows, b: Rows, c: Rows, d: Rows) -> Self:
+        """State space of E x' = A x + B u, y = C x + D u, as nodal analysis of a circuit writes it; exactly.
+
+        Parameters
+        ----------
+        e, a, b, c, d : iterable of iterable of int, float, Fraction, Decimal or str
+            E and A of shape (n, n), the rest as of `from_entries`.
+
+        Raises
+        ------
+        ExpressionError
+            As `from_entries`; or if the algebraic equations do not determine what E leaves open: then there is no
+            function, or one that grows with s, whose inverse may have a state space.
+
+        Examples
+        --------
+        >>> parallel = StateSpace.from_descriptor([[2, 0], [0, 0]], [[0, 1], [1, 3]], [[1], [0]], [[1, 0]], [[0]])
+        >>> parallel.transfer.rows[0][0]  # 2 farad beside 3 ohm
+        RationalFunction.from_expression('(3)/(6*s + 1)')
+        """
+        given = cls.from_entries(a, b, c, d)
+        n, rows = given.states, table("E", e)
+        reduced, _ = side_by_side([_matrix("E", rows, n, n), identity(n)], identity(n)).rref()
+        pivots = [k for k in (next((k for k in range(n) if reduced[i, k]), None) for i in range(n)) if k is not None]
+        rank, free = len(pivots), [k for k in range(n) if k not in pivots]
+        left = columns(reduced, range(n, 2 * n))  # with which E is [1 F; 0 0], columns renumbered
+        forward, backward = columns(identity(n), pivots), columns(identity(n), free)
+        backward -= (
+            forward * columns(columns(reduced, free).transpose(), range(rank)).transpose()
+        )  # what E does not see
+        try:
+            first, last = (columns(left.transpose(), part).transpose() for part in (range(rank), range(rank, n)))
+            within = (last * given.a * backward).inv() * -1
+        except ZeroDivisionError:
+            expected = "algebraic equations for what E leaves open"
+            raise ExpressionError("E", "no state space", expected, f"{n} states, E of rank {rank}") from None
+        x = forward + backward * (within * (last * given.a * forward))
+        direct = backward * (within * (last * given.b))
+        return cls(
+            first * given.a * x,
+            first * (given.b + given.a * direct),
+            given.c * x,
+            given.d + given.c * direct,
+        )
 
     @property
     def matrices(self) -> tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]:
@@ -106,11 +155,12 @@ class StateSpace:
         Raises
         ------
         UndecidedError
-            If it would take more than MAX_WORK.
+            If it would take more than MAX_WORK, or its minors would.
         """
         n, m, bits = self.states, self.size, self.bits
         if n**4 * bits > MAX_WORK:
             raise UndecidedError(f"{n} states with {bits} bits take too long; fewer would be decided")
+        check_work(m, n, n * bits, 10 * MINORS)  # whose coefficients may be shorter than that, though
         q, markov = self.a.charpoly(), self.markov(n)
 
         def entry(i: int, k: int) -> RationalFunction:

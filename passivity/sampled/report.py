@@ -9,6 +9,7 @@ from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from passivity.exact.certificate import verify
+from passivity.exact.report import beside_one
 from passivity.sampled.check import Band, SampleVerdict, worst_values
 from passivity.sampled.enforce import Enforced
 from passivity.sampled.extremes import off_poles
@@ -40,13 +41,9 @@ def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) ->
         "grid": {"samples": len(response.f), "first": float(response.f[0]), "last": float(response.f[-1])},
     }
     if witness:
-        told["witness"] = {
-            "sample": witness.sample,
-            "frequency": witness.frequency,
-            "vector": [[v.real, v.imag] for v in witness.vector],
-            "value": str(witness.value),
-            "bar": str(witness.bar),
-        }
+        vector = [[v.real, v.imag] for v in witness.vector]
+        told["witness"] = witness._asdict() | {"vector": vector}
+        told["witness"] |= {name: str(getattr(witness, name)) for name in ("value", "bar")}
     return told | ({} if enforced is None else models_as_dict(enforced))
 
 
@@ -69,7 +66,7 @@ def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[s
     lines = [
         f"{len(response.f)} samples of {response.parameter.value}, {response.ports} port{'s' * (response.ports > 1)}, "
         f"{response.f[0]:.6g} to {response.f[-1]:.6g} Hz: {verdict.status.value}",
-        f"  {name} = {_value(verdict)} at {verdict.worst_frequency:.6g} Hz",
+        f"  {name} = {beside_one(verdict.worst_value)} at {verdict.worst_frequency:.6g} Hz",
         *_allowed(verdict),
     ]
     lines += [f"  violated {_band(band, response.parameter)}" for band in verdict.bands[:_MOST_BANDS]]
@@ -92,13 +89,6 @@ def model_in_lines(enforced: Enforced) -> list[str]:
         f"  it misses the samples by {enforced.misfit.rms:.3g} (rms, relative), "
         f"the best fit by {enforced.misfit_before.rms:.3g}; being passive cost {enforced.change.rms:.3g}",
     ]
-
-
-def _value(verdict: SampleVerdict) -> str:
-    """Six digits, and more where they would hide on which side of 1 it lies."""
-    text = f"{verdict.worst_value:.6g}"
-    off = verdict.worst_value - 1
-    return f"1 {'-' if off < 0 else '+'} {abs(off):.3g}" if text == "1" and off else text
 
 
 def _allowed(verdict: SampleVerdict) -> list[str]:
