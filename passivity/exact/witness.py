@@ -10,7 +10,6 @@ from passivity.exact.storage import negative_direction
 from passivity.exact.verdict import Parts, Witness
 from passivity.polynomial.roots import candidates, power_of_two, reducing_cost, scaled_value, square_roots, to_fmpq
 from passivity.rational.matrix import RationalMatrix
-from passivity.rational.state_space import StateSpace
 from passivity.size import bits_of
 from passivity.status import Kind
 
@@ -59,7 +58,7 @@ def of_one_port(kind: Kind, p: fmpz_poly, q: fmpz_poly, delay: Fraction = Fracti
     return test
 
 
-def of_multiport(kind: Kind, network: RationalMatrix | StateSpace) -> Test:
+def of_multiport(kind: Kind, network: RationalMatrix) -> Test:
     """Test whether a point is a witness, with a vector of few digits."""
 
     def test(re: Fraction, im: Fraction) -> Witness | None:

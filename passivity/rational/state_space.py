@@ -170,28 +170,6 @@ class StateSpace:
 
         return RationalMatrix(tuple(tuple(entry(i, k) for k in range(m)) for i in range(m)))
 
-    def at(self, re: Fraction, im: Fraction) -> fmpq_mat | None:
-        """Exact value U + jV at s = re + j im as [[U, -V], [V, U]]; None at an eigenvalue of A.
-
-        Raises
-        ------
-        UndecidedError
-            If it would take more than MAX_VALUE_WORK.
-
-        Examples
-        --------
-        >>> StateSpace.from_entries([[0]], [[1]], [[1]], [[0]]).at(Fraction(1), Fraction(1))  # 1/s
-        [ 1/2, 1/2]
-        [-1/2, 1/2]
-        """
-        self.check_value()
-        found = self._value(re, im, self.b, self.d)
-        if found is None:
-            return None
-        u, v = (x.tolist() for x in found)
-        upper = [[*row, *(-y for y in other)] for row, other in zip(u, v, strict=True)]
-        return fmpq_mat(upper + [[*other, *row] for row, other in zip(u, v, strict=True)])
-
     def check_value(self) -> None:
         """Raise UndecidedError if an exact value would take more than MAX_VALUE_WORK."""
         n, bits = self.states, self.bits
@@ -199,7 +177,14 @@ class StateSpace:
             raise UndecidedError(f"one exact value for {n} states with {bits} bits takes too long, too")
 
     def image(self, re: Fraction, im: Fraction, vector: Iterable[Parts]) -> tuple[Parts, ...] | None:
-        """Exact value of the function times a vector, real and imaginary part of each component; None at a pole."""
+        """Exact value of the function times a vector, real and imaginary part of each component; None at a pole.
+
+        Examples
+        --------
+        >>> one, integrator = Fraction(1), StateSpace.from_entries([[0]], [[1]], [[1]], [[0]])
+        >>> integrator.image(one, one, [(one, Fraction(0))])  # 1/(1 + j)
+        ((Fraction(1, 2), Fraction(-1, 2)),)
+        """
         entries = [fmpq(x.numerator, x.denominator) for parts in vector for x in parts]
         v = fmpq_mat(self.size, 2, entries)
         found = self._value(re, im, self.b * v, self.d * v)

@@ -102,7 +102,8 @@ def by_continued_fraction(sections, s):
 def test_a_ladder_of_coils_and_capacitors_by_its_nodes():
     z = StateSpace.from_descriptor(*(x.tolist() for x in ladder(40)))
     s = Fraction(2, 3)
-    assert Fraction(str(z.at(s, Fraction(0))[0, 0])) == by_continued_fraction(40, s)
+    value = (by_continued_fraction(40, s), Fraction(0))
+    assert z.image(s, Fraction(0), [(Fraction(1), Fraction(0))]) == (value,)
     verdict = check_positive_real(z)
     assert verdict.proved
     assert verdict.lossless

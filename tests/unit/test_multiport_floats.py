@@ -18,6 +18,7 @@ from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
 
 TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
+ONE = (Fraction(1), Fraction(0))
 
 
 def test_scales_do_not_matter():
@@ -36,7 +37,7 @@ def test_values_in_floats_are_within_their_error_of_the_exact_ones(kind):
     system = StateSpace.from_entries([[0, "1e9"], ["-4e9", "-1e7"]], [[0], ["1e3"]], [["1e-3", "2e5"]], [["1/3"]])
     floats = FloatSystem.of(kind, system)
     for w in (0, 10**7, 2 * 10**9, 10**11):
-        u, v = (Fraction(int(x.p), int(x.q)) for x in (system.at(Fraction(0), Fraction(w))[i, 0] for i in (0, 1)))
+        ((u, v),) = system.image(Fraction(0), Fraction(w), [ONE])
         exact = u if kind is Kind.PR else 1 - u * u - v * v
         (place,) = floats.on_axis(w / floats.unit)
         assert abs(Fraction(place.value) - exact) <= place.error < 1e-9 * (1 + abs(exact))
@@ -45,8 +46,11 @@ def test_values_in_floats_are_within_their_error_of_the_exact_ones(kind):
 def test_exact_values_of_a_state_space():
     system = StateSpace.from_entries(*TRIANGLE)
     for point in ((Fraction(1, 3), Fraction(0)), (Fraction(2), Fraction(-5, 7))):
-        assert system.at(*point) == system.transfer.at(*point)
-    assert StateSpace.from_entries([[0, 2], [-2, 0]], [[1], [0]], [[1, 0]], [[0]]).at(Fraction(0), Fraction(2)) is None
+        value = system.transfer.at(*point)
+        ((u, v),) = system.image(*point, [ONE])
+        assert (str(u), str(v)) == (str(value[0, 0]), str(value[1, 0]))
+    resonator = StateSpace.from_entries([[0, 2], [-2, 0]], [[1], [0]], [[1, 0]], [[0]])
+    assert resonator.image(Fraction(0), Fraction(2), [ONE]) is None
 
 
 def test_crossings_have_their_error():
