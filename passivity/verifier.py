@@ -294,7 +294,7 @@ class Graph:
     def rule_rational(self, n, known, data):
         """Chen and Smith: u/v is positive real if Re u conj v >= 0 for all jw, and u + v has its roots in Re s < 0."""
         fact, pair = read_fact(data["fact"]), self.fraction(ONE, n)
-        need({self.nodes[m][0] for f in pair for key in f for m, _ in key} <= {"s"}, "not rational in s")
+        need(all(m >= 0 and self.nodes[m][0] == "s" for f in pair for key in f for m, _ in key), "not rational in s")
         powers = [{key[0][1] if key else 0: Fraction(x) for key, x in f.items()} for f in pair]
         p, q = ([f.get(k, ZERO) for k in range(max(f, default=-1) + 1)] for f in powers)
         choices = [(p, q)] if fact == ("arg", 1) else [(p, [ZERO, *q]), ([ZERO, *p], q)] if fact == ("arg", 2) else []

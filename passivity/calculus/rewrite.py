@@ -175,17 +175,15 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
 
 
 def merged(graph: Graph, line: Line, inner: Line, c: Fraction) -> Value | None:
-    """A line before c times one of the same z0, or of its negative, which is as one of negative length."""
+    """A line before c times one of opposite z0, which is as one of negative length; None if that is not its z0."""
     (z0, through, _), (a, along, end) = line, inner
-    if (abs(z0[0]), z0[1]) != (abs(c * a[0]), a[1]):
+    if (-z0[0], z0[1]) != (c * a[0], a[1]):
         return None
-    lengths = [graph.scaled(x, 1 if sign > 0 else -1) for x, sign in ((through, z0[0]), (along, c * a[0]))]
-    length, load = graph.sum(lengths), graph.scaled(end, c)
+    length, load = graph.sum([through, graph.scaled(along, -1)]), graph.scaled(end, c)
     if not length[0]:
         return load
-    sign = Fraction(1 if length[0] > 0 else -1)
-    one = (abs(z0[0]), z0[1]), graph.scaled(length, sign), graph.scaled(load, sign)
-    return sign, graph.node("line", one)
+    sign = Fraction(1 if (length[0] > 0) == (z0[0] > 0) else -1)
+    return sign, graph.node("line", ((abs(z0[0]), z0[1]), (abs(length[0]), length[1]), graph.scaled(load, sign)))
 
 
 def _factors(graph: Graph, n: int) -> set[int]:

@@ -17,13 +17,14 @@ from passivity.expression.number import double
 _RADII, _ANGLES = 240, 16  # of a logarithmic grid
 _AXIS = 4000
 _COARSE = 40, (0.0, 0.8, 1.3, 1.5, 1.56, 1.5705), 300  # radii, angles, points near the axis of the first look
+_TURNS = 1e4  # of the shortest delay, after which loads are as at infinite frequency, some more of which are looked at
 _VISIBLE = 1e-12  # by how much floats must see the property fail
 _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _NEWTON = 16  # steps of Newton's method to poles
-_LINES, _ROOTS, _AIMS = 2, 3, 12  # of loads, of places where they are -z0, of steps to where that shows
-_BITS, _LENGTHS = 1024, (24, 53, 120, 240, 480)  # of precision, of a witness
+_LINES, _ROOTS, _AIMS = 2, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
+_BITS, _LENGTHS = (256, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
@@ -89,14 +90,16 @@ class Search:
         self.low, self.high = min(sizes) * 1e-6, max(sizes) * 1e6
 
     def glance(self) -> Witness | None:
-        """A witness among the points of a coarse grid, of the axis, and of the real axis far out; the worst first."""
+        """A witness among the points of a coarse grid, of the axis, and of both axes far out; the worst first."""
         import numpy as np
 
         count, angles, fine = _COARSE
         radii = np.geomspace(self.low * 1e3, self.high / 1e3, count)
         grid = (radii[:, None] * np.exp(1j * np.array(angles))).ravel()
         far = np.logspace(math.log10(self.high), min(math.log10(self.high) + _FAR, 300), _FAR // 5)
-        s = np.concatenate([grid, np.geomspace(self.low * 1e3, self.high / 1e3, fine) * (1e-6 + 1j), far])
+        turns = _TURNS * max(self.periods, default=0.0) * np.linspace(1, 1.005, fine)[: fine * bool(self.periods)]
+        axis = np.concatenate([np.geomspace(self.low * 1e3, self.high / 1e3, fine) * (1e-6 + 1j), turns * (1e-13 + 1j)])
+        s = np.concatenate([grid, axis, far])
         wrong = self.badness(s)
         suspects = [s[k] for k in np.argsort(-wrong)[:6] if wrong[k] > _VISIBLE]
         clear = s[wrong > min(max(wrong.max() / 2, _VISIBLE), 1)]
@@ -155,7 +158,7 @@ class Search:
         return found[:_ROOTS]
 
     def _aimed(self, n: int, z0: Value, root: complex) -> acb | None:
-        """Where, near a point, the value of a node is such that the whole fails, by Newton's method in balls.
+        """Where, near a point, the value of a node is such that the whole fails, by secants in balls.
 
         The whole is (a v + b)/(c v + d) of the value v, known from three of these.
         """
@@ -170,17 +173,20 @@ class Search:
             wanted = (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
             return in_ball(graph, (Fraction(1), n), s, self.names) - wanted
 
-        with ctx.workprec(_BITS):
-            s = acb(root.real, root.imag)
-            for _ in range(_AIMS):
-                spend(8 * len(self.scales.order) * 40_000, "a pole")
-                f, far = excess(s), abs(s) / 2 ** (_BITS // 3)
-                step = f * far / (excess(s + far) - f)
-                if not step.is_finite():
-                    return None
-                s = acb((s - step).real.mid(), (s - step).imag.mid())
-                if abs(step) < abs(s) / 2 ** (_BITS // 2):
-                    return s if s.real > 0 else None
+        for bits in _BITS:
+            with ctx.workprec(bits):
+                s = acb(root.real, root.imag)
+                last = s + abs(s) / 2**30
+                before = excess(last)
+                for _ in range(_AIMS):
+                    spend(5 * len(self.scales.order) * 40 * bits, "a pole")
+                    f = excess(s)
+                    step = f * (s - last) / (f - before)
+                    if not step.is_finite():
+                        break
+                    last, before, s = s, f, acb((s - step).real.mid(), (s - step).imag.mid())
+                    if abs(step) < abs(s) / 2 ** (bits // 2):
+                        return s if s.real > 0 else None
         return None
 
     def beside(self, w: float) -> Witness | None:

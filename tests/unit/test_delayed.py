@@ -26,7 +26,7 @@ from passivity.errors import ExpressionError
 from passivity.polynomial.sign import UndecidedError
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.verifier import implies, inverted, scaled
+from passivity.verifier import check, implies, inverted, scaled
 
 INF = math.inf
 of = RationalFunction.from_expression
@@ -192,6 +192,17 @@ def test_claims_about_another_function_are_not_verified(rule, kind, text):
     forged["nodes"].append(["sum", ["1", forged["root"][1]], ["-7", 0]])
     forged["root"][1] = forged["steps"][-1][0] = len(forged["nodes"]) - 1
     assert not verify_proof(forged)
+
+
+def test_an_exponential_is_not_rational_in_s():
+    """Exponentials are numbered from the end: that of node 1 as the node before the last, which is s here."""
+    one = {"fact": ["disc", "0", "inf"], "p": ["0", "1"], "q": ["1"], "factors": [[["0"], 1]], "breaks": []}
+    forged = {"format": "passivity proof 1", "names": {}, "root": ["1", 2], "claim": ["disc", "0", "inf"]}
+    forged["nodes"] = [["one"], ["s"], ["exp", ["1", 1]], ["s"], ["sum", ["1", 0], ["1", 1]]]
+    forged["steps"] = [[2, forged["claim"], "rational", [], one]]
+    assert check(forged) == "step 0, rule 'rational': not rational in s"
+    forged["steps"][0][0], forged["root"][1] = 1, 1
+    assert check(forged) is None  # of s itself it is a proof
 
 
 def g1(k, delay):
