@@ -58,9 +58,9 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
     what is missed at reversals. Returns the status, steps made and refused, and how many events there are.
     """
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
-    explicit, since = compared.dense.shape[0] > TERMS, 0
-    sizes = peaks if parts == 1 else compared.weights
-    begin(compared, bench.v0, parts == 1, which)
+    explicit, since, first = compared.dense.shape[0] > TERMS, 0, parts == 1
+    sizes = peaks if first else compared.weights
+    begin(compared, bench.v0, first, which)
     t, h, number, row, check, mode = 0.0, EARLY * tol**0.2 * period_of(law, bench.mass), 0, 0, 0, 0
     push = piece(bench.drive, 0)
     if gap(law, y[1], y[2]) >= 0.0:
@@ -74,9 +74,7 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
         most = min(h, longest, (push.end - push.start) / parts)
         last = most >= 0.999 * (push.end - t)
         step = push.end - t if last else min(most, 0.5 * (push.end - t))
-        step, error, tries, after = attempt(
-            law, push, bench.mass, t, pull, step, tol, sizes, parts == 1, compared, explicit
-        )
+        step, error, tries, after = attempt(law, push, bench.mass, t, pull, step, tol, sizes, first, compared, explicit)
         counts[REFUSED] += tries
         last = last and tries == 0
         if not error <= 1.0 or not (last or tries > 0):
@@ -104,7 +102,7 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
         t, pull = until, after
         for j in range(5):
             y[j] = new[j]
-        if parts == 1 and t <= bench.t_end:
+        if first and t <= bench.t_end:
             check = mark(compared, check, t, mode, pull)
         if last:
             number += 1
