@@ -38,6 +38,7 @@ METHODS = {
     for method in (
         Method("events", 20, STATIC, "events", "none known; a force that only touches F_s may be taken either way"),
         Method("rosenbrock", 5, SMOOTH, "adaptive", "says so where rounding keeps it from its tolerance"),
+        Method("taylor", 16, (LuGre, Dahl), "adaptive", "as rosenbrock, which takes over where the contact is stiff"),
         Method("moreau", 1, STATIC, "fixed", "first order: break-away and stop are up to one step late"),
         Method("exponential", 1, BRISTLES, "fixed", "first order; unstable in stick above h = 2·√(m/σ0)"),
         Method("euler", 1, ALL, "fixed", "chatters about v = 0; unstable above limits(model, v).euler"),

@@ -118,8 +118,8 @@ class Result(Presentation):
         0 stuck, ±1 sliding, ±2 pushed through a dead zone. In a smooth law, sliding begins when friction without its
         viscous part comes within 1 % of its steady value, in the direction of the motion, and ends when v vanishes.
     events : list of Event
-        Where the mode changes, between 0 and t_end, the first million. From `events` exact, from `rosenbrock` and
-        SciPy's with events at their instants, from all others as the steps show them. None depends on `times`.
+        Where the mode changes, between 0 and t_end, the first million. From `events` exact, from `rosenbrock`, `taylor`
+        and SciPy's with events at their instants, from all others as the steps show them. None depends on `times`.
     event_count : int
         Events met.
     status : Status
@@ -127,13 +127,13 @@ class Result(Presentation):
     steps, refused : int
         Steps made, and steps tried and refused; of the run that is given, not of those it was compared with.
     tol : float or None
-        Tolerance of a run by `rosenbrock`, if one was given.
+        Tolerance of a run by `rosenbrock` or `taylor`, if one was given.
     errors : dict of str to float
-        From `rosenbrock`, an estimate for each column: its largest error in the run, relative to its largest magnitude
-        there; at "t" that of the instants of events, relative to t_end, 1 if events differ
-        between runs that are compared. Empty for other methods: `events` is exact to rounding, the rest have none.
+        From `rosenbrock` and `taylor`, an estimate for each column: its largest error in the run, relative to its
+        largest magnitude there; at "t" that of the instants of events, relative to t_end, 1 if events differ between
+        runs that are compared. Empty for other methods: `events` is exact to rounding, the rest have none.
     doubt : str or None
-        Where and how a run by `events` or `rosenbrock` misses Newton's law or the law of friction, if it does.
+        Where and how a run by one of these or `events` misses Newton's law or the law of friction, if it does.
     """
 
     model: Model

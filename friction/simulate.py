@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
 MOST_BUDGET = 1_000_000_000
-BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 1_000_000}
+BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 1_000_000, "taylor": 1_000_000}
+OWN = ("rosenbrock", "taylor")  # adaptive, with errors told
 FINE = 1e-12  # tolerance of single steps where none is given for the run
 
 
@@ -52,15 +53,16 @@ def simulate(
     h : float
         Step [s] of a fixed-step method; t_end is rounded to whole steps.
     tol : float, optional
-        Tolerance of an adaptive method, 1e-14 to 0.1. `rosenbrock` refines its steps until the estimates of its errors,
-        relative to the largest value of each column, meet it; without one, it makes steps of 1e-12 and tells how good
-        they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative tolerance of single steps.
+        Tolerance of an adaptive method, 1e-14 to 0.1. `rosenbrock` and `taylor` refine their steps until the estimates
+        of their errors, relative to the largest value of each column, meet it; without one, they make steps of 1e-12
+        and tell how good they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative tolerance of
+        single steps.
     times : array_like, optional
         Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Events do not depend on it. Fixed
         steps give every step, thinned evenly above 200 000.
     budget : int, optional
-        Most steps an adaptive method may make, up to 10⁹; 5 million for `events`, 1 million for `rosenbrock`, 5000 for
-        SciPy's methods if not given.
+        Most steps an adaptive method may make, up to 10⁹; 5 million for `events`, 1 million for `rosenbrock` and
+        `taylor`, 5000 for SciPy's methods if not given.
 
     Returns
     -------
@@ -101,12 +103,12 @@ def simulate(
     if chosen.step == "events":
         return _heard(model, bench, t_end, at, lambda all_times: _events(model, bench, t_end, all_times, chosen, steps))
     if tol is not None:
-        check_number("tol", tol, least=1e-14 if chosen.name == "rosenbrock" else 1e-13)
+        check_number("tol", tol, least=1e-14 if chosen.name in OWN else 1e-13)
         if tol > 0.1:
             raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
-    if chosen.name == "rosenbrock":
+    if chosen.name in OWN:
         return _heard(
-            model, bench, t_end, at, lambda all_times: _rosenbrock(model, bench, t_end, all_times, chosen, tol, steps)
+            model, bench, t_end, at, lambda all_times: _smooth(model, bench, t_end, all_times, chosen, tol, steps)
         )
     return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
@@ -171,13 +173,14 @@ def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Ca
     return replace(result, **kept, doubt=doubt, status=Status.DOUBTED if doubt else result.status)
 
 
-def _rosenbrock(
+def _smooth(
     model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, tol: float | None, budget: int
 ) -> Result:
     from friction import kernel
 
     law, drive, mass, v0 = _contact(model, bench)
-    compared = kernel.compared(times.size, min(budget, MOST_EVENTS) + 1)
+    terms = kernel.TAYLOR_TERMS if method.name == "taylor" else kernel.TERMS
+    compared = kernel.compared(times.size, min(budget, MOST_EVENTS) + 1, terms)
     here = kernel.Bench(drive, mass, v0, float(t_end), times)
     run = kernel.SmoothRun(law, here, float(tol or 0.0), FINE, compared)
     status, chosen = kernel.solve(pack(run), budget), compared.counts[kernel.RUN]

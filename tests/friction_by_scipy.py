@@ -112,9 +112,11 @@ def random_case(rng: np.random.Generator) -> tuple[Model, Testbench]:
     return model, bench
 
 
-def largest_errors(model: Model, bench: Testbench, exact: NDArray, times: NDArray, tol: float) -> tuple[NDArray, float]:
+def largest_errors(
+    model: Model, bench: Testbench, exact: NDArray, times: NDArray, tol: float, method: str | None = None
+) -> tuple[NDArray, float]:
     """Largest true error of each column relative to its largest value, NaN if the run says it failed; the estimate."""
-    run = simulate(model, bench, END, tol=tol, times=times)
+    run = simulate(model, bench, END, method, tol=tol, times=times)
     if run.status is not Status.DONE:
         return np.full(len(COLUMNS), np.nan), np.nan
     got = np.column_stack([getattr(run, name) for name in COLUMNS])

@@ -27,7 +27,9 @@ from friction.kernel.law import (
     steady,
 )
 from friction.kernel.prescribed import Course, deflect, prescribed_run
+from friction.kernel.rodas import TERMS
 from friction.kernel.roots import first_root
+from friction.kernel.series import TERMS as TAYLOR_TERMS
 from friction.kernel.spot import FREE, observe
 from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, compared, fixed_run, hybrid_run
 from friction.kernel.tolerance import solve

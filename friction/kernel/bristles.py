@@ -1,11 +1,14 @@
 """The smooth laws by Rodas5P: steps that depend neither on samples nor on the end, and the instants of events.
 
+If asked for, steps are Taylor series where the contact is soft: explicit, so bounded by the rate σ0·|v|/g of slip.
+
 A contact slides from the instant at which its friction, without the viscous part, comes within 1 % of its steady value
 in the direction of the motion, which is its break-away, until the velocity vanishes, which is its stop.
 """
 
 from math import copysign, inf, isfinite
 
+from friction.kernel import series
 from friction.kernel.law import (
     BRISTLE,
     BUDGET,
@@ -26,11 +29,14 @@ from friction.kernel.law import (
     gap,
     piece,
     put,
+    steady,
 )
-from friction.kernel.rodas import STAGES, continue_into, inside, rodas
+from friction.kernel.rodas import STAGES, TERMS, continue_into, inside, rodas
 from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS, STRIDE
 from tline.compiled.unit import function
 
+ORDER = 5  # of Rodas5P
+STABLE, WORTH, SETTLED = 5.0, 3.0, 10  # slip within an explicit step, implicit steps that it costs, and steps in doubt
 MOST_TRIES = 9  # to land on a reversal
 EARLY = 2e-3  # first step at a tolerance of 1, of the time scale of the contact
 LEAST = 1e-300  # of a magnitude
@@ -52,8 +58,9 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
     what is missed at reversals. Returns the status, steps made and refused, and how many events there are.
     """
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
-    sizes = peaks if parts == 1 else compared.weights
-    begin(compared, bench.v0, parts == 1, which)
+    explicit, since, first = compared.dense.shape[0] > TERMS, 0, parts == 1
+    sizes = peaks if first else compared.weights
+    begin(compared, bench.v0, first, which)
     t, h, number, row, check, mode = 0.0, EARLY * tol**0.2 * period_of(law, bench.mass), 0, 0, 0, 0
     push = piece(bench.drive, 0)
     if gap(law, y[1], y[2]) >= 0.0:
@@ -63,14 +70,16 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
         if counts[STEPS] + counts[REFUSED] >= budget:
             return BUDGET
         largest(peaks, y, pull)
-        most = min(h, (push.end - push.start) / parts)
+        explicit, since, longest = chosen(law, y[1], h, explicit, since, compared.dense)
+        most = min(h, longest, (push.end - push.start) / parts)
         last = most >= 0.999 * (push.end - t)
         step = push.end - t if last else min(most, 0.5 * (push.end - t))
-        step, error, tries, after = attempt(law, push, bench.mass, t, pull, step, tol, sizes, parts == 1, compared)
+        step, error, tries, after = attempt(law, push, bench.mass, t, pull, step, tol, sizes, first, compared, explicit)
         counts[REFUSED] += tries
         last = last and tries == 0
         if not error <= 1.0 or not (last or tries > 0):
-            h = step * min(6.0, max(0.1, 0.9 * (error + 1e-12) ** -0.2)) if isfinite(error) else 0.1 * step
+            order = series.TERMS - 1 if explicit else ORDER
+            h = step * (min(6.0, max(0.1, 0.9 * (error + 1e-12) ** (-1.0 / order))) if isfinite(error) else 0.1)
         if not error <= 1.0:
             if t + step == t:
                 return STALLED
@@ -82,7 +91,8 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
         until = push.end if last else t + step
         crossed = not margin > abs(margin - before)
         if crossed or due(bench.times, row, until) or (parts > 1 and due(compared.instants, check, until)):
-            continue_into(y, new, compared.u, compared.dense)
+            if not explicit:
+                continue_into(y, new, compared.u, compared.dense)
             while parts > 1 and due(compared.instants, check, until):
                 at = compared.instants[check]
                 keep(law, push, t, step, mode, compared.dense, at, compared.checks[which][check])
@@ -92,13 +102,35 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
         t, pull = until, after
         for j in range(5):
             y[j] = new[j]
-        if parts == 1 and t <= bench.t_end:
+        if first and t <= bench.t_end:
             check = mark(compared, check, t, mode, pull)
         if last:
             number += 1
             push = piece(bench.drive, number)
             pull = forces(law, push, t, y)
     return DONE
+
+
+@function
+def chosen(law, v, h, explicit, since, dense):
+    """Whether the next step is explicit, how long that has been in doubt, and how long the step may be.
+
+    Slip bounds explicit steps. If it does so ten times on end, where accuracy would allow a longer one, implicit steps
+    are made; after ten, which find their length, explicit ones if these would be longer by what they cost more.
+    """
+    if dense.shape[0] == TERMS:
+        return False, 0, inf
+    longest = STABLE * steady(law, v)[0] / (law.sigma0 * abs(v) + LEAST)
+    if not explicit:
+        again = since >= SETTLED and longest > WORTH * h
+        return again, (0 if again else since + 1), (longest if again else inf)
+    since = since + 1 if h > longest else 0
+    if since < SETTLED:
+        return True, since, longest
+    for k in range(TERMS, dense.shape[0]):
+        for j in range(dense.shape[1]):
+            dense[k, j] = 0.0
+    return False, 0, inf
 
 
 @function
@@ -168,7 +200,7 @@ def largest(peaks, y, pull):
 
 
 @function
-def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared):
+def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared, explicit):
     """A step of at most that length into `new`; the step, its error over the tolerance, tries before it, and the forces
     at its end.
 
@@ -182,7 +214,10 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared):
         s = copysign(1.0, rise if rise != 0.0 else pull[1])
         begun = way if s * y[1] < 0.0 else 0.0
     while True:
-        rodas(law, push, mass, t, s, step, compared)
+        if explicit:
+            series.taylor(law, push, mass, t, s, step, compared)
+        else:
+            rodas(law, push, mass, t, s, step, compared)
         error = missed_by(mass, sizes, first, new, u[STAGES - 1]) / tol
         if not error <= 1.0:
             return step, error, tries, pull
@@ -193,7 +228,8 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared):
         dips = not back and s * rise < 0.0 and s * (after[0] - after[2]) > 0.0
         if not back and not dips:
             break
-        continue_into(y, new, u, dense)
+        if not explicit:
+            continue_into(y, new, u, dense)
         theta = 1.0 if back else lowest(dense, s)
         v = s * inside(dense, 1, theta)
         missed = max(0.0, -v * step * (v / (v - abs(y[1]) - LEAST) if back else 1.0))
@@ -236,8 +272,10 @@ def lowest(dense, s):
     low, high = 0.0, 1.0
     for _ in range(30):
         middle = 0.5 * (low + high)
-        rate = dense[3, 1] + middle * (4.0 / 3.0) * dense[4, 1]
-        if s * (dense[1, 1] + middle * (2.0 * dense[2, 1] + 3.0 * middle * rate)) < 0.0:
+        rate = 0.0
+        for k in range(dense.shape[0] - 1, 0, -1):
+            rate = rate * middle + k * dense[k, 1]
+        if s * rate < 0.0:
             low = middle
         else:
             high = middle

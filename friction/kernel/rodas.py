@@ -8,6 +8,7 @@ from tline.compiled.unit import function
 # Rodas5P, Steinebach, BIT Numerical Mathematics 63 (2023) 27, doi:10.1007/s10543-023-00967-x: order 5, L-stable, and
 # no loss of order on z, which follows the stiff balance of bristles
 GAMMA, STAGES = 0.21193756319429014, 8
+TERMS = 5  # of the dense output
 ALPHA = np.array([0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0, 1.0])
 D = np.array([GAMMA, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734, 2.325825639765069, 0.0, 0.0, 0.0])
 A, C = np.zeros((STAGES, STAGES)), np.zeros((STAGES, STAGES))
@@ -97,5 +98,7 @@ def continue_into(y, new, u, dense):
 @function
 def inside(dense, j, theta):
     """Component j within the step."""
-    a = dense[3, j] + theta * dense[4, j]
-    return dense[0, j] + theta * (dense[1, j] + theta * (dense[2, j] + theta * a))
+    total = 0.0
+    for k in range(dense.shape[0] - 1, -1, -1):
+        total = total * theta + dense[k, j]
+    return total

@@ -6,6 +6,7 @@ import numpy as np
 
 from friction.kernel.law import Drive, Law
 from friction.kernel.rodas import STAGES
+from friction.kernel.series import ROWS as SERIES
 from friction.kernel.taylor import ROWS, STATE, N
 from tline.compiled.structure import Floats, Floats2, Floats3, Integers
 
@@ -81,7 +82,8 @@ class Compared(NamedTuple):
     u: Floats2  # (stages, 5)
     y: Floats  # (5,)
     new: Floats  # (5,)
-    dense: Floats2  # (5, 5)
+    dense: Floats2  # (terms, 5)
+    series: Floats2  # (6, terms)
 
 
 class SmoothRun(NamedTuple):
@@ -108,10 +110,10 @@ def hybrid_run(law: Law, drive: Drive, mass: float, v0: float, t_end: float, tim
     return HybridRun(law, drive, mass, v0, t_end, times, record, np.empty((events, 4)), counts, series, p, q, state)
 
 
-def compared(samples: int, events: int) -> Compared:
-    """Two runs with so many samples and events."""
+def compared(samples: int, events: int, terms: int) -> Compared:
+    """Two runs with so many samples and events, by steps with so many terms."""
     records, counts = np.full((2, samples, 9), np.nan), np.zeros(5, np.int64)
     instants, checks = np.full(INSTANTS, np.inf), np.zeros((2, INSTANTS, 9))
-    steps = np.zeros((STAGES, 5)), np.zeros(5), np.zeros(5), np.zeros((5, 5))
+    steps = np.zeros((STAGES, 5)), np.zeros(5), np.zeros(5), np.zeros((terms, 5)), np.zeros((SERIES, terms))
     sizes = np.zeros(9), np.zeros(9), np.zeros(9)
     return Compared(records, instants, checks, np.empty((2, events, 4)), *sizes, counts, *steps)
