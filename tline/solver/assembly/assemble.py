@@ -26,7 +26,7 @@ from tline.solver.steady.lossy_lines import Ends
 
 ORDERS = 4  # assemblies that a grid keeps
 FEW = 1e5  # samples on the lines of one that is kept
-OF_LAWS = [name for name in Laws._fields if name not in ("tools", "step", "record_row")]
+OF_LAWS = Laws._fields.index("record_row")  # fields that slabs and what is recorded do not matter to
 
 
 @dataclass
@@ -190,7 +190,7 @@ def _begin(assembly: Assembly, layout: Layout) -> None:
 
 
 def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], load: NDArray) -> bool:
-    """Put a layout in place of the one before, if it has as many of everything; whether that could be done."""
+    """Put a layout in place of the one before, if it has as many of everything; whether that could be done in full."""
     network, laws, systems = assembly.network, assembly.network.laws, layout.systems
     pairs = [
         (network.weight, layout.weight),
@@ -202,13 +202,15 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], 
         (network.step, maps[0]),
         (network.step_at, maps[1]),
         (assembly.state.load, load),
-        *((getattr(laws, name), getattr(layout.laws, name)) for name in OF_LAWS if len(laws.first)),
+        *(zip(laws[:OF_LAWS], layout.laws[:OF_LAWS], strict=True) if len(laws.kind) else ()),
     ]
-    if network.first is not layout.junctions.first or any(old.shape != new.shape for old, new in pairs):
+    if network.first is not layout.junctions.first:
         return False
     if not (np.array_equal(laws.kind, layout.laws.kind) and np.array_equal(laws.states, layout.laws.states)):
         return False  # whose units and workspace are others
     for old, new in pairs:
+        if old.shape != new.shape:
+            return False
         old[...] = new
     return True
 
@@ -224,7 +226,7 @@ def _network(
             record_row[2 * k : 2 * k + 2] = recorded[0][name], recorded[0][name] + 1
     places = [element.where for group in layout.groups for element in group.elements]
     pairs = [order.shift(f) for f in grid.rests]
-    laws = layout.laws._replace(**{name: getattr(layout.laws, name).copy() for name in OF_LAWS})
+    laws = Laws(*(part.copy() for part in layout.laws[:OF_LAWS]), *layout.laws[OF_LAWS:])
     return Network(
         grid.delay,
         offset=np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),
