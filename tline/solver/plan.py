@@ -184,7 +184,7 @@ class Pair:
         worst = max(max(estimate.u, estimate.y) for estimate in told[1].values())
         if not worst <= self.tol:
             return None
-        done = March(0.0, concatenated([], fine.assembly.basis.s), Tally(), None)
+        done = March(0.0, concatenated([], fine.assembly.basis.s), Tally(), None, raw=True)
         result = given_out(description, fine.assembly, fine.slabs, fine.record.copy(), done)
         attempts = tuple(one.attempt for one in self.orders)
         accuracy = Accuracy(self.tol, *told, attempts=(replace(attempts[0], estimate=worst), attempts[1]))

@@ -263,7 +263,7 @@ def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears:
     u = _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node]))
     pieces = u.pieces._replace(values=u.pieces.values + level)
     u = replace(u, values=u.values + level, before=u.before + level, pieces=pieces)
-    return LineRecord(1.0, 0.0, u, u, u, u, smears, blurred=bool(assembly.resolution.sections))
+    return LineRecord(1.0, 0.0, u, u, u, u, smears, raw=done.raw or bool(assembly.resolution.sections))
 
 
 def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
@@ -293,4 +293,4 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: 
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
-    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears, blurred=bool(assembly.resolution.sections))
+    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears, raw=done.raw or bool(assembly.resolution.sections))
