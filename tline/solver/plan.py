@@ -18,9 +18,9 @@ from tline.solver.assembly.assemble import assemble, rewritten
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import layout_of
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Shape, places_of, sampled
+from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.groups import Group, poles_of
-from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.description.load_step import load_step
 from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import resolution
 from tline.solver.description.short_lines import short_lines
@@ -76,28 +76,22 @@ class OneOrder:
         self.excitation = self.signals.sampled(0, n)
         return self.kernel.takes(assembly.network, assembly.state, None)
 
-    def respond(self, g: int, system: StateSpace, at_rest: NDArray) -> None:
-        """Put a state space in place of that of a group of nodes."""
-        network = self.assembly.network
-        row, at = network.step_row[g], network.load_at[g]
-        step = load_step(system, self.assembly.basis, self.slabs.width) if network.step_whole[row] else system.d
-        network.step[network.step_at[row] :][: step.size] = step.ravel()
-        self.initial[at : at + len(at_rest)] = at_rest
-
-    def drive(self, k: int, node: Node, weight: NDArray) -> None:
-        """Put what drives a node in place of what drove it: shares of arriving waves, and sources."""
+    def write(self, g: int, group: Group, before: Group, z0: NDArray) -> None:
+        """Put a group of nodes in place of another."""
         network, order, h = self.assembly.network, self.assembly.basis, self.slabs.width
-        network.weight[network.first[k] : network.first[k + 1]] = weight
-        if node.excitations:
-            parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
-            self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
-
-    def rest(self) -> None:
-        """Begin anew from rest."""
-        state = self.assembly.state
-        for part in (state.waves, state.slot, state.side, state.before):
-            part.fill(0)
-        state.load[...] = self.initial
+        row, at = network.step_row[g], network.load_at[g]
+        if row >= 0:
+            step = load_step(group.always, order, h) if network.step_whole[row] else group.always.d
+            network.step[network.step_at[row] :][: step.size] = step.ravel()
+            at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
+            self.initial[at : at + len(at_rest)] = at_rest
+        for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
+            if _driven_alike(node, old):
+                continue
+            network.weight[network.first[k] : network.first[k + 1]] = node.weights(z0)
+            if node.excitations:
+                parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
+                self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
 
     def march(self) -> bool:
         """Advance to the end; whether all waves are finite."""
@@ -139,14 +133,23 @@ class Pair:
     def run(self, description: Description) -> Result | None:
         """The result for the scene with other values; None if it is not as accurate as asked, or not resolved."""
         try:
-            fastest = min(map(min, description.time_scales.values()), default=inf)
-            if fastest < self.orders[0].resolved or not _tells_by_order(description):
-                return None
-            if self.smooth and all(one.take(description) and one.smooth and one.march() for one in self.orders):
+            if self.smooth and self._put(description) and all(one.march() for one in self.orders):
                 return self._result(description)
-            coarse, fine = (as_computed(run(description, one.assembly.resolution)) for one in self.orders)
+            return self._made_anew(description) if self._resolves(description) else None
         except InputError:
             return None  # which a search tells, or finds a way round
+
+    def _resolves(self, description: Description) -> bool:
+        """Whether two orders tell all, and nothing is faster than they follow."""
+        fastest = min(map(min, description.time_scales.values()), default=inf)
+        return fastest >= self.orders[0].resolved and _tells_by_order(description)
+
+    def _put(self, description: Description) -> bool:
+        """Put a scene in place of the one before; whether that could be done, and no slab is in pieces."""
+        return self._resolves(description) and all(one.take(description) and one.smooth for one in self.orders)
+
+    def _made_anew(self, description: Description) -> Result | None:
+        coarse, fine = (as_computed(run(description, one.assembly.resolution)) for one in self.orders)
         told = compare(description, coarse, fine, self.tol).errors
         if not told.met or fine.unresolved:
             return None
@@ -185,10 +188,10 @@ class Pair:
         if not worst <= self.tol:
             return None
         done = March(0.0, concatenated([], fine.assembly.basis.s), Tally(), None, raw=True)
-        result = given_out(description, fine.assembly, fine.slabs, fine.record.copy(), done)
         attempts = tuple(one.attempt for one in self.orders)
         accuracy = Accuracy(self.tol, *told, attempts=(replace(attempts[0], estimate=worst), attempts[1]))
-        return with_ledger(replace(result, accuracy=accuracy), None)
+        given = description, fine.assembly, fine.slabs, fine.record.copy(), done
+        return with_ledger(given_out(*given, accuracy=accuracy), None)
 
 
 class Plan(Pair):
@@ -197,77 +200,48 @@ class Plan(Pair):
     For scenes from rest without laws, losses, switches, elevations and lumped lines.
     """
 
-    def __init__(self, description: Description, tol: float, order: int, h: float):
-        super().__init__(description, tol, order, h)
-        self.groups, nodes = description.grouped()
-        self.number = {node: k for k, node in enumerate(nodes)}
-        self.group = {node.name: g for g, group in enumerate(self.groups) for node in group.nodes}
-        self.written: dict[int, Group] = {}  # in place of the description's
-        self.z0 = np.array([line.z0 for line in description.lines.values()])
+    @cached_property
+    def _before(self) -> list[Group]:
+        """What is written down now."""
+        return [*self.description.grouped()[0]] if all(one.smooth for one in self.orders) else []
 
-    def run(self, description: Description) -> Result | None:
-        """The result; None if the values make it another scene, or if it is not accurate."""
-        try:
-            if not (self.smooth and self.orders[1].smooth and self._patched(description)):
-                return None
-        except InputError:
-            return None
-        for one in self.orders:
-            one.rest()
-        return self._result(description) if all(one.march() for one in self.orders) else None
-
-    def _patched(self, description: Description) -> bool:
-        """Write down what other values change; whether that could be done."""
+    def _put(self, description: Description) -> bool:
         known = description if description.origin is None else description.origin.description
         if known is not self.description or description.active:
             return False
-        changed: dict[int, Group] = {}
-        for name in description.anew:
-            old = self.groups[g := self.group[name]]
-            changed[g] = Group([description.anew.get(node.name, node) for node in old.nodes], old.branches, [], [])
-            if not self._takes(changed[g], old):
-                return False
-        for g in {**self.written, **changed}:
-            self._write(g, changed.get(g, self.groups[g]), self.written.get(g, self.groups[g]))
-        self.written = changed
+        groups, base, before = description.grouped()[0], self.description.grouped()[0], self._before
+        changed = [g for g, (group, old) in enumerate(zip(groups, before, strict=bool(before))) if group is not old]
+        if not before or not all(self._takes(groups[g], base[g]) for g in changed):
+            return False
+        z0 = np.array([line.z0 for line in self.description.lines.values()])
+        for one in self.orders:
+            for g in changed:
+                one.write(g, groups[g], before[g], z0)
+            state = one.assembly.state
+            for part in (state.waves, state.slot, state.side, state.before):
+                part.fill(0)
+            state.load[...] = one.initial
+        before[:] = groups
         return True
 
-    def _write(self, g: int, group: Group, before: Group) -> None:
-        """Write down what now stands at a group of nodes."""
-        if self.orders[1].assembly.network.step_row[g] >= 0:
-            at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
-            for one in self.orders:
-                one.respond(g, group.always, at_rest)
-        for node, old in zip(group.nodes, before.nodes, strict=True):
-            if not _driven_alike(node, old):
-                weight = node.weights(self.z0)
-                for one in self.orders:
-                    one.drive(self.number[node.name], node, weight)
-
     def _takes(self, group: Group, old: Group) -> bool:
-        """Whether a group of nodes differs from that before in numbers alone, and is slow enough for the slabs."""
+        """Whether a group is that of the plan but for numbers, slow enough, and without breaks inside slabs."""
+        slabs, resolved = self.orders[1].slabs, self.orders[0].resolved
         if group.dynamic != old.dynamic:
             return False
         if group.dynamic:
             A = group.always.A
-            if len(A) != len(old.always.A):
+            if len(A) != len(old.always.A) or (len(A) and resolved * np.abs(poles_of(group.always)).max() > 1.0):
                 return False
-            if len(A) and self.orders[0].resolved * np.abs(poles_of(group.always)).max() > 1.0:
+        for node, other in zip(group.nodes, old.nodes, strict=True):
+            ours, theirs = node.excitations, other.excitations
+            if len(ours) != len(theirs):
                 return False
-        for node, before in zip(group.nodes, old.nodes, strict=True):
-            if not (_driven_alike(node, before) or self._follows(node.excitations, before.excitations)):
+            anew = any(shape is not other for (shape, _), (other, _) in zip(ours, theirs, strict=True))
+            slow = not anew or all(shape.fastest() >= resolved for shape, _ in ours)
+            if not slow or (anew and np.any(places_of(ours, slabs.end, slabs.width) % 1)):
                 return False
         return True
-
-    def _follows(self, excitations: list[tuple[Shape, float]], before: list[tuple[Shape, float]]) -> bool:
-        """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
-        slabs = self.orders[1].slabs
-        if len(excitations) != len(before):
-            return False
-        if all(shape is other for (shape, _), (other, _) in zip(excitations, before, strict=True)):
-            return True
-        whole = not np.any(places_of(excitations, slabs.end, slabs.width) % 1)
-        return whole and all(shape.fastest() >= self.orders[0].resolved for shape, _ in excitations)
 
 
 def _driven_alike(node: Node, other: Node) -> bool:

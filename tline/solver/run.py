@@ -22,6 +22,7 @@ from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -141,6 +142,7 @@ def given_out(
     waves: NDArray,
     done: March,
     kinks: Kinks = NO_KINKS,
+    accuracy: Accuracy | None = None,
 ) -> Result:
     """What a run is to its user, of an assembled scene and the record of its march.
 
@@ -168,6 +170,7 @@ def given_out(
         samples,
         done.seconds,
         done.fronts,
+        accuracy=accuracy,
         accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work, bool(description.coupled)),
         circuits=assembly.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},

@@ -92,14 +92,13 @@ class Description:
             if part not in ("loads", "sources", "links") or len(keys) == 1:
                 return None
             old, new = getattr(self.scene, part)[keys[0]], getattr(scene, part)[keys[0]]
-            if type(old) is not type(new) or old.terminals != new.terminals:
+            law = isinstance(new, NonLinear)
+            if type(old) is not type(new) or not (law or (part != "links" and new.at is not None)):
                 return None
-            if isinstance(new, NonLinear):
-                laws[part, keys[0]] = new.law()
-            elif part == "links" or new.at is None:
+            if old.terminals != new.terminals:
                 return None
-            else:
-                at.add(new.at)
+            at.update([] if law else [new.at])
+            laws |= {(part, keys[0]): new.law()} if law else {}
         return None if self._composed else (at, laws)
 
     @cached_property
