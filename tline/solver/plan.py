@@ -165,9 +165,9 @@ class Pair:
         for probe, most in zip(self.description.probes.values(), found, strict=True):
             row = fine.assembly.recorded[probe.line] + int(probe.share)
             sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has what arrived first
-            waves = [one.record[row, side].reshape(fine.slabs.number, -1) for one in self.orders for side in sides]
+            a, b, c, d = (one.record[row, side].reshape(fine.slabs.number, -1) for one in self.orders for side in sides)
             work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
-            packed.append(pack(Compared(*waves, *places, 2 * probe.height.above_level, *work)))
+            packed.append(pack(Compared(a, b, c, d, *places, 2 * probe.height.above_level, *work)))
         return found, packed
 
     def _result(self, description: Description) -> Result | None:
@@ -200,28 +200,31 @@ class Plan(Pair):
     For scenes from rest without laws, losses, switches, elevations and lumped lines.
     """
 
-    @cached_property
-    def _before(self) -> list[Group]:
-        """What is written down now."""
-        return [*self.description.grouped()[0]] if all(one.smooth for one in self.orders) else []
+    def __init__(self, description: Description, tol: float, order: int, h: float):
+        super().__init__(description, tol, order, h)
+        self._base, _ = description.grouped()
+        self._number = {node.name: g for g, group in enumerate(self._base) for node in group.nodes}
+        self._written: dict[int, Group] = {}  # in place of those
+        self._z0 = np.array([line.z0 for line in description.lines.values()])
 
     def _put(self, description: Description) -> bool:
         known = description if description.origin is None else description.origin.description
-        if known is not self.description or description.active:
+        if known is not self.description or description.active or not self.orders[1].smooth:
             return False
-        groups, base, before = description.grouped()[0], self.description.grouped()[0], self._before
-        changed = [g for g, (group, old) in enumerate(zip(groups, before, strict=bool(before))) if group is not old]
-        if not before or not all(self._takes(groups[g], base[g]) for g in changed):
-            return False
-        z0 = np.array([line.z0 for line in self.description.lines.values()])
+        base, changed = self._base, {}
+        for g in {self._number[name] for name in description.anew}:
+            nodes = [description.anew.get(node.name, node) for node in base[g].nodes]
+            changed[g] = Group(nodes, base[g].branches, [], [])
+            if not self._takes(changed[g], base[g]):
+                return False
         for one in self.orders:
-            for g in changed:
-                one.write(g, groups[g], before[g], z0)
+            for g in {**self._written, **changed}:
+                one.write(g, changed.get(g, base[g]), self._written.get(g, base[g]), self._z0)
             state = one.assembly.state
             for part in (state.waves, state.slot, state.side, state.before):
                 part.fill(0)
             state.load[...] = one.initial
-        before[:] = groups
+        self._written = changed
         return True
 
     def _takes(self, group: Group, old: Group) -> bool:

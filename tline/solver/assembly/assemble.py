@@ -26,7 +26,7 @@ from tline.solver.steady.lossy_lines import Ends
 
 ORDERS = 4  # assemblies that a grid keeps
 FEW = 1e5  # samples on the lines of one that is kept
-OF_LAWS = Laws._fields.index("record_row")  # fields that slabs and what is recorded do not matter to
+OF_LAWS = Laws._fields[: Laws._fields.index("record_row")]  # what slabs and what is recorded do not matter to
 
 
 @dataclass
@@ -192,7 +192,7 @@ def _begin(assembly: Assembly, layout: Layout) -> None:
 def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], load: NDArray) -> bool:
     """Put a layout in place of the one before, if it has as many of everything; whether that could be done in full."""
     network, laws, systems = assembly.network, assembly.network.laws, layout.systems
-    pairs = [
+    pairs: list[tuple[Any, Any]] = [
         (network.weight, layout.weight),
         (network.excitation_row, layout.excitation_row),
         (network.load_at, systems.load_at),
@@ -202,7 +202,7 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], 
         (network.step, maps[0]),
         (network.step_at, maps[1]),
         (assembly.state.load, load),
-        *(zip(laws[:OF_LAWS], layout.laws[:OF_LAWS], strict=True) if len(laws.kind) else ()),
+        *(zip(laws, layout.laws[: len(OF_LAWS)], strict=False) if len(laws.kind) else ()),
     ]
     if network.first is not layout.junctions.first:
         return False
@@ -226,7 +226,7 @@ def _network(
             record_row[2 * k : 2 * k + 2] = recorded[0][name], recorded[0][name] + 1
     places = [element.where for group in layout.groups for element in group.elements]
     pairs = [order.shift(f) for f in grid.rests]
-    laws = Laws(*(part.copy() for part in layout.laws[:OF_LAWS]), *layout.laws[OF_LAWS:])
+    laws = layout.laws._replace(**{name: getattr(layout.laws, name).copy() for name in OF_LAWS})
     return Network(
         grid.delay,
         offset=np.concatenate([[0], np.cumsum(2 * grid.delay * s)[:-1]]),

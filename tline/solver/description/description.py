@@ -93,9 +93,9 @@ class Description:
                 return None
             old, new = getattr(self.scene, part)[keys[0]], getattr(scene, part)[keys[0]]
             law = isinstance(new, NonLinear)
-            if type(old) is not type(new) or not (law or (part != "links" and new.at is not None)):
+            if type(old) is not type(new) or getattr(old, "terminals", None) != getattr(new, "terminals", None):
                 return None
-            if old.terminals != new.terminals:
+            if not law and (part == "links" or new.at is None):
                 return None
             at.update([] if law else [new.at])
             laws |= {(part, keys[0]): new.law()} if law else {}
