@@ -360,8 +360,12 @@ class Scene(Element):
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:
         """All that is prescribed over time, by section, name and key."""
+        return self.prescribed(self.laws)
+
+    def prescribed(self, laws: Mapping[tuple[str, str], ElementLaw]) -> dict[tuple[str, str, str], Shape]:
+        """What is prescribed over time, with these laws."""
         given = {("sources", name, "value"): source.value for name, source in self.sources.items()}
-        for (part, name), law in self.laws.items():
+        for (part, name), law in laws.items():
             if law.factor is not None:
                 given[part, name, law.of_kind.control] = law.factor
         return given

@@ -1,36 +1,37 @@
 """Runs of a scene with other values, on a grid that suits it, in place of searches for one.
 
 Two runs of orders s and s + 1 on the same slabs are compared as the polynomials they are; the finer one is the result,
-and the difference bounds its errors. Where no value touches more than numbers in packed arrays, these are written down
-and nothing else is made again.
+and the difference bounds its errors. Both are packed once; where no value touches more than a few numbers there,
+these are written down and nothing else is made again.
 """
 
 from dataclasses import replace
+from functools import cached_property
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.compiled.structure import pack
+from tline.compiled.structure import Packed, pack
 from tline.errors import InputError
-from tline.solver.assembly.assemble import assemble
+from tline.solver.assembly.assemble import assemble, rewritten
 from tline.solver.assembly.fronts import Tally
+from tline.solver.assembly.layout import layout_of
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import Shape, places_of, sampled
-from tline.solver.description.given import Scene
+from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.groups import Group, poles_of
-from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.description.load_step import load_step
 from tline.solver.description.nodes import Node
-from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.resolution import resolution
 from tline.solver.description.short_lines import short_lines
 from tline.solver.description.slab import breaks_of, common_parts, relative_work
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
-from tline.solver.loop.march import March, Stepper, concatenated
+from tline.solver.loop.march import March, Signals, Stepper, concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import chebyshev
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
-from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
-from tline.solver.run import Again, given_out, run, with_ledger
+from tline.solver.result.result import Result
+from tline.solver.run import given_out, run, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, as_computed, compare, relative
 from tline.solver.tolerance.difference import at_same_places
 
@@ -48,45 +49,59 @@ class OneOrder:
 
     def __init__(self, description: Description, order: int, h: float):
         chosen = resolution(description, order, h)
-        self.slabs = Slabs.until(description.t_end, chosen.h)
+        self.slabs, self.resolved, self.notes = Slabs.until(description.t_end, h), chosen.resolved, chosen.notes
         self.assembly = assemble(description, set(description.probed), chosen)
         self.record = np.empty((self.assembly.kept, 2, self.slabs.number * order))
         stepper = Stepper(self.assembly, self.slabs.number, self.record)
         stepper.compile()
-        self.kernel = stepper.kernel
-        self.smooth = stepper.fronts is None and not stepper.at_edges and not self.assembly.follows_edges
-        self.excitation = stepper.signals.sampled(0, self.slabs.number).copy()
+        self.kernel, self.signals = stepper.kernel, stepper.signals
+        self.excitation = self.signals.sampled(0, self.slabs.number).copy()
         self.initial = self.assembly.state.load.copy()
         samples = len(self.assembly.network.ends) * self.slabs.number * order
         self.attempt = Attempt(order, self.slabs.width, None, samples, 0.0)
 
-    def respond(self, g: int, system: StateSpace, at_rest: NDArray) -> None:
-        """Put a state space in place of that of a group of nodes."""
-        network = self.assembly.network
-        row, at = network.step_row[g], network.load_at[g]
-        step = load_step(system, self.assembly.basis, self.slabs.width) if network.step_whole[row] else system.d
-        network.step[network.step_at[row] :][: step.size] = step.ravel()
-        self.initial[at : at + len(at_rest)] = at_rest
+    @property
+    def smooth(self) -> bool:
+        """Whether no slab is in pieces, and no switch moves."""
+        assembly = self.assembly
+        return not (assembly.follows_edges or assembly.events or any(len(places) for places in self.signals.places))
 
-    def drive(self, k: int, node: Node, weight: NDArray) -> None:
-        """Put what drives a node in place of what drove it: shares of arriving waves, and sources."""
+    def take(self, description: Description) -> bool:
+        """Put another scene in place; whether that could be done."""
+        assembly, n = self.assembly, self.slabs.number
+        chosen = assembly.resolution
+        if not rewritten(assembly, description, chosen, layout_of(description, chosen)):
+            return False
+        self.signals = Signals(assembly, n, self.signals)
+        self.excitation = self.signals.sampled(0, n)
+        return self.kernel.takes(assembly.network, assembly.state, None)
+
+    def write(self, g: int, group: Group, before: Group, z0: NDArray) -> None:
+        """Put a group of nodes in place of another."""
         network, order, h = self.assembly.network, self.assembly.basis, self.slabs.width
-        network.weight[network.first[k] : network.first[k + 1]] = weight
-        if node.excitations:
-            parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
-            self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
+        row, at = network.step_row[g], network.load_at[g]
+        if row >= 0:
+            step = load_step(group.always, order, h) if network.step_whole[row] else group.always.d
+            network.step[network.step_at[row] :][: step.size] = step.ravel()
+            at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
+            self.initial[at : at + len(at_rest)] = at_rest
+        for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
+            if _driven_alike(node, old):
+                continue
+            network.weight[network.first[k] : network.first[k + 1]] = node.weights(z0)
+            if node.excitations:
+                parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
+                self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
 
     def march(self) -> bool:
-        """Advance from rest to the end; whether all waves are finite."""
-        state = self.assembly.state
-        for part in (state.waves, state.slot, state.side, state.before):
-            part.fill(0)
-        state.load[...] = self.initial
+        """Advance to the end; whether all waves are finite."""
         return self.kernel.blocks(self.slabs.number, self.excitation, self.record, 0) < 0
 
 
 class Pair:
     """Two orders on slabs of one width, for runs of a described scene with other values.
+
+    Both are packed once; where slabs are in pieces they are made anew for each run.
 
     Parameters
     ----------
@@ -101,151 +116,135 @@ class Pair:
 
     def __init__(self, description: Description, tol: float, order: int, h: float):
         self.description, self.tol, self.order, self.h = description, tol, order, h
-        self._grids: list[Resolution] = []
+
+    @cached_property
+    def orders(self) -> tuple[OneOrder, OneOrder]:
+        """The coarser run, and the finer one."""
+        return OneOrder(self.description, self.order, self.h), OneOrder(self.description, self.order + 1, self.h)
+
+    @cached_property
+    def smooth(self) -> bool:
+        """Whether the packed orders will do where no slab is in pieces."""
+        coarse, fine = self.orders
+        changing = any(element.kind.fills or element.kind.breaks for element in self.description.elements)
+        at_ends = all(at.line and not at.conductor and at.share in (0, 1) for at in self.description.probes.values())
+        return at_ends and not (changing or fine.slabs.rest or coarse.notes or fine.notes)
 
     def run(self, description: Description) -> Result | None:
         """The result for the scene with other values; None if it is not as accurate as asked, or not resolved."""
         try:
-            grids = self._grids or [resolution(self.description, s, self.h) for s in (self.order, self.order + 1)]
-            self._grids, fastest = grids, min(map(min, description.time_scales.values()), default=inf)
-            if fastest < grids[0].resolved or not _tells_by_order(description):
-                return None
-            coarse, fine = (as_computed(run(description, chosen)) for chosen in grids)
+            if self.smooth and self._put(description) and all(one.march() for one in self.orders):
+                return self._result(description)
+            return self._made_anew(description) if self._resolves(description) else None
         except InputError:
             return None  # which a search tells, or finds a way round
+
+    def _resolves(self, description: Description) -> bool:
+        """Whether two orders tell all, and nothing is faster than they follow."""
+        fastest = min(map(min, description.time_scales.values()), default=inf)
+        return fastest >= self.orders[0].resolved and _tells_by_order(description)
+
+    def _put(self, description: Description) -> bool:
+        """Put a scene in place of the one before; whether that could be done, and no slab is in pieces."""
+        return self._resolves(description) and all(one.take(description) and one.smooth for one in self.orders)
+
+    def _made_anew(self, description: Description) -> Result | None:
+        coarse, fine = (as_computed(run(description, one.assembly.resolution)) for one in self.orders)
         told = compare(description, coarse, fine, self.tol).errors
         if not told.met or fine.unresolved:
             return None
         accuracy = replace(told, attempts=(Attempt.of(coarse, told.worst), Attempt.of(fine)))
         return with_ledger(replace(fine, accuracy=accuracy), None)
 
+    @cached_property
+    def _compared(self) -> tuple[NDArray, list[Packed]]:
+        """Largest differences at each probe, of blocks of slabs, and what finds them."""
+        found = np.zeros((len(self.description.probes), 6, BLOCK))
+        fine, s, other = self.orders[1], *(one.assembly.basis.s for one in self.orders)
+        places, packed = at_same_places(s, other, 1, len(chebyshev(other))), []
+        for probe, most in zip(self.description.probes.values(), found, strict=True):
+            row = fine.assembly.recorded[probe.line] + int(probe.share)
+            sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has what arrived first
+            a, b, c, d = (one.record[row, side].reshape(fine.slabs.number, -1) for one in self.orders for side in sides)
+            work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
+            packed.append(pack(Compared(a, b, c, d, *places, 2 * probe.height.above_level, *work)))
+        return found, packed
+
+    def _result(self, description: Description) -> Result | None:
+        """The result of the finer run; None if it is not as accurate as asked."""
+        fine, (most, packed) = self.orders[1], self._compared
+        most.fill(0.0)
+        for compared in packed:
+            find_difference(compared)
+        found = most.max(axis=2).reshape(-1, 3, 2)
+        if description.steady:  # and so it began
+            for each, probe in zip(found[:, 2], self.description.probes.values(), strict=True):
+                a, b = fine.assembly.start[probe.line].reshape(2, 2)[int(probe.share)]
+                each[0] = max(each[0], abs(a + b - 2 * probe.height.above_level))
+        found[:, 1] = CAUTION * found[:, :2].max(axis=1)
+        found[:, 0] *= CAUTION
+        told = relative(dict(zip(self.description.probes, found[:, [0, 1, 1, 2]], strict=True)))
+        worst = max(max(estimate.u, estimate.y) for estimate in told[1].values())
+        if not worst <= self.tol:
+            return None
+        done = March(0.0, concatenated([], fine.assembly.basis.s), Tally(), None, raw=True)
+        attempts = tuple(one.attempt for one in self.orders)
+        accuracy = Accuracy(self.tol, *told, attempts=(replace(attempts[0], estimate=worst), attempts[1]))
+        given = description, fine.assembly, fine.slabs, fine.record.copy(), done
+        return with_ledger(given_out(*given, accuracy=accuracy), None)
+
 
 class Plan(Pair):
-    """A pair whose scene is packed once, where no run needs pieces of slabs; a run writes down what its values change.
+    """A pair in which a run writes down no more than what its values change.
 
     For scenes from rest without laws, losses, switches, elevations and lumped lines.
     """
 
     def __init__(self, description: Description, tol: float, order: int, h: float):
         super().__init__(description, tol, order, h)
-        self.coarse, self.fine = self.orders = [OneOrder(description, s, h) for s in (order, order + 1)]
-        self.resolved = self.coarse.assembly.resolution.resolved
-        notes = self.coarse.assembly.resolution.notes
-        self.smooth = self.coarse.smooth and self.fine.smooth and not self.fine.slabs.rest and not notes
-        self.groups, nodes = description.grouped()
-        self.number = {node: k for k, node in enumerate(nodes)}
-        self.group = {node.name: g for g, group in enumerate(self.groups) for node in group.nodes}
-        self.written: dict[int, Group] = {}  # in place of the description's
-        self.z0 = np.array([line.z0 for line in description.lines.values()])
-        self.result, self.attempts = self._given_out(), (self.coarse.attempt, self.fine.attempt)
-        self.most = np.zeros((len(description.probes), 6, BLOCK))
-        self.compared = [pack(self._compared(*each)) for each in zip(description.probes, self.most, strict=True)]
+        self._base, _ = description.grouped()
+        self._number = {node.name: g for g, group in enumerate(self._base) for node in group.nodes}
+        self._written: dict[int, Group] = {}  # in place of those
+        self._z0 = np.array([line.z0 for line in description.lines.values()])
 
-    def _compared(self, name: str, most: NDArray) -> Compared:
-        """What compares the waves a and b at a probe in both runs."""
-        probe = self.description.probes[name]
-        row, n = self.fine.assembly.recorded[probe.line] + int(probe.share), self.fine.slabs.number
-        sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has what arrived first
-        a, b, c, d = (one.record[row, side].reshape(n, -1) for one in self.orders for side in sides)
-        s, other = (one.assembly.basis.s for one in self.orders)
-        work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
-        return Compared(a, b, c, d, *at_same_places(s, other, 1, len(chebyshev(other))), 0.0, *work)
-
-    def run(self, description: Description) -> Result | None:
-        """The result; None if the values make it another scene, or if it is not accurate."""
-        if not (self.smooth and self._patched(description) and self.coarse.march() and self.fine.march()):
-            return None
-        accuracy = self._accuracy()
-        return self._result(description.scene, accuracy) if accuracy.met else None
-
-    def _given_out(self) -> Result:
-        """The result of the finer run, but for its waves."""
-        assembly, slabs = self.fine.assembly, self.fine.slabs
-        done = March(0.0, concatenated([], assembly.basis.s), Tally(), None)
-        return with_ledger(given_out(self.description, assembly, slabs, self.fine.record, done), None)
-
-    def _result(self, scene: Scene, accuracy: Accuracy) -> Result:
-        """The result of the finer run, with its waves."""
-        known, record, lines = self.result, self.fine.record.copy(), {}
-        waves = record.reshape(len(record), 2, self.fine.slabs.number, -1)
-        for name, row in self.fine.assembly.recorded.items():
-            (b1, a1), (a2, b2) = waves[row], waves[row + 1]  # what arrived first
-            line = known.lines[name]
-            pairs = (line.a1, a1), (line.b1, b1), (line.a2, a2), (line.b2, b2)
-            a1, b1, a2, b2 = (Wave(values, 0.0, old.basis, old.h, old.pieces) for old, values in pairs)
-            lines[name] = LineRecord(line.z0, line.delay, a1, b1, a2, b2, line.smeared, blurred=line.blurred)
-        probes = {}
-        for name, old in known.probes.items():
-            probes[name] = ProbeResult(name, old.line, old.share, lines[old.line], old.slabs, old.height)
-        again = known.accounts._replace(scene=scene) if isinstance(known.accounts, Again) else None
-        return replace(known, scene=scene, lines=lines, probes=probes, accuracy=accuracy, accounts=again)
-
-    def _accuracy(self) -> Accuracy:
-        """Errors of the coarser run by its differences to the finer one, which bound those of this."""
-        self.most.fill(0.0)
-        for compared in self.compared:
-            find_difference(compared)
-        found = self.most.max(axis=2).reshape(-1, 3, 2)
-        found[:, 1] = CAUTION * found[:, :2].max(axis=1)
-        found[:, 0] *= CAUTION
-        told = relative(dict(zip(self.description.probes, found[:, [0, 1, 1, 2]], strict=True)))
-        worst = 0.0
-        for estimate in told[1].values():
-            worst = max(worst, estimate.u, estimate.y)
-        return Accuracy(self.tol, *told, attempts=(replace(self.attempts[0], estimate=worst), self.attempts[1]))
-
-    def _patched(self, description: Description) -> bool:
-        """Write down what other values change; whether that could be done."""
+    def _put(self, description: Description) -> bool:
         known = description if description.origin is None else description.origin.description
-        if known is not self.description or description.active:
+        if known is not self.description or description.active or not self.orders[1].smooth:
             return False
-        changed: dict[int, Group] = {}
-        for name in description.anew:
-            old = self.groups[g := self.group[name]]
-            changed[g] = Group([description.anew.get(node.name, node) for node in old.nodes], old.branches, [], [])
-            if not self._takes(changed[g], old):
+        base, changed = self._base, {}
+        for g in {self._number[name] for name in description.anew}:
+            nodes = [description.anew.get(node.name, node) for node in base[g].nodes]
+            changed[g] = Group(nodes, base[g].branches, [], [])
+            if not self._takes(changed[g], base[g]):
                 return False
-        for g in {**self.written, **changed}:
-            self._write(g, changed.get(g, self.groups[g]), self.written.get(g, self.groups[g]))
-        self.written = changed
+        for one in self.orders:
+            for g in {**self._written, **changed}:
+                one.write(g, changed.get(g, base[g]), self._written.get(g, base[g]), self._z0)
+            state = one.assembly.state
+            for part in (state.waves, state.slot, state.side, state.before):
+                part.fill(0)
+            state.load[...] = one.initial
+        self._written = changed
         return True
 
-    def _write(self, g: int, group: Group, before: Group) -> None:
-        """Write down what now stands at a group of nodes."""
-        if self.fine.assembly.network.step_row[g] >= 0:
-            at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
-            for one in self.orders:
-                one.respond(g, group.always, at_rest)
-        for node, old in zip(group.nodes, before.nodes, strict=True):
-            if not _driven_alike(node, old):
-                weight = node.weights(self.z0)
-                for one in self.orders:
-                    one.drive(self.number[node.name], node, weight)
-
     def _takes(self, group: Group, old: Group) -> bool:
-        """Whether a group of nodes differs from that before in numbers alone, and is slow enough for the slabs."""
+        """Whether a group is that of the plan but for numbers, slow enough, and without breaks inside slabs."""
+        slabs, resolved = self.orders[1].slabs, self.orders[0].resolved
         if group.dynamic != old.dynamic:
             return False
         if group.dynamic:
             A = group.always.A
-            if len(A) != len(old.always.A):
+            if len(A) != len(old.always.A) or (len(A) and resolved * np.abs(poles_of(group.always)).max() > 1.0):
                 return False
-            if len(A) and self.resolved * np.abs(poles_of(group.always)).max() > 1.0:
+        for node, other in zip(group.nodes, old.nodes, strict=True):
+            ours, theirs = node.excitations, other.excitations
+            if len(ours) != len(theirs):
                 return False
-        for node, before in zip(group.nodes, old.nodes, strict=True):
-            if not (_driven_alike(node, before) or self._follows(node.excitations, before.excitations)):
+            anew = any(shape is not other for (shape, _), (other, _) in zip(ours, theirs, strict=True))
+            slow = not anew or all(shape.fastest() >= resolved for shape, _ in ours)
+            if not slow or (anew and np.any(places_of(ours, slabs.end, slabs.width) % 1)):
                 return False
         return True
-
-    def _follows(self, excitations: list[tuple[Shape, float]], before: list[tuple[Shape, float]]) -> bool:
-        """Whether what drives a node is slow enough, and breaks at edges of slabs alone, if as much did before."""
-        slabs = self.fine.slabs
-        if len(excitations) != len(before):
-            return False
-        if all(shape is other for (shape, _), (other, _) in zip(excitations, before, strict=True)):
-            return True
-        whole = not np.any(places_of(excitations, slabs.end, slabs.width) % 1)
-        return whole and all(shape.fastest() >= self.resolved for shape, _ in excitations)
 
 
 def _driven_alike(node: Node, other: Node) -> bool:
@@ -257,9 +256,8 @@ def planned(description: Description, tol: float) -> Pair | None:
     """What runs a scene with other values to a tolerance, on the widest slabs that leave these some room."""
     if not _tells_by_order(description):
         return None
-    once = description.steady or description.elements or description.heights or description.switched
-    at_ends = all(at.line in description.lines and at.share in (0.0, 1.0) for at in description.probes.values())
-    for make in (Plan, Pair) if at_ends and not once else (Pair,):
+    more = description.steady or description.elements or description.heights or description.switched
+    for make in (Pair,) if more else (Plan, Pair):
         for h in _widths(description):
             if make(description, SPARE * tol, HIGHEST, h).run(description) is None:
                 continue

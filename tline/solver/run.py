@@ -22,6 +22,7 @@ from tline.solver.ledger.ledger import Ledger
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
+from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
 from tline.solver.result.notes import VISIBLE, smeared
@@ -141,6 +142,7 @@ def given_out(
     waves: NDArray,
     done: March,
     kinks: Kinks = NO_KINKS,
+    accuracy: Accuracy | None = None,
 ) -> Result:
     """What a run is to its user, of an assembled scene and the record of its march.
 
@@ -168,6 +170,7 @@ def given_out(
         samples,
         done.seconds,
         done.fronts,
+        accuracy=accuracy,
         accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work, bool(description.coupled)),
         circuits=assembly.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
@@ -263,7 +266,7 @@ def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears:
     u = _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node]))
     pieces = u.pieces._replace(values=u.pieces.values + level)
     u = replace(u, values=u.values + level, before=u.before + level, pieces=pieces)
-    return LineRecord(1.0, 0.0, u, u, u, u, smears, blurred=bool(assembly.resolution.sections))
+    return LineRecord(1.0, 0.0, u, u, u, u, smears, raw=done.raw or bool(assembly.resolution.sections))
 
 
 def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
@@ -293,4 +296,4 @@ def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: 
 
     sides = (0, 1), (0, 0), (1, 0), (1, 1)
     a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
-    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears, blurred=bool(assembly.resolution.sections))
+    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears, raw=done.raw or bool(assembly.resolution.sections))

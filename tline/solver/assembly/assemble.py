@@ -26,7 +26,7 @@ from tline.solver.steady.lossy_lines import Ends
 
 ORDERS = 4  # assemblies that a grid keeps
 FEW = 1e5  # samples on the lines of one that is kept
-OF_LAWS = [name for name in Laws._fields if name not in ("tools", "step", "record_row")]
+OF_LAWS = Laws._fields[: Laws._fields.index("record_row")]  # what slabs and what is recorded do not matter to
 
 
 @dataclass
@@ -105,30 +105,10 @@ def assemble(
     """Turn a description into arrays; kept are the end waves of lines, and the waves into laws, that are named."""
     chosen = chosen or resolution(description)
     layout = layout_of(description, chosen, progress=progress)
-    grid, order, systems = layout.grid, basis(chosen.s), layout.systems
-    follows = bool(chosen.layers) and not grid.diamonds  # there slabs are halved: cuts would meet
-    graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
-    chosen = chosen if graded.any() else chosen._replace(layers=0.0)
-    maps, load = maps_of(systems, order, grid.h), np.concatenate([systems.states, layout.states])
-    now = {
-        "description": description,
-        "resolution": chosen,
-        "excitations": layout.excitations,
-        "systems": systems.systems,
-        "events": systems.events,
-        "nodes": layout.nodes,
-        "start": layout.start,
-        "efforts": layout.efforts,
-        "groups": layout.groups,
-        "settle": np.array([chosen.settle if group.lumped_lines else 0.0 for group in layout.groups]),
-        "graded": graded,
-        "loads_before": load,
-    }
+    grid, order = layout.grid, basis(chosen.s)
     assembly: Assembly | None = grid.spare.pop(_key(chosen, record, laws, description.probed_nodes), None)
-    if assembly is not None and _written(assembly, layout, maps, load):
-        vars(assembly).pop("follows_edges", None)
-        vars(assembly).update(now)
-    else:
+    if assembly is None or not rewritten(assembly, description, chosen, layout):
+        maps, load = maps_of(layout.systems, order, grid.h), np.concatenate([layout.systems.states, layout.states])
         recorded = _recorded(layout, record, laws, description.probed_nodes)
         network = _network(layout, order, recorded, maps, chosen.same)
         assembly = Assembly(
@@ -141,10 +121,42 @@ def assemble(
             recorded_nodes=recorded[2],
             circuits=grid.circuits,
             spare=grid.spare,
-            **now,
+            **_now(description, chosen, layout, load),
         )
-    _begin(assembly, layout)
+        _begin(assembly, layout)
     return assembly
+
+
+def rewritten(assembly: Assembly, description: Description, chosen: Resolution, layout: Layout) -> bool:
+    """Put a scene in place of another on the same grid, if it has as many of everything; whether that could be done."""
+    maps = maps_of(layout.systems, assembly.basis, layout.grid.h)
+    load = np.concatenate([layout.systems.states, layout.states])
+    if not _written(assembly, layout, maps, load):
+        return False
+    vars(assembly).pop("follows_edges", None)
+    vars(assembly).update(_now(description, chosen, layout, load))
+    _begin(assembly, layout)
+    return True
+
+
+def _now(description: Description, chosen: Resolution, layout: Layout, load: NDArray) -> dict[str, Any]:
+    """What an assembly has of the scene that it is of now."""
+    follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
+    graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
+    return {
+        "description": description,
+        "resolution": chosen if graded.any() else chosen._replace(layers=0.0),
+        "excitations": layout.excitations,
+        "systems": layout.systems.systems,
+        "events": layout.systems.events,
+        "nodes": layout.nodes,
+        "start": layout.start,
+        "efforts": layout.efforts,
+        "groups": layout.groups,
+        "settle": np.array([chosen.settle if group.lumped_lines else 0.0 for group in layout.groups]),
+        "graded": graded,
+        "loads_before": load,
+    }
 
 
 def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
@@ -178,9 +190,9 @@ def _begin(assembly: Assembly, layout: Layout) -> None:
 
 
 def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], load: NDArray) -> bool:
-    """Put a layout in place of the one before, if it has as many of everything; whether that could be done."""
+    """Put a layout in place of the one before, if it has as many of everything; whether that could be done in full."""
     network, laws, systems = assembly.network, assembly.network.laws, layout.systems
-    pairs = [
+    pairs: list[tuple[Any, Any]] = [
         (network.weight, layout.weight),
         (network.excitation_row, layout.excitation_row),
         (network.load_at, systems.load_at),
@@ -191,13 +203,15 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], 
         (network.step_at, maps[1]),
         (network.moved, layout.moved),
         (assembly.state.load, load),
-        *((getattr(laws, name), getattr(layout.laws, name)) for name in OF_LAWS if len(laws.first)),
+        *(zip(laws, layout.laws[: len(OF_LAWS)], strict=False) if len(laws.kind) else ()),
     ]
-    if network.first is not layout.junctions.first or any(old.shape != new.shape for old, new in pairs):
+    if network.first is not layout.junctions.first:
         return False
     if not (np.array_equal(laws.kind, layout.laws.kind) and np.array_equal(laws.states, layout.laws.states)):
         return False  # whose units and workspace are others
     for old, new in pairs:
+        if old.shape != new.shape:
+            return False
         old[...] = new
     if layout.grid.cell:
         begin_steady(network.diamonds, layout.sent, layout.y, layout.grid.z0)

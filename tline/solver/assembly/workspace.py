@@ -75,8 +75,11 @@ def work_for(network: Network, state: State) -> Work:
     )
 
 
-def renew(work: Work, laws: Laws, s: int) -> None:
-    """Leave nothing in a workspace of what a run before has found at its laws."""
+def renew(work: Work, network: Network, s: int) -> None:
+    """Leave nothing in a workspace of what a run before has found at its laws, if one sees another or has a state."""
+    laws = network.laws
+    if not len(laws.kind) or not (len(network.step_states) or laws.states.any() or laws.governed.any()):
+        return
     store = work.store
     for part in (*work.circuit, *work.govern, store.system, store.integral, store.constant, store.division):
         part.fill(0)

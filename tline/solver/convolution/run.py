@@ -267,13 +267,13 @@ class Convolved:
             _wave(row + end, side, waves, noted, float(value), order, h)
             for (end, side), value in zip(sides, before, strict=True)
         )
-        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, blurred=True)
+        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, raw=True)
 
     def _effort(self, node: str, row: int, waves: NDArray, noted: Noted | None, order: Basis, h: float) -> LineRecord:
         """The effort at a node where no line ends, as on a line that carries no flow."""
         before = self.before.effort[node] + self.description.nodes[node].height.level
         u = _wave(row, 0, waves, noted, before, order, h)
-        return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, blurred=True)
+        return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, raw=True)
 
 
 def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: float, order: Basis, h: float) -> Wave:

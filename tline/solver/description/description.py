@@ -21,7 +21,7 @@ from tline.solver.description.active import active_parts, impedances
 from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
-from tline.solver.description.given import End, Height, Medium, Scene, Stretches, readable, stretches_of
+from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
 from tline.solver.description.lines import Line, lines_of
 from tline.solver.description.links import branches_of, inductive, resistive
@@ -34,6 +34,7 @@ from tline.words.wording import place
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
 MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest delay, with which fronts are followed
+LawsByPlace = dict[tuple[str, str], ElementLaw]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,26 +79,27 @@ class Description:
             There is nothing at a path, or a value does not fit there.
         """
         scene = changed(self.scene, values)
-        at = self._touched(scene, values)
-        return describe(scene) if at is None else replace(self, scene=scene, origin=Origin(self, at, self.nodes))
+        touched = self._touched(scene, values)
+        if touched is None:
+            return describe(scene)
+        return replace(self, scene=scene, origin=Origin(self, *touched, self.nodes))
 
-    def _touched(self, scene: Scene, values: Iterable[str]) -> set[str] | None:
-        """Nodes whose loads or sources have other values in a changed scene; None where more than that changes.
-
-        Beside these, laws of links may.
-        """
-        at = set()
+    def _touched(self, scene: Scene, values: Iterable[str]) -> tuple[set[str], LawsByPlace] | None:
+        """Nodes whose linear loads or sources have other values in a changed scene, and laws; None if more changes."""
+        at, laws = set(), {}
         for path in values:
             part, *keys = parts_of(path)
             if part not in ("loads", "sources", "links") or len(keys) == 1:
                 return None
             old, new = getattr(self.scene, part)[keys[0]], getattr(scene, part)[keys[0]]
-            if type(old) is not type(new) or (part == "links" and not issubclass(type(new), NonLinear)):
+            law = isinstance(new, NonLinear)
+            if type(old) is not type(new) or getattr(old, "terminals", None) != getattr(new, "terminals", None):
                 return None
-            if old.terminals != new.terminals or (part != "links" and new.at is None):
+            if not law and (part == "links" or new.at is None):
                 return None
-            at.update([] if part == "links" else [new.at])
-        return None if self._composed else at
+            at.update([] if law else [new.at])
+            laws |= {(part, keys[0]): new.law()} if law else {}
+        return None if self._composed else (at, laws)
 
     @cached_property
     def _composed(self) -> bool:
@@ -140,9 +142,14 @@ class Description:
         return bool(lossy) and self.t_end * sum(lossy) > MOST_BESIDE_VALVES * min(lossy) ** 2 and "orifice" in moving
 
     @cached_property
+    def laws(self) -> LawsByPlace:
+        """Law of each non-linear element, by section and name."""
+        return self.scene.laws if self.origin is None else self.origin.description.laws | self.origin.laws
+
+    @cached_property
     def blurred(self) -> bool:
         """Whether elements send fronts at instants of their own."""
-        return any(law.of_kind.breaks for law in self.scene.laws.values())
+        return any(law.of_kind.breaks for law in self.laws.values())
 
     @property
     def collapses(self) -> bool:
@@ -159,7 +166,7 @@ class Description:
     @cached_property
     def elements(self) -> list[PlacedLaw]:
         """Non-linear elements, but for those between efforts that are held."""
-        return elements_of(self.scene, self.nodes, self.origin.description.elements if self.origin else ())
+        return elements_of(self.scene, self.laws, self.nodes, self.origin.description.elements if self.origin else ())
 
     @cached_property
     def branches(self) -> list[PlacedBranch]:
@@ -205,7 +212,7 @@ class Description:
     @cached_property
     def waveforms(self) -> dict[str, Shape]:
         """All that is prescribed over time, by place."""
-        return {place(part, name): waveform for (part, name, _), waveform in self.scene.waveforms.items()}
+        return {place(part, name): given for (part, name, _), given in self.scene.prescribed(self.laws).items()}
 
     @cached_property
     def breaks(self) -> list[NDArray]:
@@ -331,10 +338,11 @@ class Description:
 
 
 class Origin(NamedTuple):
-    """What a description was changed from, and the nodes whose loads or sources have other values."""
+    """What a description was changed from, nodes whose loads or sources have other values, and laws that have."""
 
     description: Description
     changed: set[str]
+    laws: LawsByPlace
     nodes: dict[str, Node]  # of the description, found before: two properties that wait for each other wait for ever
 
 

@@ -63,19 +63,27 @@ class PlacedLaw(NamedTuple):
         return sum(1 / abs(nodes[node].total) for node in self.nodes if nodes[node].held is None)
 
 
-def elements_of(scene: Scene, nodes: Mapping[str, Node], like: Iterable[PlacedLaw] = ()) -> list[PlacedLaw]:
+def elements_of(
+    scene: Scene,
+    laws: Mapping[tuple[str, str], ElementLaw],
+    nodes: Mapping[str, Node],
+    like: Iterable[PlacedLaw] = (),
+) -> list[PlacedLaw]:
     """Those elements of a scene that are seen by anything: not those between efforts that are held.
 
-    What scales one of them as it does one of the same place in `like` is the same object.
+    One of the same law as at the same place in `like` is that one, and what scales it likewise is the same object.
     """
     found, known = [], {element.where: element for element in like}
-    for (part, name), law in scene.laws.items():
+    for (part, name), law in laws.items():
         ends = (scene.links if part == "links" else scene.loads)[name].terminals
         if any(node is not None and nodes[node].held is None for node in ends):
+            where, before = place(part, name), 1.0
+            if where in known and known[where].law is law:
+                found.append(known[where])
+                continue
             from_node, to_node = reversed(ends) if law.reverse else ends
             levels = [nodes[node].above_level if node is not None else 0.0 for node in (from_node, to_node)]
             height = _height(nodes, from_node, to_node)
-            where, before = place(part, name), 1.0
             if law.factor is not None and where in known and known[where].law.factor == law.factor:
                 law, before = law._replace(factor=known[where].law.factor), known[where].control
             elif law.factor is not None:

@@ -109,7 +109,7 @@ class Group:
     @cached_property
     def always(self) -> StateSpace:
         """From waves of its nodes to efforts there, if no switch moves and no law stands there."""
-        return self.circuit(np.inf).system
+        return self.circuits()[-1].system
 
     def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
         """The circuit before the first of its instants, and after each; without impedances it has no laws."""

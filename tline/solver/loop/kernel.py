@@ -40,8 +40,7 @@ class Kernel:
         """Begin another run of the same network in its state, if that needs the same units."""
         if network is not self.network or state is not self.state or (fronts is None) != (self._fronts is None):
             return False
-        if len(network.laws.kind):
-            renew(self._work, network.laws, state.before.shape[1])
+        renew(self._work, network, state.before.shape[1])
         self._fronts = None if fronts is None else pack(fronts)
         return True
 

@@ -62,6 +62,7 @@ class March(NamedTuple):
     pieces: Noted
     fronts: Tally
     final_fronts: Fronts | None  # as they are at the end; None in a run without any
+    raw: bool = False  # whether its polynomials are to be read as they are, whose order is high
 
 
 def march(

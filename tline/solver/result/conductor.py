@@ -35,7 +35,7 @@ def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecor
     delay = max(record.delay for record in found)
     smeared = any(record.smeared for record in found)
     waves = wave("a1", "b1", 1.0), wave("a1", "b1", -1.0), wave("a2", "b2", 1.0), wave("a2", "b2", -1.0)
-    return LineRecord(z0, delay, *waves, smeared, blurred=any(record.blurred for record in found))
+    return LineRecord(z0, delay, *waves, smeared, raw=any(record.raw for record in found))
 
 
 def _sum(parts: Sequence[tuple[Wave, float]]) -> Wave:

@@ -189,22 +189,24 @@ def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tup
     from tline.solver.kernel.peaks import find_extremes
 
     slabs, what, z0, order = probe.slabs, quantity(key), probe.record.z0, a.basis
-    values = [np.append(wave.before, (wave.values @ order.evaluation([0.0, *order.c]).T).ravel()) for wave in (a, b)]
+    values = [np.append(wave.before, wave.values) for wave in (a, b)]
     noise = NOISE * max(float(abs(each).max()) for each in values)
     bounds = Bounds(noise, noise / z0, z0, probe.height.per_metre, *(2 * [noise / NOISE]))
     seen = np.asarray(what.of(probe._samples(np.empty(0), *values)))
     nothing = what.error(bounds)
     seen[np.abs(seen) <= nothing] = 0.0
     first, seen = float(seen[0]), seen - seen[0]  # what is sought begins at zero
-    wave = np.ascontiguousarray(seen[1:].reshape(slabs.number, -1)[:, 1:, None])
-    end, edges, found = slabs.whole + slabs.rest, np.array([[0.0], [1.0]]), np.empty((4, 1))
-    find_extremes(pack(search(wave, np.ones(1), edges, end, order.c, order.to_powers, found)))
-    t = np.append(0.0, (np.arange(slabs.number)[:, None] + [0.0, *order.c]).ravel())
-    near, there = SAME * (found[2, 0] - found[0, 0]), []
-    for (value, at), sign in zip(found.reshape(2, 2).tolist(), (-1, 1), strict=True):
-        reached = t[(sign * seen >= sign * value - near) & (t <= end)]
+    wave, end, found = seen[1:].reshape(slabs.number, -1, 1), slabs.whole + slabs.rest, np.empty((4, 1))
+    job = search(wave, np.ones(1), np.array([[0.0], [1.0]]), end, order.c, order.to_powers, found)
+    find_extremes(pack(job))
+    near, start, there = SAME * (found[2, 0] - found[0, 0]), order.evaluation([0.0]), []
+    for (value, at), top, sign in zip(found.reshape(2, 2).tolist(), job.top[:, : slabs.whole, 0], (-1, 1), strict=True):
+        least = sign * value - near
+        if (k := int(np.argmax(top >= least))) < at and top[k] >= least:  # of as large ones the first
+            here = np.append(start @ wave[k, :, 0], wave[k, :, 0])
+            at = min(at, k + float(np.append(0.0, order.c)[np.argmax(sign * here >= least)]))
         value = value + first if abs(value + first) > nothing else 0.0
-        there.append((value, slabs.width * min(at, *reached[:1].tolist(), end)))
+        there.append((value, slabs.width * (min(at, end) if least > 0.0 else 0.0)))
     return there[0], there[1]
 
 

@@ -74,7 +74,7 @@ def _record(cut: Stretches, stretches: tuple[LineRecord, ...]) -> CutRecord:
     first, last = stretches[0], stretches[-1]
     delay = sum(stretch.delay for stretch in stretches)
     waves = first.a1, first.b1, last.a2, last.b2
-    return CutRecord(first.z0, delay, *waves, first.smeared, cut, stretches, blurred=first.blurred)
+    return CutRecord(first.z0, delay, *waves, first.smeared, cut, stretches, raw=first.raw)
 
 
 class _Summed(NamedTuple):

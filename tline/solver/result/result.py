@@ -98,7 +98,7 @@ class LineRecord:
     a2: Wave
     b2: Wave
     smeared: bool  # whether fronts were left out
-    blurred: bool = field(default=False, kw_only=True)  # whether lumped lines blur fronts
+    raw: bool = field(default=False, kw_only=True)  # whether polynomials are to be those of the run
 
     def __repr__(self) -> str:
         return shortly("LineRecord", z0=f"{self.z0:.6g}", delay=f"{self.delay:.6g} s")
@@ -106,12 +106,12 @@ class LineRecord:
     @cached_property
     def at_end1(self) -> tuple[Wave, Wave]:
         """The waves (a, b) at end 1, at any instant nearly as accurate as at slab ends."""
-        return (self.a1, self.b1) if self.smeared or self.blurred else superconvergent(self.a1, self.b1)
+        return (self.a1, self.b1) if self.smeared or self.raw else superconvergent(self.a1, self.b1)
 
     @cached_property
     def at_end2(self) -> tuple[Wave, Wave]:
         """The same at end 2."""
-        return (self.a2, self.b2) if self.smeared or self.blurred else superconvergent(self.a2, self.b2)
+        return (self.a2, self.b2) if self.smeared or self.raw else superconvergent(self.a2, self.b2)
 
     def seen(self, share: float) -> tuple[Wave, Wave]:
         """The waves (a, b) that pass a place given as a share of the delay, as they are at an end."""

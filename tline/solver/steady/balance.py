@@ -146,41 +146,37 @@ class _System:
 
     def __init__(self, laws: EdgeLaws, linear: Linear, leaking: float):
         self.laws, self.linear, self.edges = laws, linear, len(laws.from_node)
-        self.matrix, self.f, self.leak = linear.matrix(leaking, self.edges)
-        self.least, self.ends = NOTHING * _largest(linear), []
+        matrix, self.f, self.leak = linear.matrix(leaking, self.edges)
+        self.least, efforts, flows = NOTHING * _largest(linear), [], []
         for end, sign in ((laws.from_node, 1.0), (laws.to_node, -1.0)):
             there = np.flatnonzero(end >= 0)
             free = there[np.isnan(linear.given[end[there]])]
-            balance = self.edges + end[free]
-            self.ends.append((there, self.edges + end[there], free, balance, sign, sign * linear.unit))
+            efforts.append(Sparse(there, self.edges + end[there], np.full(len(there), -sign)))
+            flows.append(Sparse(self.edges + end[free], free, np.full(len(free), sign * linear.unit)))
+        self.matrix, self.flows = matrix.plus(*efforts), flows[0].plus(flows[1])
 
 
 class _Point:
     """What is left of laws and balances at some unknowns, and how that changes with them."""
 
     def __init__(self, system: _System, z: NDArray):
-        linear, edges = system.linear, system.edges
+        linear, edges, flows = system.linear, system.edges, system.flows
         self.z, self._system = z, system
         drop, self.flow, self._steep, self._slope = system.laws.solved(z[:edges])
         if linear.B is not None:
             self._slope = np.maximum(self._slope, SHUT / linear.unit)
         self.left = system.matrix @ z - system.f
         self.left[:edges] += drop
-        for there, at, free, balance, sign, unit in system.ends:
-            self.left[there] -= sign * z[at]
-            np.add.at(self.left, balance, unit * self.flow[free])
+        self.left += np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
         self.worst = float(np.abs(self.left).max())
         sizes = np.abs(drop).max(initial=0.0), linear.unit * np.abs(self.flow).max(initial=0.0)
         self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
 
     def jacobian(self) -> Sparse:
         """Laws first, then balances."""
-        edges = np.arange(len(self.flow))
-        parts = [Sparse(edges, edges, np.maximum(self._steep, LEAST))]
-        for there, at, free, balance, sign, unit in self._system.ends:
-            parts.append(Sparse(there, at, np.full(len(there), -sign)))
-            parts.append(Sparse(balance, free, unit * self._slope[free]))
-        return self._system.matrix.plus(*parts)
+        edges, flows = np.arange(len(self.flow)), self._system.flows
+        own = Sparse(edges, edges, np.maximum(self._steep, LEAST))
+        return self._system.matrix.plus(own, flows._replace(values=flows.values * self._slope[flows.columns]))
 
 
 def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:

@@ -1,6 +1,7 @@
 """What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
 
 from collections.abc import Mapping
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
 
 NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
+NONE = np.empty(0)
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
 
 
@@ -42,8 +44,7 @@ class Edges:
         each = zip(description.lines.items(), falls.tolist(), strict=True)
         lines = {name: line for (name, line), kept in each if kept}
         self.falls = Falls(lines)
-        self.elements = [_running(e) for e in description.elements if not e.kind.fills]
-        self.elements += description.resistive
+        self.elements = _standing(description)
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [
             (element.from_node, element.to_node) for element in self.elements
@@ -53,7 +54,25 @@ class Edges:
         nodes = description.nodes
         impedances = [element.seen(nodes) for element in self.elements]
         packed, _ = laws_of([Group([*nodes.values()], [], self.elements, [])], impedances, 0, 0)
+        self.seen, self.constants = packed.source_impedance, [element.constants for element in self.elements]
         self.packed = opened(packed, self.elements, openings)
+
+    def like(self, description: Description, openings: Mapping[str, float]) -> "Edges | None":
+        """Edges with other numbers in their laws; None where the laws of a description are others."""
+        elements, found = _standing(description), copy(self)
+        constants = [element.constants for element in elements]
+        before, after = (
+            [(e.where, e.kind, e.from_node, e.to_node, len(c)) for e, c in zip(each, numbers, strict=True)]
+            for each, numbers in ((self.elements, self.constants), (elements, constants))
+        )
+        if before != after:
+            return None
+        controls = np.array([element.control for element in elements], float)
+        packed = self.packed._replace(
+            constants=np.concatenate([NONE, *constants]), control=controls, source_impedance=self.seen
+        )
+        found.elements, found.constants, found.packed = elements, constants, opened(packed, elements, openings)
+        return found
 
     @property
     def count(self) -> int:
@@ -111,6 +130,11 @@ def _steep(elements: Elements, largest: float) -> NDArray:
         if drop_over_flow > TIGHT * source_impedance[e]:
             source_impedance[e] = min(drop_over_flow, TIGHTEST * source_impedance[e])
     return source_impedance
+
+
+def _standing(description: Description) -> list[PlacedLaw]:
+    """Elements without a state, and what passes a steady flow in proportion to the effort."""
+    return [_running(element) for element in description.elements if not element.kind.fills] + description.resistive
 
 
 def _running(element: PlacedLaw) -> PlacedLaw:

@@ -78,15 +78,15 @@ class _Parts(NamedTuple):
 
 def _under(description: Description, openings: dict[str, float]) -> Before:
     """The steady state with these openings of the elements that move them."""
-    nodes, grids = description.nodes, description.grids
-    if _Parts not in grids:  # which other values at the nodes leave as they are
-        grids[_Parts] = _joined(description)
-    number, lines, joins, part = grids[_Parts]
-    at = at_nodes(description, number, lines)
-    parted = _Parts(description, number, lines, joins, part, at)
-    _check_held(description, parted.part, at.given)
-    _check_between(description, parted.part, number)
-    edges = Edges(description, number, openings, lines.falls)
+    like = description.origin and not description.anew and not description.tanks
+    known = description.origin.description.known if description.origin and like else description.known
+    if _Parts not in known:
+        known[_Parts] = _parted(description)
+    parted = known[_Parts]._replace(description=description)
+    number, lines, joins = parted.number, parted.lines, parted.joins
+    edges = known[Edges].like(description, openings) if Edges in known else None
+    if edges is None:
+        edges = known[Edges] = Edges(description, number, openings, lines.falls)
     coupled = description.coupled or description.multiports
     effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
     lossy = int(lines.falls.sum())
@@ -94,7 +94,19 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     along[lines.falls], along[~lines.falls] = flow[:lossy], y[: len(joins.names)]
     flows = along[:, None] + lines.leak[:, None] * effort[lines.ends] * [1.0, -1.0]
     through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
-    return Before(dict(zip(nodes, effort.tolist(), strict=True)), flows, through, openings, unknowns)
+    return Before(dict(zip(number, effort.tolist(), strict=True)), flows, through, openings, unknowns)
+
+
+def _parted(description: Description) -> _Parts:
+    """What stands at the nodes of a description, and what joins them, which other values there leave as it is."""
+    grids = description.grids
+    if _Parts not in grids:
+        grids[_Parts] = _joined(description)
+    number, lines, joins, part = grids[_Parts]
+    parted = _Parts(description, number, lines, joins, part, at_nodes(description, number, lines))
+    _check_held(description, part, parted.at.given)
+    _check_between(description, part, number)
+    return parted
 
 
 def _joined(description: Description) -> tuple[dict[str, int], Lines, Joins, NDArray]:
@@ -188,6 +200,8 @@ def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, know
     InputError
         What a node starts with would open a valve.
     """
+    if known.all():
+        return effort
     description, number, part = parted.description, parted.number, parted.part
     start = _starts(description, number, part)
     holding = edges.holding(part, found.flow, np.abs(found.flow).max(initial=driving))

@@ -91,8 +91,8 @@ def differences(
 
 def as_computed(result: Result) -> Result:
     """A result with the polynomials that its slabs were computed with, of which envelopes are taken."""
-    lines = {name: replace(line, smeared=True) for name, line in result.lines.items()}
-    probes = {name: replace(at, record=replace(at.record, smeared=True)) for name, at in result.probes.items()}
+    lines = {name: replace(line, raw=True) for name, line in result.lines.items()}
+    probes = {name: replace(at, record=replace(at.record, raw=True)) for name, at in result.probes.items()}
     return replace(result, lines=lines, probes=probes)
 
 
