@@ -6,7 +6,7 @@ interpolated at Radau's points: accurate at slab ends. Where that would make ene
 of a slab: the transposed matrices do that, so energy is lost whatever the law (docs/theory.md).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
@@ -110,10 +110,8 @@ def diamonds_of(
     tables, table_at = _tables(each)
     at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
     matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here and not cell]
-    names = list(grid.lines)
-    friction = [
-        _friction(grid.lines[name], grid.circuits[name].series.loss, grid.h) for name in map(names.__getitem__, here)
-    ]
+    circuits = [grid.circuits[name] for name, line in grid.lines.items() if line.dispersive]
+    friction = [_friction(line, own.series.loss, grid.h) for line, own in zip(each, circuits, strict=True)]
     long = grid.delay[here] + np.array(rest)
     found = Diamonds(
         np.array(here, int),
@@ -134,7 +132,7 @@ def diamonds_of(
         begin=order.evaluation([0.0])[0],
         jump=max(STEP, WEAK * same) if order.s > 1 else inf,  # constants jump everywhere
         steady=np.zeros((len(here), 4)),
-        memory=_memory(grid, here, cells, long, basis(min(order.s, CELL_ORDER))),
+        memory=_memory(zip(each, circuits, cells, long.tolist(), strict=True), basis(min(order.s, CELL_ORDER)), grid.h),
     )
     if cell:
         begin_steady(found, sent, y, grid.z0)
@@ -149,26 +147,25 @@ def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> 
     diamonds.steady[:] = np.stack([a1 - b2, a1 + b2, d, np.array(taken)], axis=1).reshape(-1, 4)
 
 
-def _memory(grid: "SlabGrid", here: list[int], cells: list[tuple[int, float]], long: NDArray, order: Basis) -> Memory:
+def _memory(rows: Iterable[tuple[Line, Circuits, tuple[int, float], float]], order: Basis, h: float) -> Memory:
     """Circuits of the columns of cells, half a cell apart; the outermost stand for what lies before them, too."""
     first, signs, modes, at, maps, states, size, held = [0], [], [], [], [np.empty(0)], [], 0, 0
-    rest = np.ones((len(here), 2))
-    lines = list(grid.lines.items())
-    for row, ((name, line), (k, over), slabs) in enumerate(
-        zip(map(lines.__getitem__, here), cells, long.tolist(), strict=True)
-    ):
-        for sign, law, per in _laws(line, grid.circuits[name]) if k else ():
+    rest = []
+    for line, circuits, (k, over), slabs in rows:
+        left = np.ones(2)
+        for sign, law, per in _laws(line, circuits) if k else ():
             number, half = 2 * int(slabs // k) - 1, k / (2 * slabs)
             ends = (1.5 + over / k) * half if number > 1 else 1.0
-            each = [one_step(law, share * per, order, k * grid.h) for share in (half, ends)]
-            rest[row] /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
+            each = [one_step(law, share * per, order, k * h) for share in (half, ends)]
+            left /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
             at.append([size, size + each[0].size])
             signs, modes, states = [*signs, sign], [*modes, law.rates.size], [*states, held]
             maps, size, held = [*maps, *each], size + 2 * each[0].size, held + number * law.rates.size
         first.append(len(signs))
+        rest.append(left)
     places = np.array(at, int).reshape(-1, 2)
     each = np.array(first), np.array(signs), np.array(modes, int), places, np.concatenate(maps), np.array(states, int)
-    return Memory(*each, rest, held)
+    return Memory(*each, np.array(rest).reshape(-1, 2), held)
 
 
 def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float]]:
