@@ -29,7 +29,7 @@ charts: $(VENV)/ready-dev
 
 site: $(VENV)/ready-site
 	$(BIN)/python docs/site/assemble.py out/site-source
-	$(BIN)/python -m sphinx -q -b html out/site-source out/site
+	$(BIN)/python -m sphinx -q -W --keep-going -b html out/site-source out/site
 
 wheel:
 	PYTHON=$(PYTHON) .ci/wheel

@@ -1,6 +1,6 @@
 """What the automatic order and slab cost beside the best ones by hand: `python -m benchmarks.cheapest_grid [NAME…]`.
 
-Prints a page and writes it to docs/benchmarks-grid.md. By hand a scene is run once for each of many orders and slabs,
+Prints a page and writes it to benchmarks/pages/grid.md. By hand a scene is run once for each of many orders and slabs,
 and the cheapest run counts whose true error is not larger. What is automatic includes all runs that it took, and its
 estimate. Times are of whole calls, of the processor; errors are relative to the amplitude at each probe, at random
 instants, against a run to a far smaller tolerance.
@@ -162,7 +162,7 @@ def main(names: list[str]) -> None:
                 rows.append(compared(name, scene, tol))
                 print(*cells(rows[-1]), sep=" | ", flush=True)
     if not names:
-        write("benchmarks-grid.md", page(rows), "measured")
+        write("benchmarks/pages/grid.md", page(rows), "measured")
 
 
 if __name__ == "__main__":

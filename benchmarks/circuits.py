@@ -77,7 +77,9 @@ if __name__ == "__main__":
         sys.exit("ngspice is not installed")
     head = f"<scene|from SciPy, at {USUAL:.0e}|at {FINE:.0e}|all of a run at {USUAL:.0e}, ms|steps at {FINE:.0e}, ms"
     rows = map(circuit, [*ELECTRICAL, *HYDRAULIC])
-    write("circuits.md", table(f"{head}|from ngspice|its last halving moves it by|its steps, ms", rows), "measured")
+    write(
+        "docs/circuits.md", table(f"{head}|from ngspice|its last halving moves it by|its steps, ms", rows), "measured"
+    )
     head = f"<deck|<like|notes|from ngspice, ours at {DECK_TOL:.0e}|its last halving moves it by|its steps"
     rows = map(deck, sorted(path.stem for path in FILES.glob("*.cir")))
-    write("netlists.md", table(f"{head}|our run, s|its run, s", rows), "decks")
+    write("docs/netlists.md", table(f"{head}|our run, s|its run, s", rows), "decks")

@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 import friction
 from benchmarks.friction_failures import draw_failures, draw_maps, failure_rows
 from benchmarks.harness import DOCS, RUNS, apart, table, timed, write
-from friction import ElastoPlastic, Karnopp, LuGre, Ramp, Status, Testbench, simulate, sweep
-from friction.pictures import COLOURS, draw_curves
+from friction import Karnopp, LuGre, Ramp, Status, Testbench, simulate
+from friction.pictures import COLOURS
 
 END, ENDS = 10.0, {"stribeck": 13.963289889871819666, "lugre": 13.985389460013207159}
 TOLS = [10.0**-k for k in range(3, 13)]
@@ -174,41 +174,13 @@ def draw_cost(all_found: dict[str, dict]) -> Figure:
     return figure
 
 
-def many_runs() -> str:
-    """Runs side by side against a loop over SciPy."""
-    from scipy.integrate import solve_ivp
-
-    rng, n = np.random.default_rng(1), 20_000
-    F_c = rng.uniform(0.5, 1.5, n)
-    columns = {
-        "F_c": F_c, "F_s": F_c * rng.uniform(1.0, 1.4, n), "v_s": rng.uniform(0.05, 0.2, n),
-        "sigma0": 10 ** rng.uniform(2, 3.5, n), "sigma1": rng.uniform(0, 5, n), "sigma2": rng.uniform(0, 0.2, n),
-        "mass": rng.uniform(0.5, 2, n), "force": rng.uniform(0.5, 2, n),
-    }  # fmt: skip
-    sweep(LuGre(), Testbench(), 0.1, **columns)
-    run = partial(sweep, LuGre(), Testbench(), **columns)
-    found, wall = timed(run, 3, time.perf_counter)
-    _, busy = timed(run, 3)
-    few = {name: column[:500] for name, column in columns.items()}
-    exact = sweep(LuGre(), Testbench(), tol=1e-11, **few)
-    error = np.max(np.abs(found[:500, 1] - exact[:, 1]) / (0.1 + np.abs(exact[:, 1])))
-    loop = n * timed(lambda: solve_ivp(lugre_rates, (0.0, END), [0.0] * 3, "LSODA", rtol=1e-6, atol=1e-9), 10)[1]
-    return f"""{n:,} LuGre runs of 10 s with random parameters, tolerance 1e-6: {wall:.2f} s on 2 cores, {busy:.2f} s of
-processor time, {n / busy:,.0f} runs per second of it; largest relative error of v among the first 500: {error:.1e}.
-A loop over `solve_ivp` (LSODA) at the same tolerance would take {loop:.0f} s of it:
-{loop / busy:,.0f} times as long."""
-
-
 def main() -> None:
-    page, costs = "benchmarks-friction.md", {case: measured(case) for case in ENDS}
+    page, costs = "benchmarks/pages/friction.md", {case: measured(case) for case in ENDS}
     pictures = {"cost": draw_cost(costs), "limits": draw_maps(), "failures": draw_failures(ENDS["stribeck"])}
-    models = {"LuGre": LuGre(sigma1=5.0), "elasto-plastic": ElastoPlastic(sigma1=5.0), "Karnopp": Karnopp()}
-    pictures["curves"] = draw_curves(models)
     for name, picture in pictures.items():
         picture.savefig(DOCS / "pictures" / f"friction_{name}.png")
     for case, found in costs.items():
         write(page, cost_table(found), case)
-    write(page, many_runs(), "many")
     rows = []
     for what, predicted, got in failure_rows():
         off = f"{100 * abs(got / predicted - 1.0):.2f} %" if predicted else "exact 0" if got == 0.0 else f"{got:.1g}"

@@ -89,9 +89,9 @@ def table(head: str, rows: Iterable[Iterable[object]]) -> str:
 
 
 def write(page: str, text: str, mark: str = "") -> None:
-    """Print a text and make it a page of docs/, or what stands in one between its mark and the end of that."""
+    """Print a text and make it a page, or what stands in one between its mark and the end of that."""
     print(text, flush=True)
-    path = DOCS / page
+    path = ROOT / page
     if mark:
         pattern = rf"(<!-- {mark} -->\n).*?\n?(<!-- end -->)"
         text, found = re.subn(

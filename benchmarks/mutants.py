@@ -1,7 +1,7 @@
 """Whether the witness finds faults put into the kernel by hand: python -m benchmarks.mutants [NUMBER...].
 
 Each mutant is a copy of the package in which one line of the kernel is wrong, and runs some scenes in a process of its
-own. Prints a table and writes it to docs/benchmarks-mutants.md. Takes some ten minutes, nearly all of it compiling.
+own. Prints a table and writes it to benchmarks/pages/mutants.md. Takes some ten minutes, nearly all of it compiling.
 """
 
 import json
@@ -186,7 +186,7 @@ def main(chosen: list[int]) -> None:
         rows.append([mutant.what, *given.values()])
         print(*rows[-1], sep=" | ", flush=True)
     if not chosen:
-        harness.write("benchmarks-mutants.md", harness.table("<mutant|<" + "|<".join(SCENES), rows), "measured")
+        harness.write("benchmarks/pages/mutants.md", harness.table("<mutant|<" + "|<".join(SCENES), rows), "measured")
 
 
 if __name__ == "__main__":

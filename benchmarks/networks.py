@@ -1,6 +1,6 @@
 """Large networks: streets of up to a million pipes, and what comes with wntr, held still and disturbed.
 
-``python -m benchmarks.networks [PIPES | NAME…]`` writes the tables of docs/benchmarks-networks.md: streets of at most
+``python -m benchmarks.networks [PIPES | NAME…]`` writes the tables of benchmarks/pages/networks.md: streets of at most
 so many pipes, or networks of these names; all if nothing is named, in some twenty-five minutes and ten gigabytes. Each
 network is built and run in a process of its own, after a small one for which everything is compiled.
 """
@@ -58,7 +58,7 @@ def streets(most: int) -> None:
             rows.append((f"{pipes:,}", "Darcy" if friction else "none", *figures))
             print(*rows[-1], sep=" | ", file=sys.stderr)
     head = "pipes|<friction|read, s|simulate, s|steps, s|memory, GB|a pipe over a pipe of the smallest"
-    write("benchmarks-networks.md", table(head, rows), "streets")
+    write("benchmarks/pages/networks.md", table(head, rows), "streets")
 
 
 def repeated(scene: Scene) -> tuple[Result, float]:
@@ -136,8 +136,8 @@ def of_wntr(names: list[str]) -> None:
         events.append((name, *(f.get(key, "no pump") for key in ("closure", "trip", "leak"))))
         print(*still[-1], *events[-1], sep=" | ", file=sys.stderr)
     head = "<network|pipes|read, s|build, s|off, mm|hold, s|steps, s|moved"
-    write("benchmarks-networks.md", table(head, still), "still")
-    write("benchmarks-networks.md", table("<network|demand shut|pump stops|hole opens", events), "disturbed")
+    write("benchmarks/pages/networks.md", table(head, still), "still")
+    write("benchmarks/pages/networks.md", table("<network|demand shut|pump stops|hole opens", events), "disturbed")
 
 
 if __name__ == "__main__":

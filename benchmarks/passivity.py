@@ -184,5 +184,5 @@ if __name__ == "__main__":
     verdicts, curves = timing()
     answers, shares = right_answers()
     draw(curves, shares).savefig(DOCS / "pictures" / "passivity_benchmark.png")
-    write("benchmarks-passivity.md", verdicts, "verdicts")
-    write("benchmarks-passivity.md", answers, "answers")
+    write("benchmarks/pages/passivity.md", verdicts, "verdicts")
+    write("benchmarks/pages/passivity.md", answers, "answers")

@@ -1,6 +1,6 @@
 """Sweeps on several processes and on Dask, and side by side: ``python -m benchmarks.sweeps``.
 
-Writes the tables of docs/benchmarks-sweeps.md. Processor seconds stand beside wall seconds, for other work on the
+Writes the tables of benchmarks/pages/sweeps.md. Processor seconds stand beside wall seconds, for other work on the
 machine changes these and hardly those.
 """
 
@@ -22,7 +22,7 @@ from tline.study.programs import ngspice
 from tline.study.reference import Solution
 from tline.sweeps import Sweep, sweep
 
-PAGE = "benchmarks-sweeps.md"
+PAGE = "benchmarks/pages/sweeps.md"
 CLOSURES, ON_DASK, SIDE = 200, 40, 6
 COPIES, ALONE, JUDGED, INSTANTS, STEPS = 10_000, 20, 10, 40, 20  # steps of ngspice in a delay: what is exported asks
 TOLERANCES = (1e-4, 1e-6, 1e-8)

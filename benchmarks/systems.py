@@ -155,4 +155,4 @@ def proofs_hold() -> str:
 
 
 if __name__ == "__main__":
-    write("benchmarks-passivity.md", f"{timing()}\n\n{proofs_hold()}", "systems")
+    write("benchmarks/pages/passivity.md", f"{timing()}\n\n{proofs_hold()}", "systems")

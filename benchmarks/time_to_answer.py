@@ -1,4 +1,4 @@
-"""What a user waits for: ``python -m benchmarks.time_to_answer [SCENE…]`` writes docs/benchmarks-time-to-answer.md.
+"""What a user waits for: ``python -m benchmarks.time_to_answer [SCENE…]`` writes docs/time-to-answer.md.
 
 Everything is measured in one run, whole processes in turn; with names of scenes only these are compiled.
 """
@@ -106,7 +106,7 @@ def pipe() -> str:
 
 def main(names: list[str]) -> None:
     """Write the page."""
-    page = "benchmarks-time-to-answer.md"
+    page = "docs/time-to-answer.md"
     scenes = [f"scenes/{path.name}" for path in sorted((ROOT / "scenes").glob("*.toml"))]
     cpu = {scene: compilation(scene) for scene in scenes if not names or Path(scene).stem in names}
     most = max(cpu, key=cpu.__getitem__)

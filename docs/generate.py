@@ -150,7 +150,7 @@ def _unit(node: dict[str, Any]) -> str:
     return "number or text"
 
 
-GENERATED = "pictures", "drives", "exercise", "losses", "measured"
+GENERATED = "pictures", "drives", "losses", "measured"
 
 if __name__ == "__main__":
     (DOCS / "scene-reference.md").write_text(reference(), encoding="utf-8")

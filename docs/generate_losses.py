@@ -137,8 +137,8 @@ def closing() -> Figure:
 
 
 if __name__ == "__main__":
-    write("losses.md", terms(), "terms")
-    write("losses.md", responses(), "responses")
+    write("docs/losses.md", terms(), "terms")
+    write("docs/losses.md", responses(), "responses")
     pictures = {"ripples": ripples(), "step": closing(), "pipe": plot(simulate(read_scene(SCENE)))}
     for name, picture in pictures.items():
         save_figure(picture, DOCS / "pictures" / f"losses_{name}.png")

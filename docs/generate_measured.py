@@ -131,5 +131,5 @@ def overlay() -> Figure:
 
 
 if __name__ == "__main__":
-    write("measured.md", measured_and_computed(), "measured")
+    write("docs/measured.md", measured_and_computed(), "measured")
     save_figure(overlay(), DOCS / "pictures" / "measured.png")

@@ -6,32 +6,11 @@ import warnings
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks.harness import DOCS, ROOT
-from passivity import RationalFunction, check_positive_real
-from passivity.exact.picture import draw_verdict
-from tline.design import vessel
-from tline.frequency.oscillations import resonances
-from tline.frequency.response import respond
-from tline.pictures.bode import plot_bode, plot_misfit
-from tline.pictures.lattice import plot_lattice
-from tline.pictures.map import plot_map
-from tline.pictures.network import plot_network
-from tline.pictures.path import route
-from tline.pictures.profile import plot_profile, plot_space_time
-from tline.pictures.signals import plot_crosstalk, plot_eye, plot_load_lines, plot_reflections
-from tline.pictures.style import INK, save_figure, styled
-from tline.pictures.sweep import plot_sweep
-from tline.pictures.traces import plot
-from tline.pictures.waves import plot_line_waves
-from tline.scene.file import read_scene
-from tline.scene.medium import ELECTRICAL
-from tline.scene.scene import Scene
+import tline as tl
+from benchmarks.harness import DOCS
+from tline.pictures.style import INK, styled
 from tline.signal.crosstalk import crosstalk
-from tline.signal.eye_diagram import eye
-from tline.signal.load_line import bergeron
-from tline.signal.tdr import reflectometry
-from tline.solver.simulate import UnresolvedWarning, simulate
-from tline.sweeps import sweep
+from tline.solver.simulate import UnresolvedWarning
 
 TRACES = {"crosstalk": "coupled_pair", "overhead_line": "overhead_line"} | {
     name: name for name in ("hydraulic_hose", "brake_line", "injection_pipe")
@@ -39,21 +18,17 @@ TRACES = {"crosstalk": "coupled_pair", "overhead_line": "overhead_line"} | {
 MEASURED = (1015e3 - 101_325) / 1e5  # bar, the highest pressure behind the column's separation
 
 
-def scene_of(name: str) -> Scene:
-    """A scene that comes with tline."""
-    return read_scene(ROOT / "scenes" / f"{name}.toml")
-
-
 def bode() -> Figure:
     """The transfer function of a cable."""
-    cable, f = scene_of("cable_rlc"), np.geomspace(1e6, 1e9, 1001)
-    seen = {name: probe.u for name, probe in respond(cable, 2j * np.pi * f).items()}
-    return plot_bode(f, seen, "voltage / source", "V/V", resonances(cable, f[-1]), cable.title)
+    cable, f = tl.examples["cable_rlc"], np.geomspace(1e6, 1e9, 1001)
+    seen = {name: probe.u for name, probe in tl.frequency.respond(cable, 2j * np.pi * f).items()}
+    marks = tl.frequency.resonances(cable, f[-1])
+    return tl.pictures.plot_bode(f, seen, "voltage / source", "V/V", marks, cable.title)
 
 
 def separation() -> Figure:
     """Column separation in a pipe, with the highest pressure measured."""
-    picture = plot(simulate(scene_of("column_separation")))
+    picture = tl.simulate(tl.examples["column_separation"]).plot()
     axes = picture.axes[0]
     axes.axhline(MEASURED, color=INK, linestyle=":", linewidth=1.4)
     axes.annotate("highest measured", (0.99, MEASURED), (0, 3), ("axes fraction", "data"), "offset points", ha="right")
@@ -62,45 +37,43 @@ def separation() -> Figure:
 
 def waves() -> dict[str, Figure]:
     """Of a pipe, and of a town."""
-    pipe, town = (scene_of(name) for name in ("water_pipe", "town"))
-    result, whole = simulate(pipe), simulate(town, record=town.lines, envelope=True)
-    closure, pumped = scene_of("valve_closure"), scene_of("air_vessel").with_changes(t_end=40)
-    sized = vessel(pumped, "vessel", path=("pump", "tank"), lowest="2 bar", highest="7 bar")
+    town, closure = tl.examples["town"], tl.examples["valve_closure"]
+    result, whole = tl.simulate(tl.examples["water_pipe"]), tl.simulate(town, record=town.lines, envelope=True)
+    pumped = tl.examples["air_vessel"].with_changes(t_end=40)
     return {
-        "pressure": plot(result),
-        "space_time": plot_space_time(result, route(pipe)),
-        "lattice": plot_lattice(result),
-        "waves": plot_line_waves(result, "pipe"),
-        "network": plot_network(town),
-        "profile": plot_profile(whole, route(town, "lake", "tower")),
-        "map": plot_map(whole),
-        "sweep": plot_sweep(sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"})),
-        "vessel": sized.plot(),
+        "pressure": result.plot(),
+        "space_time": result.plot_space_time(),
+        "lattice": result.plot_lattice(),
+        "waves": result.plot_waves(line="pipe"),
+        "network": town.plot(),
+        "profile": whole.plot_profile("lake", "tower"),
+        "map": whole.plot_map(),
+        "sweep": tl.sweep(closure, {"loads.valve.opening.duration": "0.5 s:3 s:26"}).plot(),
+        "vessel": tl.design.vessel(pumped, "vessel", path=("pump", "tank"), lowest="2 bar", highest="7 bar").plot(),
         "column_separation": separation(),
     }
 
 
+@styled
 def signals() -> dict[str, Figure]:
     """Of cables: crosstalk, reflections, eyes, load lines, a measured load; and a verdict."""
-    cascade, ringing, coax, net, pair = map(scene_of, ("tdr", "load_lines", "coax_fault", "ddr_ibis", "skin_pair"))
-    refuted = check_positive_real(RationalFunction.from_expression("(s + 2)/(s^2 + s + 1)"))
-    return {
-        "bode": bode(),
-        "tdr": plot_reflections(reflectometry(cascade, "near", "100 ps"), ELECTRICAL, cascade.title),
-        "eye": plot_eye(eye(cascade, "far", "0.8 ns", "0.2 ns"), ELECTRICAL, cascade.title),
-        "load_lines": plot_load_lines(bergeron(ringing), ELECTRICAL, ringing.title),
-        "fit": plot_misfit(scene_of("antenna").loads["antenna"].model, "antenna.s1p"),
-        "skin_pair": plot_crosstalk(crosstalk(pair), pair.title),
-        "coax_fault": plot_reflections(reflectometry(coax, "near", "5 ns"), ELECTRICAL, coax.title),
-        "ddr_eye": plot_eye(eye(net, "die", "1 ns"), ELECTRICAL, net.title),
-        "passivity": styled(draw_verdict)(refuted, refuted.margins),
-    }
+    found = {
+        "tdr": tl.signal.reflectometry(tl.examples["tdr"], "near", "100 ps"),
+        "eye": tl.signal.eye(tl.examples["tdr"], "far", "0.8 ns", "0.2 ns"),
+        "load_lines": tl.signal.bergeron(tl.examples["load_lines"]),
+        "skin_pair": crosstalk(tl.examples["skin_pair"]),
+        "coax_fault": tl.signal.reflectometry(tl.examples["coax_fault"], "near", "5 ns"),
+        "ddr_eye": tl.signal.eye(tl.examples["ddr_ibis"], "die", "1 ns"),
+        "passivity": tl.passivity.check_positive_real("(s + 2)/(s^2 + s + 1)"),
+    } | {f"exercise_{letter}": tl.exercise(letter) for letter in ("1d", "1e", "2a", "3c")}
+    misfit = tl.pictures.plot_misfit(tl.examples["antenna"].loads["antenna"].model, "antenna.s1p")
+    return {name: each.plot() for name, each in found.items()} | {"bode": bode(), "fit": misfit}
 
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore", UnresolvedWarning)
     pages = "".join(path.read_text(encoding="utf-8") for path in sorted(DOCS.glob("*.md")))
     circuits = {f"circuit_{name}": name for name in re.findall(r"\(pictures/circuit_(\w+)\.png\)", pages)}
-    traces = {picture: plot(simulate(scene_of(name))) for picture, name in (TRACES | circuits).items()}
+    traces = {picture: tl.simulate(tl.examples[name]).plot() for picture, name in (TRACES | circuits).items()}
     for name, picture in (waves() | signals() | traces).items():
-        save_figure(picture, str(DOCS / "pictures" / f"{name}.png"))
+        tl.pictures.save_figure(picture, DOCS / "pictures" / f"{name}.png")

@@ -1,4 +1,3 @@
-from drives.animation import animate as animate
 from drives.control import PI as PI
 from drives.control import Bandwidth as Bandwidth
 from drives.control import Design as Design

@@ -17,17 +17,18 @@ from friction.predict import (
     tanh_creep,
 )
 from friction.prescribe import Prescribed, prescribe
-from friction.result import Event, Kind, Ledger, Result, Status
+from friction.result import Cycle, Event, Kind, Ledger, Result, Status
 from friction.simulate import simulate
-from friction.sweep import sweep
-from friction.testbench import Force, Ramp, Sine, Spring, Steps, Table, Testbench
+from friction.testbench import PID, Force, Ramp, Sine, Spring, Steps, Table, Testbench
 from tline.errors import InputError
 
 __all__ = [
     "METHODS",
     "MODELS",
+    "PID",
     "Chatter",
     "Coulomb",
+    "Cycle",
     "Dahl",
     "DeadZone",
     "ElastoPlastic",
@@ -62,6 +63,5 @@ __all__ = [
     "passive_damping",
     "prescribe",
     "simulate",
-    "sweep",
     "tanh_creep",
 ]

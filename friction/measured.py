@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.motion import Motion
+from friction.motion import Motion, splined
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -84,17 +84,5 @@ def _smooth(t: NDArray, values: NDArray, is_position: bool) -> Motion:
 
     C. H. Reinsch, Numerische Mathematik 10 (1967) 177; P. Dierckx, Curve and Surface Fitting with Splines (1993).
     """
-    from scipy.interpolate import PPoly, make_interp_spline, splrep
-
-    noise = np.median(np.abs(np.diff(values, 4))) / NORMAL / FOURTH
-    if noise < EXACT * np.ptp(values):
-        spline = make_interp_spline(t, values, 3 + is_position)
-    else:
-        spline = splrep(t, values, k=3 + is_position, s=t.size * noise**2)
-    pieces = PPoly.from_spline(spline)
-    if is_position:
-        x0, pieces = float(pieces(0.0)), pieces.derivative()
-    else:
-        x0 = 0.0
-    inside = np.flatnonzero(np.diff(pieces.x) > 0.0)
-    return Motion(pieces.x[inside], np.ascontiguousarray(pieces.c[::-1, inside].T), x0=x0)
+    noise = float(np.median(np.abs(np.diff(values, 4)))) / NORMAL / FOURTH
+    return splined(t, values, is_position, 0.0 if noise < EXACT * np.ptp(values) else noise)

@@ -1,11 +1,12 @@
 """Prescribed motions: velocity and place over time, and the intervals in which the velocity keeps its sign."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import asin, cos, pi, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from friction.testbench import Force
 from tline.errors import InputError
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
     from friction.kernel import Course
 
 MOST_REVERSALS = 1_000_000
+FEWEST_PIECES, MOST_PIECES = 64, 16_384  # of the spline of a formula
+FORMULA = 1e-9  # error of that, relative to the largest value
+BETWEEN = 0.382  # share of a piece at which it is looked at
 
 
 @dataclass(frozen=True)
@@ -130,5 +134,51 @@ def moved_along(position: Force) -> Motion:
 
 def _checked(motion: Motion, slope: NDArray, where: str) -> Motion:
     if motion.sine[0] and (motion.start.size > 1 or (slope[0] and where == "velocity")):
-        raise InputError(where, "a sine on pieces", "a sine and a constant")
+        raise InputError(where, "a sine on a slope", "a sine and a constant, or a formula")
     return motion
+
+
+def moved_by(formula: Callable[[NDArray], ArrayLike], t_end: float, where: str) -> tuple[Motion, Motion, float]:
+    """A velocity [m/s] or position [m] by a function of times: as a spline fine enough, as one of half the pieces, and
+    how far these are apart, relative to the largest velocity.
+
+    Raises
+    ------
+    InputError
+        It is not finite, or has a corner or a jump.
+    """
+    is_position, rough, count = where == "position", None, FEWEST_PIECES
+    while count <= MOST_PIECES:
+        edges = np.linspace(0.0, t_end, count + 1)
+        between = edges[:-1] + BETWEEN * t_end / count
+        values, others = (_values(formula, t, where) for t in (edges, between))
+        fine = splined(edges, values, is_position)
+        v = fine.velocity(between)
+        if rough is not None:
+            missed = (fine.place(between) if is_position else v) - others
+            apart = float(np.max(np.abs(v - rough.velocity(between)))) / max(float(np.max(np.abs(v))), 1e-300)
+            if max(apart, float(np.max(np.abs(missed))) / max(float(np.max(np.abs(others))), 1e-300)) <= FORMULA:
+                return fine, rough, apart
+        rough, count = fine, 2 * count
+    raise InputError(where, "a formula with a corner, a jump or too many swings", "a smooth one, or a table or steps")
+
+
+def _values(formula: Callable[[NDArray], ArrayLike], t: NDArray, where: str) -> NDArray:
+    with np.errstate(all="ignore"):  # what is no number is refused below
+        values = np.broadcast_to(np.asarray(formula(t), float), t.shape)
+    if not np.isfinite(values).all():
+        raise InputError(where, f"no number at {t[~np.isfinite(values)][0]:g} s", "a finite number at any instant")
+    return values
+
+
+def splined(t: NDArray, values: NDArray, is_position: bool, noise: float = 0.0) -> Motion:
+    """A velocity, or a place, by a spline of them that leaves noise of that deviation: cubic pieces of the velocity."""
+    from scipy.interpolate import PPoly, make_interp_spline, splrep
+
+    degree = 3 + is_position
+    made: Any = splrep(t, values, k=degree, s=t.size * noise**2) if noise else make_interp_spline(t, values, degree)
+    pieces, x0 = PPoly.from_spline(made), 0.0
+    if is_position:
+        x0, pieces = float(pieces(0.0)), pieces.derivative()
+    inside = np.flatnonzero(np.diff(pieces.x) > 0.0)
+    return Motion(pieces.x[inside], np.ascontiguousarray(pieces.c[::-1, inside].T), x0=x0)

@@ -8,11 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from friction.identify import Identification
-from friction.models import Model
 from friction.prescribe import Prescribed
 from friction.result import Kind, Result
-from friction.simulate import simulate
-from friction.testbench import Sine, Testbench
 from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, styled
 
 NAMES = {
@@ -85,45 +82,12 @@ def _trace(axes: Axes, runs: Mapping[str, Result], panel: Panel) -> None:
     axes.grid(True)
 
 
-def draw_run(run: Result, ax: Axes | None = None) -> Figure | Axes:
-    """Velocity, friction and place over time, or the velocity on given axes."""
-    label, window = f"{run.model.name}, {run.method.name}", (0.0, float(run.t[-1]))
-    return draw_panels({label: run}, [Panel(name, (label,), window) for name in ("v", "F_f", "x")], ax)
-
-
-@styled
-def draw_curves(models: Mapping[str, Model], v_max: float = 0.5) -> Figure:
-    """Steady friction over velocity, and hysteresis: friction over place under a slow sine of 0.8 and 1.5·F_c.
-
-    Parameters
-    ----------
-    models : mapping of str to Model
-        Models by their labels.
-    v_max : float, optional
-        Largest velocity [m/s], positive.
-
-    Examples
-    --------
-    >>> from friction import LuGre
-    >>> from friction.pictures import draw_curves
-    >>> len(draw_curves({"LuGre": LuGre()}).axes)
-    3
-    """
-    drawn, cells = cells_of(None, 11.0, 3.4, columns=3)
-    v = np.linspace(-v_max, v_max, 2001)
-    for k, (label, model) in enumerate(models.items()):
-        colour = COLOURS[k % len(COLOURS)]
-        cells[0].plot(v, model.steady_force(v), color=colour, label=label)
-        for cell, load in zip(cells[1:], (0.8, 1.5), strict=True):
-            run = simulate(model, Testbench(Sine(load * model.sliding, 0.25)), 8.0, times=np.linspace(0.0, 8.0, 4001))
-            cell.plot(1e3 * run.x, run.F_f, color=colour)
-            cell.set(xlabel="place x [mm]", ylabel=NAMES["F_f"], title=f"force {load}·F_c·sin(2π·t/4 s)")
-    cells[0].set(xlabel=NAMES["v"], ylabel=NAMES["F_f"], title="steady sliding")
-    cells[0].legend()
-    for cell in cells:
-        cell.grid(True)
-    assert isinstance(drawn, Figure)
-    return drawn
+def draw_run(runs: Result | Mapping[str, Result], ax: Axes | None = None) -> Figure | Axes:
+    """Velocity, friction and place over time, of a run or of some by their labels, or the velocity on given axes."""
+    if isinstance(runs, Result):
+        runs = {f"{runs.model.name}, {runs.method.name}": runs}
+    window = 0.0, max(float(run.t[-1]) for run in runs.values())
+    return draw_panels(runs, [Panel(name, tuple(runs), window) for name in ("v", "F_f", "x")], ax)
 
 
 @styled

@@ -1,6 +1,6 @@
 """The friction force that a prescribed motion meets, for every law."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from friction.maxwell import MaxwellSlip
 from friction.methods import STATIC
-from friction.models import Karnopp, Model
-from friction.motion import Motion, moved_along, moved_with
+from friction.models import MODELS, Karnopp, Model
+from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
 from friction.simulate import checked_times
 from friction.testbench import Force
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
+PRESCRIBED: dict[str, type[Model] | type[MaxwellSlip]] = {**MODELS, MaxwellSlip.name: MaxwellSlip}
 COLUMNS = ("t", "x", "v", "z", "F_f", "F_low", "F_high")
 
 
@@ -45,8 +46,8 @@ class Prescribed(Presentation):
     F_low, F_high : ndarray
         Least and largest force [N] that this motion is compatible with; equal where the law gives one.
     errors : dict
-        Largest errors of z and F_f between 0 and t_end, relative to the largest magnitude of each; empty for closed
-        forms, exact to rounding.
+        Largest errors of z and F_f between 0 and t_end, and of v where a formula gives the motion, relative to the
+        largest magnitude of each; empty for closed forms, exact to rounding.
     steps : int
         Steps of the integration.
     """
@@ -77,7 +78,8 @@ class Prescribed(Presentation):
         if self.held.any():
             at = f"{self.held.sum()} of {self.t.size} samples"
             told += f"; at rest ({at}) any force up to {self.F_high[self.held].max():g} N"
-        yield told + (f"; error {self.errors['F_f']:.0e} of the largest" if self.errors else "; exact to rounding")
+        errors = [f"{name} {error:.0e}" for name, error in self.errors.items()]
+        yield told + (f"; errors, of the largest: {', '.join(errors)}" if errors else "; exact to rounding")
 
     def to_dict(self) -> dict[str, Any]:
         """Model, errors, steps and all samples."""
@@ -88,8 +90,8 @@ class Prescribed(Presentation):
 def prescribe(
     model: Model | MaxwellSlip,
     *,
-    velocity: Force | None = None,
-    position: Force | None = None,
+    velocity: Force | Callable[[NDArray], ArrayLike] | None = None,
+    position: Force | Callable[[NDArray], ArrayLike] | None = None,
     t_end: float = 1.0,
     times: ArrayLike | None = None,
     z0: float = 0.0,
@@ -98,14 +100,15 @@ def prescribe(
 
     Static laws and tanh have closed forms. Bristles are integrated from reversal to reversal, which are roots of the
     velocity, by Radau collocation of order 9 with errors of 1e-13 a step; a run 100 times rougher tells how good it is.
+    Formulas are replaced by splines, to 1e-9 of the largest velocity.
 
     Parameters
     ----------
     model : Model or MaxwellSlip
         `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic`, `Tanh` or `MaxwellSlip`.
-    velocity : Ramp, Sine, Steps or Table
-        Velocity [m/s] over time, from x = 0 on.
-    position : Ramp, Sine or Table
+    velocity : Ramp, Sine, Steps, Table or callable
+        Velocity [m/s] over time, from x = 0 on; or a smooth function of an array of times [s] that gives it.
+    position : Ramp, Sine, Table or callable
         Or place [m] over time.
     t_end : float, optional
         End [s], positive.
@@ -121,8 +124,8 @@ def prescribe(
     Raises
     ------
     InputError
-        Not one of velocity and position, a position that jumps, z0 for a law without bristles, or a number out of
-        range.
+        Not one of velocity and position, a position that jumps, a formula that is not smooth, z0 for a law without
+        bristles, or a number out of range.
 
     Examples
     --------
@@ -136,32 +139,36 @@ def prescribe(
     check_number("t_end", t_end, above=0.0)
     check_number("z0", z0)
     at = np.linspace(0.0, t_end, 1001) if times is None else checked_times(times, t_end)
-    motion = moved_with(velocity) if velocity is not None else moved_along(position)  # type: ignore[arg-type]
+    where, given = ("velocity", velocity) if velocity is not None else ("position", position)
+    errors: dict[str, float] = {}
+    if callable(given):
+        motion, rougher, errors["v"] = moved_by(given, t_end, where)
+    else:
+        motion = rougher = (moved_with if where == "velocity" else moved_along)(given)  # type: ignore[arg-type]
     if isinstance(model, (*STATIC, MaxwellSlip)) and z0:
         raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
     if isinstance(model, MaxwellSlip):
         force, zeros = model.moved(motion, at, t_end), np.zeros(at.size)
-        return Prescribed(model, at, motion.place(at), motion.velocity(at), zeros, force, force, force, {}, 0)
+        return Prescribed(model, at, motion.place(at), motion.velocity(at), zeros, force, force, force, errors, 0)
     if isinstance(model, STATIC):
-        return _static(model, motion, at)
+        return _static(model, motion, at, errors)
     x, v, course = motion.place(at), motion.velocity(at), motion.course(t_end)
     (z, force), steps = deflection(model, course, at, v, z0, FINE)
-    errors = {}
     if model.law.sigma0:
-        rough, _ = deflection(model, course, at, v, z0, SPREAD * FINE)
+        rough, _ = deflection(model, rougher.course(t_end), at, rougher.velocity(at), z0, SPREAD * FINE)
         for name, fine, other in (("z", z, rough[0]), ("F_f", force, rough[1])):
             size = max(float(np.max(np.abs(fine))), np.finfo(float).tiny)
             errors[name] = float(np.max(np.abs(fine - other))) / size + ROUNDING * steps**0.5
     return Prescribed(model, at, x, v, z, force, force, force, errors, steps)
 
 
-def _static(model: Model, motion: Motion, at: NDArray) -> Prescribed:
+def _static(model: Model, motion: Motion, at: NDArray, errors: dict[str, float]) -> Prescribed:
     """Closed forms; at rest, or within a dead zone, any force up to F_s."""
     x, v, zeros = motion.place(at), motion.velocity(at), np.zeros(at.size)
     held = np.abs(v) <= (model.delta if isinstance(model, Karnopp) else 0.0)
     force, most = np.asarray(model.steady_force(v)), model.stiction
     low, high = np.where(held, -most, force), np.where(held, most, force)
-    return Prescribed(model, at, x, v, zeros, np.where(held, np.nan, force), low, high, {}, 0)
+    return Prescribed(model, at, x, v, zeros, np.where(held, np.nan, force), low, high, errors, 0)
 
 
 def deflection(

@@ -14,6 +14,7 @@ from friction.testbench import Testbench
 from tline.presentation import Presentation, plain
 
 SHOWN, LISTED = 12, 1000  # events in the text, and as plain data
+CYCLE = 0.01  # by which cycles may differ that are called the same
 COLUMNS: tuple[str, ...] = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
 
 
@@ -46,7 +47,7 @@ class Status(StrEnum):
     """How a run ended."""
 
     DONE = "done"
-    BUDGET = "stopped: the budget of steps is spent"
+    BUDGET = "stopped: the budget of steps is spent, a larger budget goes on"
     BLOWN_UP = "stopped: the velocity grows without bound"
     STALLED = "stopped: the step has shrunk to nothing"
     INACCURATE = "done, but the tolerance is not met"
@@ -74,6 +75,27 @@ class Ledger(NamedTuple):
     bristle_gain: float
     heat: float
     residual: float
+
+
+class Cycle(NamedTuple):
+    """What sticking and slipping has settled into: the stick–slip of a rig, or a controller that hunts.
+
+    Attributes
+    ----------
+    period : float
+        Time from a break-away to that of the next cycle [s].
+    span : float
+        Way between the places of its events that are furthest apart [m].
+    slips : int
+        How many a cycle has: 1, or 2 to and fro.
+    change : float
+        How far the cycle before differs, relative to period and span.
+    """
+
+    period: float
+    span: float
+    slips: int
+    change: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -160,6 +182,20 @@ class Result(Presentation):
         residual = (applied - friction - kinetic) / size
         return Ledger(applied, friction, float(kinetic), float(bristle), float(friction - bristle), float(residual))
 
+    @property
+    def cycle(self) -> Cycle | None:
+        """The last cycle of sticking and slipping, if the one before was the same to 1 %."""
+        breaks = [k for k, event in enumerate(self.events) if event.kind is Kind.BREAK_AWAY]
+        for slips in (1, 2):
+            if len(breaks) > 2 * slips:
+                first, middle, last = (breaks[-1 - n * slips] for n in (2, 1, 0))
+                t, x = np.array([self.events[k][1:] for k in (first, middle, last)]).T
+                span = float(np.ptp([event.x for event in self.events[middle : last + 1]]))
+                change = np.abs(np.diff([np.diff(t), np.diff(x)])).ravel() / (t[2] - t[1], span or 1.0)
+                if change.max() <= CYCLE:
+                    return Cycle(float(t[2] - t[1]), span, slips, float(change.max()))
+        return None
+
     def text_lines(self) -> Iterator[str]:
         """Events, the end, energy, and how good the numbers are."""
         ledger = self.ledger
@@ -169,6 +205,10 @@ class Result(Presentation):
             yield f"  {event.kind} at {event.t:.10g} s, x = {event.x:.6g} m"
         if self.event_count > SHOWN:
             yield f"  and {self.event_count - SHOWN:,} more events"
+        if cycle := self.cycle:
+            ways = "to and fro" if cycle.slips == 2 else "one way"
+            same = f"like the one before to {cycle.change:.0e}"
+            yield f"sticks and slips {ways}: period {cycle.period:.8g} s, span {cycle.span:.8g} m, {same}"
         yield (
             f"t = {self.t[-1]:.6g} s: x = {self.x[-1]:.10g} m, v = {self.v[-1]:.10g} m/s, F_f = {self.F_f[-1]:.10g} N"
         )
@@ -199,6 +239,7 @@ class Result(Presentation):
             "end": {name: float(getattr(self, name)[-1]) for name in COLUMNS},
             "events": self.events[:LISTED],
             "event_count": self.event_count,
+            "cycle": self.cycle and self.cycle._asdict(),
             "energy": self.ledger,
             "tol": self.tol,
             "errors": self.errors or None,

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from friction.kernel import Drive, Law
 
 MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
+MOST_BUDGET = 1_000_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 1_000_000}
 FINE = 1e-12  # tolerance of single steps where none is given for the run
 
@@ -58,7 +59,8 @@ def simulate(
         Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Events do not depend on it. Fixed
         steps give every step, thinned evenly above 200 000.
     budget : int, optional
-        Most steps an adaptive method may make, up to 5 million.
+        Most steps an adaptive method may make, up to 10⁹; 5 million for `events`, 1 million for `rosenbrock`, 5000 for
+        SciPy's methods if not given.
 
     Returns
     -------
@@ -78,6 +80,8 @@ def simulate(
     """
     check_number("t_end", t_end, above=0.0)
     chosen = method_for(model, method)
+    if bench.controller and chosen.step != "events":
+        raise InputError("method", f"'{chosen.name}' knows no controller", "events, with coulomb or karnopp")
     if chosen.step == "fixed":
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
             if given is not None:
@@ -91,7 +95,9 @@ def simulate(
     default = BUDGETS.get(chosen.name, BUDGETS[chosen.step])
     if budget is not None:
         check_number("budget", budget, least=1)
-    steps = min(int(budget or default), MOST_STEPS)
+        if budget > MOST_BUDGET:
+            raise InputError("budget", "too large", f"at most {MOST_BUDGET:,}", f"{budget:,}")
+    steps = int(budget or default)
     if chosen.step == "events":
         return _heard(model, bench, t_end, at, lambda all_times: _events(model, bench, t_end, all_times, chosen, steps))
     if tol is not None:

@@ -47,17 +47,18 @@ class Ramp(Parameters, example=("Ramp(slope=2.0).offset", "0.0")):
 
 @dataclass(frozen=True)
 class Sine(Parameters, example=("Sine(1.0, 0.5, phase=2.0).sine", "(1.0, 3.141592653589793, 2.0)")):
-    """Offset + amplitude·sin(2π·frequency·t + phase)."""
+    """Offset + slope·t + amplitude·sin(2π·frequency·t + phase)."""
 
     amplitude: float
     frequency: float
     offset: float = 0.0
     phase: float = 0.0
+    slope: float = 0.0
     place = "force"
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
-        """The offset."""
-        return np.array([0.0]), np.array([float(self.offset)]), np.array([0.0])
+        """The straight line below the sine."""
+        return np.array([0.0]), np.array([float(self.offset)]), np.array([float(self.slope)])
 
     @property
     def sine(self) -> tuple[float, float, float]:
@@ -121,6 +122,18 @@ class Spring(Parameters, example=("Spring(20.0, 0.05).speed", "0.05")):
 
 
 @dataclass(frozen=True)
+class PID(Parameters, example=("PID(100.0, integral=50.0).derivative", "0.0")):
+    """A controller: proportional·e + integral·∫e dt + derivative·ė, with the error e = target + speed·t − x."""
+
+    proportional: float
+    integral: float = 0.0
+    derivative: float = 0.0
+    target: float = 0.0
+    speed: float = 0.0
+    place = "controller"
+
+
+@dataclass(frozen=True)
 class Testbench(Parameters):
     """A mass that starts at x = 0 with velocity v0, pushed by a force and pulled by a spring.
 
@@ -134,11 +147,13 @@ class Testbench(Parameters):
         Velocity at t = 0 [m/s].
     spring : Spring, optional
         Adds stiffness·(speed·t − x) to the applied force.
+    controller : PID, optional
+        Adds its force, in place of a spring; for `events`, the method of the static laws.
 
     Raises
     ------
     InputError
-        A number is out of range, or is not finite.
+        A number is out of range, or is not finite; a spring and a controller.
 
     Examples
     --------
@@ -153,15 +168,24 @@ class Testbench(Parameters):
     mass: float = 1.0
     v0: float = 0.0
     spring: Spring | None = None
+    controller: PID | None = None
     place = "bench"
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.spring and self.controller:
+            raise InputError("bench.controller", "beside a spring", "one of both")
 
     @property
     def drive(self) -> "Drive":
         """The applied force as the kernels take it."""
         from friction.kernel import Drive
 
-        spring = (float(self.spring.stiffness), float(self.spring.speed)) if self.spring else (0.0, 0.0)
-        return Drive(*self.force.pieces(), *self.force.sine, *spring)
+        pid = self.controller or PID(0.0)
+        if self.spring:
+            pid = PID(self.spring.stiffness, speed=self.spring.speed)
+        pull = pid.proportional, pid.speed, pid.target, pid.integral, pid.derivative
+        return Drive(*self.force.pieces(), *self.force.sine, *map(float, pull))
 
 
 def _check_table(times: Sequence[float], values: Sequence[float]) -> None:

@@ -83,7 +83,9 @@ def _applied(force: Force, t: NDArray) -> NDArray:
     if isinstance(force, Ramp):
         return force.offset + force.slope * t
     if isinstance(force, Sine):
-        return force.offset + force.amplitude * np.sin(2.0 * np.pi * force.frequency * t + force.phase)
+        return (
+            force.offset + force.slope * t + force.amplitude * np.sin(2.0 * np.pi * force.frequency * t + force.phase)
+        )
     if isinstance(force, Table):
         return np.interp(t, force.times, force.values)
     if isinstance(force, Steps):
@@ -110,7 +112,7 @@ def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[s
     """Applied force, friction and energy at each sample."""
     t, x, v, z, mode, f_a = (run[name] for name in ("t", "x", "v", "z", "mode", "F_a"))
     pull = bench.spring.stiffness * (bench.spring.speed * t - x) if bench.spring else 0.0 * t
-    found = _applied(bench.force, t) + pull
+    found = f_a if bench.controller else _applied(bench.force, t) + pull
     grain = DIGITS * (np.abs(found).max() + np.abs(x).max() * (bench.spring.stiffness if bench.spring else 0.0))
     if isinstance(bench.force, Steps | Table):  # at jumps both values are right
         corners = np.array(bench.force.times, float)
@@ -157,6 +159,13 @@ def _of_motion(
         ("W_a", at["F_a"] * at["v"], off["F_a"] * peak["v"] + off["v"] * peak["F_a"]),
         ("W_f", at["F_f"] * at["v"], off["F_f"] * peak["v"] + off["v"] * peak["F_f"]),
     ]
+    if pid := bench.controller:
+        name = "the controller's force without its derivative part"
+        at[name] = at["F_a"] - _applied(bench.force, at["t"]) - pid.derivative * (pid.speed - at["v"])
+        off[name] = off["F_a"] + pid.derivative * off["v"]
+        rate = pid.proportional * (pid.speed - at["v"])
+        rate += pid.integral * (pid.target + pid.speed * at["t"] - at["x"])
+        rates.append((name, rate, pid.proportional * off["v"] + pid.integral * off["x"]))
     stiffness = _of(model, "sigma0")
     if stiffness:
         slip = _slip(model, at["v"], at["z"])

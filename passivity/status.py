@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any, NoReturn
 
 from passivity.errors import ExpressionError
-from tline.presentation import Presentation, as_image
+from tline.presentation import Presentation
 
 
 class Kind(StrEnum):
@@ -66,23 +66,17 @@ class Decided(Presentation):
     def plot(self, ax: Any = None) -> Any:
         """The picture: impedance plane, Smith chart and reflection, or samples against their bound.
 
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where to draw the first of these alone; without it a new figure.
+
         Raises
         ------
         ExpressionError
-            If there is none; and for axes, because it has several of its own.
+            If there is none.
         """
-        if ax is not None:
-            raise ExpressionError("ax", "this picture has axes of its own", "none")
-        return self._figure()
-
-    def _figure(self) -> Any:
         raise ExpressionError("plot", "there is no picture of this", "a rational function of one port, or samples")
-
-    def _drawn(self) -> str:
-        try:
-            return as_image(self.plot())
-        except (ExpressionError, ImportError):
-            return ""
 
     def __bool__(self) -> NoReturn:
         raise TypeError("a verdict is neither true nor false, expected its .proved, .refuted or .status")

@@ -18,10 +18,10 @@ from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it
-LOSS_ELEMENTS = (
+CELLS = (
     4,
     1024,
-)  # times as narrow as the finest run's slabs, beside loss elements, and at most as the first ones
+)  # times as narrow as the finest run's slabs, beside cells, and at most as the first ones
 NEAR, FOLLOWED = 12, 1e-9  # slabs of each width behind a front, and what of the largest wave is followed there
 JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 
@@ -41,7 +41,7 @@ class Kept(NamedTuple):
 def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
     """Run a scene to a tolerance and compare all that was told with a run on far narrower slabs.
 
-    Loss elements converge slowly: there the reference goes by the finest run, and tells nothing where that is too
+    Cells converge slowly: there the reference goes by the finest run, and tells nothing where that is too
     fine.
     """
     with warnings.catch_warnings():
@@ -50,9 +50,9 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
         report = summary(result, result.accuracy)
         told, slabs = report["probes"], [a.slab for a in result.accuracy.attempts]
         first = max(slabs)
-        if any("loss_elements" in parts for parts in report["losses"].values()):
-            finer = max(finer, round(LOSS_ELEMENTS[0] * first / min(slabs)))
-            if finer > LOSS_ELEMENTS[1]:
+        if any("cells" in parts for parts in report["losses"].values()):
+            finer = max(finer, round(CELLS[0] * first / min(slabs)))
+            if finer > CELLS[1]:
                 return Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
         end = result.t[-1] / first
         runs = [_finer(scene, result.resolution, order, first / n, round(n * end)) for n in (finer // 2, finer)]

@@ -19,6 +19,8 @@ from tline.solver.result.result import Result as Result
 from tline.solver.simulate import simulate as simulate
 from tline.surge.operation import Operation as Operation
 from tline.surge.operation import operate as operate
+from tline.surge.study import SurgeStudy as SurgeStudy
+from tline.surge.study import surge_study as surge_study
 from tline.sweeps import InterruptedWarning as InterruptedWarning
 from tline.sweeps import Sweep as Sweep
 from tline.sweeps import sweep as sweep

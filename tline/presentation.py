@@ -12,6 +12,8 @@ from enum import Enum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from tline.errors import InputError
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -69,7 +71,7 @@ class Presentation:
     def _drawn(self) -> str:
         try:
             figure = self.plot()
-        except NotImplementedError:
+        except (NotImplementedError, InputError):  # nothing to draw
             return ""
         return as_image(figure)
 

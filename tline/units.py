@@ -169,6 +169,22 @@ def engineering(value: float, unit: str) -> str:
     return f"{digits} {prefix}{unit}".rstrip()
 
 
+def handy(largest: float, unit: str) -> tuple[float, str]:
+    """Size in SI and name of the unit for values up to `largest`: `unit`, with a prefix where it takes one.
+
+    Times of a second and more stay in seconds, heights in metres.
+
+    Examples
+    --------
+    >>> handy(0.0042, "A"), handy(7e5, "bar"), handy(3600.0, "s")
+    ((0.001, 'mA'), (100000.0, 'bar'), (1.0, 's'))
+    """
+    if unit == "m" or (unit == "s" and largest >= 1):
+        return 1.0, unit
+    name = engineering(largest, unit).partition(" ")[2]
+    return to_si(f"1 {name}", None), name
+
+
 def half_digit(text: str) -> float:
     """Half a unit in the last digit typed of a quantity above zero, relative to it.
 

@@ -1,16 +1,19 @@
 """Gathers the pages of the site in a folder, as Sphinx reads them: ``python docs/site/assemble.py FOLDER``.
 
 Beside the pages of `docs` these are the gallery, a page for each letter of the exercise, the reference of all public
-names and the help of all commands.
+names and the help of all commands. Pages with Python come as notebooks, too.
 """
 
 import importlib
+import re
 import shutil
 import sys
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+import nbformat
 from click.testing import CliRunner
 
 import tline as tl
@@ -24,11 +27,14 @@ PACKAGES = (
     "tline.pictures", "tline.study", "passivity", "friction", "drives",
 )  # fmt: skip
 FENCE = "```"
+CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+PICTURE = re.compile(r"^!\[.*?\]\(.*?\)\n+", re.MULTILINE)  # files that a notebook does not bring; its cells draw
+KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
 CHECKED = {True: " *(checked)*", False: " **(does not hold)**", None: ""}
 
 
 def letter_page(answer: Answer) -> str:
-    """The page of a letter, in Markdown."""
+    """The page of a letter, in Markdown; its code gives the same in a notebook."""
     parts = [f"# {answer.letter} {answer.title}", f"> {answer.question}"]
     if answer.steps:
         parts.append("\n".join(f"1. `{each.text}`: {each.reason}{CHECKED[each.holds]}" for each in answer.steps))
@@ -38,16 +44,19 @@ def letter_page(answer: Answer) -> str:
     parts += [f"**A remark on the text.** {remark}" for remark in answer.remarks]
     if answer.modelica:
         parts.append(f"{FENCE}modelica\n{answer.modelica.rstrip()}\n{FENCE}")
+    parts.append(f'{FENCE}python\nimport tline as tl\n\ntl.exercise("{answer.letter}")\n{FENCE}')
     return "\n\n".join(parts) + "\n"
 
 
 def public_names() -> dict[str, list[str]]:
-    """What each package offers, packages within it left out."""
-    found = {}
+    """What each package offers, once; packages within it left out."""
+    found, seen = {}, set[int]()
     for package in PACKAGES:
         module = importlib.import_module(package)
-        names = [name for name in module.__all__ if not isinstance(getattr(module, name), type(sys))]
+        offered = {name: getattr(module, name) for name in module.__all__}
+        names = [name for name, each in offered.items() if not isinstance(each, type(sys)) and id(each) not in seen]
         found[package] = sorted(names, key=str.lower)
+        seen |= {id(each) for each in offered.values()}
     return found
 
 
@@ -76,21 +85,51 @@ def _helps() -> Iterator[tuple[str, str]]:
             yield " ".join(["tline", *words]), shown.output
 
 
-def gallery(folder: Path) -> str:
-    """Every scene with its picture and its file."""
+def scene_page(name: str) -> str:
+    """The page of a scene: its picture, how to run it, its file."""
+    text = tl.examples.path(name).read_text(encoding="utf-8")
+    command, code = f"tline run {name}.toml --plot {name}.png", f'tl.simulate(tl.examples["{name}"]).plot()'
     parts = [
-        "# Gallery",
-        'Each scene comes with tline: `tline examples NAME` writes it, `tl.examples["NAME"]` reads it.',
+        f"# {tl.examples[name].title or name}",
+        f"![What its probes see]({name}.png)",
+        f"{FENCE}sh\ntline examples {name}\n{command}\n{FENCE}",
+        f"{FENCE}python\nimport tline as tl\n\n{code}\n{FENCE}",
+        f"{FENCE}toml\n{text.rstrip()}\n{FENCE}",
     ]
-    for name in tl.examples:
-        scene = tl.examples[name]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # said as notes of the result
-            save_figure(tl.simulate(scene).plot(), folder / f"{name}.png")
-        text = tl.examples.path(name).read_text(encoding="utf-8")
-        parts += [f"## {scene.title or name}", f"![{name}](gallery/{name}.png)", f"`{name}`"]
-        parts.append(f"{FENCE}toml\n{text.rstrip()}\n{FENCE}")
     return "\n\n".join(parts) + "\n"
+
+
+def gallery() -> str:
+    """Pictures of all scenes, each of which leads to its page."""
+    titles = {name: tl.examples[name].title or name for name in tl.examples}
+    cells = [f"[![{name}](gallery/{name}.png) {title}](gallery/{name}.md)" for name, title in titles.items()]
+    listed = "\n".join(f"gallery/{name}" for name in titles)
+    return (
+        "# Gallery\n\nEach scene comes with tline.\n\n"
+        f"{FENCE}`{{container}} gallery\n" + "\n\n".join(cells) + f"\n{FENCE}`\n\n"
+        f"{FENCE}{{toctree}}\n:hidden:\n{listed}\n{FENCE}\n"
+    )
+
+
+def draw(name: str, file: Path) -> None:
+    """Draw what the probes of a scene see."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # said as notes of the result
+        save_figure(tl.simulate(tl.examples[name]).plot(), file)
+
+
+def notebook(page: str) -> Any:
+    """A page in Markdown as a notebook.
+
+    Examples
+    --------
+    >>> [cell.source for cell in notebook("# Sum\\n\\n```python\\n1 + 1\\n```\\nTwo.\\n").cells]
+    ['# Sum', '1 + 1', 'Two.']
+    """
+    parts = [part.strip() for part in CODE.split(PICTURE.sub("", page))]
+    makers = (nbformat.v4.new_markdown_cell, nbformat.v4.new_code_cell)
+    cells = [makers[k % 2](part, id=f"cell-{k}") for k, part in enumerate(parts) if part]
+    return nbformat.v4.new_notebook(cells=cells, metadata={"kernelspec": KERNEL})
 
 
 def assemble(folder: Path) -> None:
@@ -99,8 +138,10 @@ def assemble(folder: Path) -> None:
     for name in ("gallery", "exercise"):
         (folder / name).mkdir(parents=True)
     shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns("*.py", "__pycache__", "site"))
-    shutil.copytree(ROOT / "scenes", folder / "scenes")
-    shutil.copytree(ROOT / "docs" / "site" / "templates", folder / "templates")
+    for name in ("scenes", "benchmarks/pages"):
+        shutil.copytree(ROOT / name, folder / name)
+    for name in ("templates", "style"):
+        shutil.copytree(ROOT / "docs" / "site" / name, folder / name)
     for name in ("CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "docs/site/index.md", "docs/site/conf.py"):
         shutil.copy(ROOT / name, folder)
     for letter in letters():
@@ -108,12 +149,20 @@ def assemble(folder: Path) -> None:
         (folder / "exercise" / f"{letter}.md").write_text(letter_page(answer), encoding="utf-8")
         if answer.has_figure:
             save_figure(answer.plot(), folder / "exercise" / f"{letter}.png")
-    pages = {"reference": reference(), "commands": commands(), "gallery": gallery(folder / "gallery")}
+    for name in tl.examples:
+        draw(name, folder / "gallery" / f"{name}.png")
+        (folder / "gallery" / f"{name}.md").write_text(scene_page(name), encoding="utf-8")
+    pages = {"reference": reference(), "commands": commands(), "gallery": gallery()}
     with (folder / "docs" / "exercise.md").open("a", encoding="utf-8") as page:
         listed = "\n".join(f"../exercise/{letter}" for letter in letters())
         page.write(f"\n{FENCE}{{toctree}}\n:caption: Letters\n{listed}\n{FENCE}\n")
     for name, text in pages.items():
         (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    for page in (page for each in ("docs", "exercise", "gallery") for page in (folder / each).glob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        if CODE.search(text):
+            nbformat.write(notebook(text), page.with_suffix(".ipynb"))
+            page.write_text(f"{text}\n[This page as a notebook]({page.stem}.ipynb)\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

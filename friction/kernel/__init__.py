@@ -29,5 +29,5 @@ from friction.kernel.law import (
 from friction.kernel.prescribed import Course, deflect, prescribed_run
 from friction.kernel.roots import first_root
 from friction.kernel.spot import FREE, observe
-from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, Sweep, compared, fixed_run, hybrid_run
-from friction.kernel.tolerance import solve, sweep
+from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, compared, fixed_run, hybrid_run
+from friction.kernel.tolerance import solve

@@ -21,6 +21,7 @@ from friction.kernel.taylor import (
     CWA,
     CWF,
     CX,
+    GAP,
     LOST,
     PULL,
     PUSHED,
@@ -38,6 +39,7 @@ from friction.kernel.taylor import (
 from tline.compiled.unit import function, unit
 
 FOREVER = 1e13  # s, more than any run may last
+STILL = 1e-250  # m/s and m, below which terms of series would be subnormal numbers, and steps without end
 MOST_IDLE = 10  # changes of mode at one instant
 
 
@@ -46,6 +48,7 @@ def automaton(run: HybridRun, budget: int) -> int:
     """Run a static law, in so many legs at most; returns the status."""
     law, drive, c, p, q, state, counts = run.law, run.drive, run.series, run.p, run.q, run.state, run.counts
     state[SV], state[TURN] = run.v0, drive.phase / (2.0 * pi)
+    state[GAP], state[PULL] = drive.target, drive.stiffness * drive.target
     mode = int(copysign(SLIDING, run.v0)) if abs(run.v0) > law.delta else STUCK
     number, push, forced, row, idle = 0, piece(drive, 0), nan, 0, 0
     for leg in range(budget):
@@ -155,14 +158,23 @@ def sample(run, row, t, start, h, mode):
 
 @function
 def advance(push, c, h, state):
-    """The state at the end of a leg; the clock is a compensated sum, the spring's force follows its own rate."""
+    """The state at the end of a leg; the clock is a compensated sum, what pulls follows its own rate."""
     before = state[SX]
     for k, j in ((CX, SX), (CV, SV), (CWA, SWA), (CWF, SWF)):
         state[j] = value(c[k], h)
-    if push.stiffness != 0.0:
+    if push.stiffness != 0.0 or push.integral != 0.0:
+        area = 0.0
+        for k in range(N, 0, -1):
+            area = (area + c[CX, k] / (k + 1)) * h
         c[CX, 0] = 0.0
-        state[PULL] += push.stiffness * (push.speed * h - value(c[CX], h))
+        closed = push.speed * h - value(c[CX], h)
         c[CX, 0] = before
+        area = h * (state[GAP] + 0.5 * push.speed * h - area)
+        state[PULL] += push.stiffness * closed + push.integral * area
+        state[GAP] += closed
+    for j in (SV, GAP):
+        if abs(state[j]) < STILL:
+            state[j] = 0.0
     if push.amplitude != 0.0:
         turn = state[TURN] + h * (push.omega / (2.0 * pi))
         state[TURN] = turn - floor(turn)

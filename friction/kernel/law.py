@@ -34,7 +34,10 @@ class Law(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """Applied force: straight pieces (start, value there, slope), a sine, and a spring of which one end moves."""
+    """Applied force: straight pieces (start, value there, slope), a sine, and what pulls the mass towards a target.
+
+    That is a controller, with e = target + speed·t − x, or a spring, which is its proportional part.
+    """
 
     start: Floats
     value: Floats
@@ -44,6 +47,9 @@ class Drive(NamedTuple):
     phase: float = 0.0
     stiffness: float = 0.0
     speed: float = 0.0
+    target: float = 0.0
+    integral: float = 0.0  # gain of ∫e dt, N/(m s)
+    derivative: float = 0.0  # gain of de/dt, N s/m
 
 
 class Push(NamedTuple):
@@ -58,6 +64,8 @@ class Push(NamedTuple):
     phase: float
     stiffness: float
     speed: float
+    integral: float
+    derivative: float
 
 
 @function
@@ -66,7 +74,7 @@ def piece(drive, i):
     end = drive.start[i + 1] if i + 1 < drive.start.size else inf
     return Push(
         drive.start[i], end, drive.value[i], drive.slope[i], drive.amplitude, drive.omega, drive.phase, drive.stiffness,
-        drive.speed,
+        drive.speed, drive.integral, drive.derivative,
     )  # fmt: skip
 
 

@@ -54,7 +54,7 @@ class HybridRun(NamedTuple):
     series: Floats2  # (8, N + 1)
     p: Floats  # (N + 1,)
     q: Floats  # (N + 1,)
-    state: Floats  # (8,)
+    state: Floats  # (9,)
 
 
 class Bench(NamedTuple):
@@ -92,22 +92,6 @@ class SmoothRun(NamedTuple):
     wanted: float  # tolerance, 0 for none
     at_least: float  # then that of single steps
     compared: Compared
-
-
-class Sweep(NamedTuple):
-    """Many runs of smooth laws to one tolerance."""
-
-    laws: Floats2  # (n, 10) in the order of `Law`
-    drive: Drive
-    masses: Floats  # (n,)
-    v0: Floats  # (n,)
-    factors: Floats  # (n,) by which the applied force is multiplied
-    wanted: float
-    times: Floats  # (1,) the end
-    value: Floats  # (pieces,) of the applied force, multiplied
-    slope: Floats  # (pieces,)
-    compared: Compared
-    out: Floats2  # (n, 5) x, v, z, F_f at the end, and the status
 
 
 def fixed_run(law: Law, drive: Drive, mass: float, v0: float, h: float, samples: int, events: int) -> FixedRun:

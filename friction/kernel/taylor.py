@@ -15,8 +15,9 @@ STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: 
 N = 20  # terms of a series
 ROWS = 8  # of series
 CX, CV, CFA, CFF, CWA, CWF, SQUARE, BELL = range(ROWS)
-STATE = 8  # numbers of a state
-SX, SV, SWA, SWF, CLOCK, LOST, TURN, PULL = range(STATE)  # clock since the piece began, turns of the sine, spring
+STATE = 9  # numbers of a state
+SX, SV, SWA, SWF, CLOCK, LOST, TURN, PULL, GAP = range(STATE)  # clock since the piece began, turns of the sine, force
+# of the spring or of a controller without its derivative part, and what is left to the target
 INVERSE = np.array([1.0 / factorial(k) for k in range(N + 1)])
 ROUNDING = 1e-17  # of a series' largest early term: what its last terms may be
 FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count: 2e-16
@@ -49,14 +50,15 @@ def expand(law, push, mass, state, mode, forced, c):
     sliding = abs(mode) == SLIDING
     peak, viscous = (law.f_s - law.f_c, law.f_v) if sliding else (0.0, 0.0)
     applied_series(push, state, f_a)
-    x[0], v[0], pull, still = state[SX], state[SV], state[PULL], mode == STUCK
+    x[0], v[0], pull, still, left = state[SX], state[SV], state[PULL], mode == STUCK, state[GAP]
     border = sliding and law.delta > 0.0 and abs(v[0]) == law.delta
     far, drop = beyond(law, mode, v[0]), 0.0
     for k in range(N):
-        f_a[k] += pull
+        closing = (push.speed if k == 0 else 0.0) - v[k]
+        f_a[k] += pull + push.derivative * closing
         if k == 0 and not isnan(forced):
             f_a[0] = forced
-        pull = push.stiffness * ((push.speed if k == 0 else 0.0) - v[k]) / (k + 1)
+        pull, left = (push.stiffness * closing + push.integral * left) / (k + 1), closing / (k + 1)
         if far:
             drop = 1.0 if k == 0 else 0.0
         elif peak > 0.0:

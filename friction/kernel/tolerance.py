@@ -3,8 +3,8 @@
 from math import inf
 
 from friction.kernel.bristles import rosenbrock
-from friction.kernel.law import DONE, FA, FF, INACCURATE, MODE, STALLED, WA, WF, Drive, Law, T, V, X, Z
-from friction.kernel.structures import EVENTS, RUN, STEPS, Bench, SmoothRun, Sweep
+from friction.kernel.law import DONE, FA, FF, INACCURATE, MODE, STALLED, WA, WF, T, V, X, Z
+from friction.kernel.structures import EVENTS, RUN, STEPS, SmoothRun
 from tline.compiled.unit import function, unit
 
 FINEST, ROUGHEST = 1e-14, 0.1  # tolerances of single steps
@@ -90,22 +90,3 @@ def compare(compared, k, pulled):
             errors[column] = max(difference / size, peaks[T]) + hidden
         worst = max(worst, errors[column])
     return worst
-
-
-@unit
-def sweep(runs: Sweep, budget: int) -> int:
-    """Run them all; keeps x, v, z, F_f at the end, and the status."""
-    drive, value, slope, compared, out = runs.drive, runs.value, runs.slope, runs.compared, runs.out
-    for n in range(runs.masses.size):
-        c, a = runs.laws[n], runs.factors[n]
-        law = Law(int(c[0]), c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9])
-        for i in range(value.size):
-            value[i], slope[i] = a * drive.value[i], a * drive.slope[i]
-        scaled = Drive(
-            drive.start, value, slope, a * drive.amplitude, drive.omega, drive.phase, drive.stiffness, drive.speed
-        )
-        bench = Bench(scaled, runs.masses[n], runs.v0[n], runs.times[0], runs.times)
-        status = refine(law, bench, runs.wanted, 0.0, budget, compared)
-        last = compared.records[compared.counts[RUN], 0]
-        out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = last[X], last[V], last[Z], last[FF], status
-    return 0

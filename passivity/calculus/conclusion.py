@@ -151,6 +151,6 @@ class Conclusion(Decided):
             told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}
         return told
 
-    def _figure(self) -> Any:
-        """The picture of the verdict of a rational function, or of samples."""
-        return super()._figure() if self.oracle is None or self.balls else self.oracle.plot()
+    def plot(self, ax: Any = None) -> Any:
+        """The picture of the verdict of a rational function, or of samples, on `ax` or in a new figure."""
+        return super().plot(ax) if self.oracle is None or self.balls else self.oracle.plot(ax)

@@ -7,12 +7,18 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from functools import cache
+from typing import Any, NamedTuple
+
+from flint import acb
 
 from passivity.calculus.ask import is_bounded_real, is_positive_real
 from passivity.calculus.conclusion import Conclusion
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read, statements
+from passivity.exact.report import point
+from passivity.exact.verdict import Verdict, Witness
+from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 
 # name of the step, left side, right side, what is put in
@@ -28,26 +34,52 @@ _ALGEBRA = (
 
 @dataclass(frozen=True)
 class Derivation(Decided):
-    """The statements (a) to (d), and the algebra of G1 = (1 - H1)/(1 + H1) between (b) and (c).
+    """From the load of a line to its input port: the statements, and the algebra of G1 = (1 - H1)/(1 + H1) between.
 
     Parameters
     ----------
     statements : tuple of (str, Conclusion)
-    algebra : tuple of (str, str, bool)
-        What is done, the equation, and whether it holds.
+        (a) H2, (b) H1, (c) G1, and (d) all at once; in place of that first the load, where `check_line` answers.
+    z0, delay : Fraction or None
+        Of the line, where they are numbers.
+    witness : Witness or None
+        For an active port: s with Re s > 0, H2(s) exactly, and |exp(-2Ts) H2(s)| > 1 shown in ball arithmetic; None
+        where a long delay leaves no such point in reach of reasonable numbers.
+    input : acb or None
+        G1 at the witness, a ball with negative real part.
     """
 
     statements: tuple[tuple[str, Conclusion], ...]
-    algebra: tuple[tuple[str, str, bool], ...]
+    z0: Fraction | None = None
+    delay: Fraction | None = None
+    witness: Witness | None = None
+    input: acb | None = None
 
     @property
     def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
         """That of the last statement."""
         return self.statements[-1][1].status
 
+    @property
+    def algebra(self) -> tuple[tuple[str, str, bool], ...]:
+        """What is done, the equation, and whether it holds."""
+        return _algebra()
+
+    @property
+    def load(self) -> Verdict:
+        """Of Z2 as an impedance, where `check_line` answers."""
+        return self.statements[0][1].oracle
+
+    @property
+    def reflection(self) -> Verdict:
+        """Of H2 as a reflection, where `check_line` answers."""
+        return self.statements[1][1].oracle
+
     def text_lines(self) -> list[str]:
         """Statement after statement, with the algebra between."""
         told = []
+        if self.z0 is not None and self.delay is not None:
+            told.append(f"through a line of z0 = {digits(self.z0)} and delay T = {digits(self.delay)}:")
         for name, conclusion in self.statements:
             told += [f"({name}) {conclusion.statement}: {conclusion.status.value}", f"    because {conclusion.why}"]
             if name == "b":
@@ -55,6 +87,14 @@ class Derivation(Decided):
                     f"    {text:<52} [{what}{'' if holds else ': does not hold'}]" for what, text, holds in self.algebra
                 ]
         return told
+
+    def to_dict(self) -> dict[str, Any]:
+        """The statements as JSON can hold them."""
+        told: dict[str, Any] = {"status": self.status.value}
+        if self.z0 is not None and self.delay is not None:
+            told |= {"z0": written(self.z0), "delay": written(self.delay)}
+        told["steps"] = [{"claim": x.statement, "status": x.status.value, "reason": x.why} for _, x in self.statements]
+        return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
 
 
 def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[str] = ()) -> Derivation:
@@ -83,7 +123,12 @@ def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[
         ("c", is_positive_real("(1 - H1)/(1 + H1)", ["H1 bounded real"])),
         ("d", is_positive_real(f"{h1}; (1 - h1)/(1 + h1)", assume)),
     )
-    return Derivation(found, tuple(_checked(*step) for step in _ALGEBRA))
+    return Derivation(found)
+
+
+@cache
+def _algebra() -> tuple[tuple[str, str, bool], ...]:
+    return tuple(_checked(*step) for step in _ALGEBRA)
 
 
 def _checked(what: str, left: str, right: str, given: dict[str, str]) -> tuple[str, str, bool]:

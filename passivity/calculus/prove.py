@@ -6,9 +6,9 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from passivity.budget import VERDICT, UndecidedError, budget, spend
-from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
+from passivity.calculus.graph import POSITIVE_REAL, ZERO, Fact, Graph, Value
 from passivity.calculus.leaf import rational_facts
-from passivity.calculus.rewrite import lines, rewritings
+from passivity.calculus.rewrite import Line, lines, merged, rewritings
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
@@ -46,6 +46,7 @@ class Prover:
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []
         self.known: dict[int, list[int]] = {}
+        self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
 
     def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
@@ -128,6 +129,7 @@ class Prover:
             for upside_down, sign, parts, cut in lines(graph, n) if graph.moves[n] else ():
                 found, line = True, graph.node("line", parts)
                 target = graph.inverse((Fraction(1), n))[1] if upside_down else n
+                self.lines.setdefault(target, (sign, parts, [m for m in cut if graph.nodes[m][0] != "tanh"]))
                 yield line
                 for k in list(self.known[line]):
                     self._equal(target, k, str(sign), cut)
@@ -138,6 +140,7 @@ class Prover:
             if self.most or not found:
                 yield from self._product(n)
         elif kind == "line":
+            self.lines[n] = 1, parts, [parts[2][1]] if parts[2][1] else []
             yield from self._line(n, *parts)
         elif kind in ("exp", "log", "sqrt", "tanh", "cosh"):
             yield parts[0][1]
@@ -168,6 +171,11 @@ class Prover:
             along = [self.graph.product(plain, [1, e])[1] for e in (1, -1)]
         end = load[1] if load[0] else 0
         yield end
+        sign, inner, cut = self.lines.get(end, (0, (ZERO, ZERO, ZERO), []))
+        if sign and (one := merged(self.graph, (z0, through, load), inner, sign * load[0])):
+            yield one[1]
+            for k in list(self.known[one[1]]):
+                self._equal(n, k, written(one[0]), cut)
         known = [(scaled(self.steps[k][1], load[0]), k) for k in self.known[end]]
         best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (_low, _high)]
         if best[0][0] > 0:

@@ -8,7 +8,8 @@ from passivity.calculus.graph import UNIT, ZERO, Graph, Value
 from passivity.verifier import added
 
 Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; nodes that are not looked into
-Reading = tuple[bool, int, tuple[Value, Value, Value], list[int]]  # as before, of 1 or -1 times a line by its parts
+Line = tuple[Value, Value, Value]  # z0, propagation, load
+Reading = tuple[bool, int, Line, list[int]]  # as before, of 1 or -1 times a line
 
 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
@@ -37,32 +38,33 @@ def _conjugate(graph: Graph, n: int) -> Iterator[Rewriting]:
 
 
 def _cayley(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
-    """c (P + Q)/(P - Q) as c (2/(1 - X) - 1), X = Q/P."""
-    for a in sums:
-        for b in sums:
-            if powers[a] != 1 or powers[b] != -1 or len(powers) != 2:
-                continue
-            up, down = graph.terms(a), graph.terms(b)
-            if up.keys() != down.keys() or any(abs(c) != abs(down[m]) for m, c in up.items()):
-                continue
-            same, other = (graph.sum((c, m) for m, c in up.items() if c == sign * down[m]) for sign in (1, -1))
-            if same[0] and other[0]:
-                x = graph.product([other, same], [1, -1])
-                one = graph.sum([UNIT, graph.scaled(x, -1)])
+    """N/D as (2/(1 + X) - 1)/k, X = (D - k N)/(D + k N), where one of these has fewer terms than N and D."""
+    for (x, a), others, b in _quotients(graph, powers, sums):
+        up, down = graph.terms(a, x), graph.terms(b)
+        for k in () if others else sorted({down[m] / c for m, c in up.items() if m in down}, reverse=True):
+            less, more = (added(down, {m: sign * k * c for m, c in up.items()}) for sign in (-1, 1))
+            if less and more and min(len(less), len(more)) < len(up | down):
+                less, more = (graph.sum((Fraction(c), m) for m, c in f.items()) for f in (less, more))
+                one = graph.sum([UNIT, graph.product([less, more], [1, -1])])
                 whole = graph.sum([graph.scaled(graph.inverse(one), 2), (Fraction(-1), 0)])
-                yield False, whole, _atoms(graph, [same[1], other[1]])
+                yield False, graph.scaled(whole, 1 / k), _atoms(graph, [less[1], more[1]])
+
+
+def _quotients(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[tuple[Value, dict[int, int], int]]:
+    """N, the other factors and D of a product N/D times others: N is a sum, or all but 1/D."""
+    for b in (b for b in sums if powers[b] == -1):
+        others = {m: e for m, e in powers.items() if m != b}
+        for over in [*({a: 1} for a in sums if powers[a] == 1 and len(others) > 1), others]:
+            yield _powered(graph, over), {m: e for m, e in others.items() if m not in over}, b
 
 
 def _remainder(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
     """N/D as k + 1/(D/r) where N = k D + r and r is constant in s."""
-    for b in sums:
-        if powers[b] != -1:
-            continue
-        x, above = graph.product(((Fraction(1), m) for m in powers if m != b), [e for m, e in powers.items() if m != b])
+    for (x, above), others, b in _quotients(graph, powers, sums):
         up, down = graph.terms(above, x), graph.terms(b)
         k = next((up[m] / c for m, c in down.items() if graph.moves[m] and m in up), Fraction(0))
         rest = added(up, {m: -k * c for m, c in down.items()})
-        if k and rest and not any(graph.moves[m] for m in rest):
+        if k and rest and not others and not any(graph.moves[m] for m in rest):
             r = graph.sum((Fraction(c), m) for m, c in rest.items())
             below = graph.sum(graph.product([(c, m), r], [1, -1]) for m, c in down.items())
             yield False, graph.sum([(k, 0), graph.inverse(below)]), _atoms(graph, [above, b])
@@ -70,17 +72,20 @@ def _remainder(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
 
 def _parallel(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
     """c N/D upside down, as k/c + (r/c)/N, where D = k N + r and r has fewer terms."""
-    for a in sums:
-        for b in sums:
-            up, down = graph.terms(a), graph.terms(b)
-            k = next((c / up[m] for m, c in down.items() if m in up), Fraction(0))
+    for n, others, b in _quotients(graph, powers, sums):
+        up, down = graph.terms(n[1], n[0]), graph.terms(b)
+        for k in sorted({c / up[m] for m, c in down.items() if m in up}, reverse=True):
             left = added(down, {m: -k * c for m, c in up.items()})
-            if powers[a] == 1 and powers[b] == -1 and k > 0 and left and len(left) < len(down):
-                rest = {m: -e for m, e in powers.items() if m not in (a, b)}
-                c = graph.product(((Fraction(1), m) for m in rest), list(rest.values()))
+            if k > 0 and left and len(left) < len(down):
+                c = _powered(graph, {m: -e for m, e in others.items()})
                 r = graph.sum((Fraction(x), m) for m, x in left.items())
-                over = graph.product([r, c, (Fraction(1), a)], [1, 1, -1])
-                yield True, graph.sum([graph.scaled(c, k), over]), _atoms(graph, [a, b])
+                over = graph.product([r, c, n], [1, 1, -1])
+                yield True, graph.sum([graph.scaled(c, k), over]), _atoms(graph, [n[1], b])
+
+
+def _powered(graph: Graph, powers: dict[int, int]) -> Value:
+    """The product of some nodes to powers."""
+    return graph.product(((Fraction(1), m) for m in powers), list(powers.values()))
 
 
 def _spread(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
@@ -99,8 +104,7 @@ def lines(graph: Graph, n: int) -> Iterator[Reading]:
     powers = graph.powers(n)
 
     def without(*bases: int) -> Value:
-        rest = {b: e for b, e in powers.items() if b not in bases}
-        return graph.product(((Fraction(1), b) for b in rest), list(rest.values()))
+        return _powered(graph, {b: e for b, e in powers.items() if b not in bases})
 
     for t, e in powers.items():
         if graph.nodes[t][0] == "tanh" and abs(e) == 1 and len(powers) > 1:  # the end is shorted, or open
@@ -151,8 +155,13 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
         load = graph.product([c, p, r], [1, 1, -1])
     else:
         h, n = graph.product([s, r], [1, -1])
-        over, under = ({b: abs(e) for b, e in graph.powers(n).items() if sign * e > 0} for sign in (1, -1))
-        above, below = (graph.product(((Fraction(1), b) for b in x), list(x.values())) for x in (over, under))
+        powers = graph.powers(n)
+        under = {b: -e for b, e in powers.items() if e < 0}
+        for b in under if len(under) > 1 else ():  # the rest occurs in a sum below
+            if powers[b] == -1 and _powered(graph, {m: e for m, e in powers.items() if m != b})[1] in graph.terms(b):
+                under = {b: 1}
+        below = _powered(graph, under)
+        above = graph.product([(Fraction(1), n), below])
         less, more = graph.sum([below, graph.scaled(above, -h)]), graph.sum([below, graph.scaled(above, h)])
         if not more[0]:
             return None
@@ -163,6 +172,20 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
     cut = _factors(graph, z0[1]) | _factors(graph, load[1]) | ({t} if kind == "tanh" else set())
     parts = graph.scaled(z0, sign), (x if kind == "tanh" else abs(x) / 2, through), graph.scaled(load, sign)
     return sign, parts, sorted(cut)
+
+
+def merged(graph: Graph, line: Line, inner: Line, c: Fraction) -> Value | None:
+    """A line before c times one of the same z0, or of its negative, which is as one of negative length."""
+    (z0, through, _), (a, along, end) = line, inner
+    if (abs(z0[0]), z0[1]) != (abs(c * a[0]), a[1]):
+        return None
+    lengths = [graph.scaled(x, 1 if sign > 0 else -1) for x, sign in ((through, z0[0]), (along, c * a[0]))]
+    length, load = graph.sum(lengths), graph.scaled(end, c)
+    if not length[0]:
+        return load
+    sign = Fraction(1 if length[0] > 0 else -1)
+    one = (abs(z0[0]), z0[1]), graph.scaled(length, sign), graph.scaled(load, sign)
+    return sign, graph.node("line", one)
 
 
 def _factors(graph: Graph, n: int) -> set[int]:

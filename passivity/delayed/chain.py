@@ -8,84 +8,30 @@ Because |H2|^2 = 1 - 4 Re G2/|G2 + 1|^2 and Re G1 = (1 - |H1|^2)/|1 + H1|^2, eac
 before is. For a rational load the converse holds too: an active load makes an active port, whatever the delay.
 """
 
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 from flint import acb, ctx
 
 from passivity.ball import of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.calculus.conclusion import Conclusion
+from passivity.calculus.derivation import Derivation
 from passivity.errors import ExpressionError, shown
 from passivity.exact.positive_real import check_bounded_real, check_positive_real
-from passivity.exact.report import point
 from passivity.exact.verdict import Verdict, Witness
-from passivity.expression.number import digits, written
+from passivity.expression.number import digits
 from passivity.rational.evaluate import Exact, exact, positive
 from passivity.rational.function import RationalFunction
-from passivity.status import Decided, Kind, Status
+from passivity.status import Kind, Status
 from passivity.symbolic.question import delayed_witness
 
 
-@dataclass(frozen=True)
-class Chain(Decided):
-    """Whether the input port of a line with a load is passive.
-
-    Parameters
-    ----------
-    z0, delay : Fraction
-        Of the line.
-    steps : tuple of Conclusion
-        The derivation: of Z2 as an impedance and of H2 as a reflection, each by its own exact test, of H1, and of G1.
-    witness : Witness or None
-        For an active port: s with Re s > 0, H2(s) exactly, and |exp(-2Ts) H2(s)| > 1 shown in ball arithmetic; None
-        where a long delay leaves no such point in reach of reasonable numbers.
-    input : acb or None
-        G1 at the witness, a ball with negative real part.
-    """
-
-    z0: Fraction
-    delay: Fraction
-    steps: tuple[Conclusion, ...]
-    witness: Witness | None = None
-    input: acb | None = None
-
-    @property
-    def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """How the last step ended."""
-        return self.steps[-1].status
-
-    @property
-    def load(self) -> Verdict:
-        """Of Z2 as an impedance."""
-        return self.steps[0].oracle
-
-    @property
-    def reflection(self) -> Verdict:
-        """Of H2 as a reflection."""
-        return self.steps[1].oracle
-
-    def text_lines(self) -> list[str]:
-        """The derivation in words."""
-        lines = [f"through a line of z0 = {digits(self.z0)} and delay T = {digits(self.delay)}:"]
-        for step in self.steps:
-            lines += [f"  {step.statement}: {step.status.value}", f"    because {step.why}"]
-        return lines
-
-    def to_dict(self) -> dict[str, Any]:
-        """The derivation as JSON can hold it."""
-        told: dict[str, Any] = {"z0": written(self.z0), "delay": written(self.delay), "status": self.status.value}
-        told["steps"] = [{"claim": x.statement, "status": x.status.value, "reason": x.why} for x in self.steps]
-        return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
-
-
-def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
+def check_line(load: RationalFunction | str, z0: Exact, delay: Exact) -> Derivation:
     """Is the input port of a lossless line passive, with this load at its other end?
 
     Parameters
     ----------
-    load : RationalFunction
+    load : RationalFunction or str
         Z2, the impedance of the load; open and short circuit included.
     z0 : int, float, Fraction, Decimal or str
         Characteristic impedance of the line, above zero.
@@ -99,32 +45,27 @@ def check_line(load: RationalFunction, z0: Exact, delay: Exact) -> Chain:
 
     Examples
     --------
-    >>> load = RationalFunction.from_expression("25 + s/1000000000")
-    >>> chain = check_line(load, "50 ohm", "3 ns")
-    >>> [step.status.value for step in chain.steps]
+    >>> chain = check_line("25 + s/1000000000", "50 ohm", "3 ns")
+    >>> [step.status.value for _, step in chain.statements]
     ['proved', 'proved', 'proved', 'proved']
     """
+    load = RationalFunction.from_expression(load) if isinstance(load, str) else load
     reference, travel = positive(z0, "z0"), exact(delay, "delay")
     if travel < 0:
         raise ExpressionError("delay", "negative", "at least 0", shown(delay))
     one, unit = load.p * reference.denominator, load.q * reference.numerator
     h2 = RationalFunction(one - unit, one + unit)
     verdict, reflection = check_positive_real(load), check_bounded_real(h2)
-    statements = (
-        (Kind.PR, "G2 = Z2/z0 is positive real"),
-        (Kind.BR, "H2 = (G2 - 1)/(G2 + 1) is bounded real"),
-        (Kind.BR, "H1 = exp(-2Ts) H2 is bounded real"),
-        (Kind.PR, "G1 = (1 - H1)/(1 + H1) is positive real"),
-    )
 
-    def chain(*onwards: str, witness: Witness | None = None, there: acb | None = None) -> Chain:
-        last = [(reflection.status, why, None) for why in onwards]
-        known = ((verdict.status, verdict.why, verdict), (reflection.status, reflection.why, reflection), *last)
-        steps = (
-            Conclusion(*said, status, why, oracle=oracle)
-            for said, (status, why, oracle) in zip(statements, known, strict=True)
+    def chain(h1: str, g1: str, witness: Witness | None = None, there: acb | None = None) -> Derivation:
+        last = reflection.status
+        told = (
+            ("load", Conclusion(Kind.PR, f"G2 = Z2/z0 is {Kind.PR}", verdict.status, verdict.why, oracle=verdict)),
+            ("a", Conclusion(Kind.BR, f"H2 = (G2 - 1)/(G2 + 1) is {Kind.BR}", last, reflection.why, oracle=reflection)),
+            ("b", Conclusion(Kind.BR, f"H1 = exp(-2Ts) H2 is {Kind.BR}", last, h1)),
+            ("c", Conclusion(Kind.PR, f"G1 = (1 - H1)/(1 + H1) is {Kind.PR}", last, g1)),
         )
-        return Chain(reference, travel, tuple(steps), witness, there)
+        return Derivation(told, reference, travel, witness, there)
 
     if reflection.status is not Status.REFUTED:
         delayed = "|exp(-2Ts)| <= 1 for Re s > 0 and T >= 0, and a product of bounded real functions is one"

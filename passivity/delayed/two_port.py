@@ -9,7 +9,8 @@ from fractions import Fraction
 
 from flint import acb, arb, ctx, fmpq
 
-from passivity.delayed.chain import Chain, check_line
+from passivity.calculus.derivation import Derivation
+from passivity.delayed.chain import check_line
 from passivity.rational.evaluate import Exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Status
@@ -21,7 +22,7 @@ class LineVerdict(Decided):
 
     status: Status
     why: str
-    modes: tuple[Chain, ...] = ()  # the proof: half the line with its far end open, and with a short circuit
+    modes: tuple[Derivation, ...] = ()  # the proof: half the line with its far end open, and with a short circuit
     re: Fraction | None = None  # where it is refuted, s = re + j im with re > 0
     im: Fraction | None = None
     vector: tuple[tuple[int, int], ...] | None = None  # v, real and imaginary parts

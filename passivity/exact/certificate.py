@@ -17,12 +17,12 @@ from fractions import Fraction
 from flint import arb, arb_poly, ctx, fmpq_poly, fmpz_mat, fmpz_poly
 
 from passivity.budget import spend
-from passivity.exact.storage import kyp, negative_direction
+from passivity.exact.storage import negative_direction
 from passivity.exact.verdict import Certificate, StorageCertificate
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import PolynomialMatrix, degree
-from passivity.rational.state_space import StateSpace
+from passivity.rational.state_space import StateSpace, dissipation
 from passivity.status import Kind
 
 _MAX_BITS = 1_000_000
@@ -73,22 +73,21 @@ def _of_one_port(certificate: Certificate, function: RationalFunction) -> bool:
 
 
 def _stores(certificate: StorageCertificate) -> bool:
+    from passivity.floats.storage import as_scattering, is_positive, proves
+
     system, p = certificate.function, certificate.storage
     v, part = certificate.basis, certificate.reached
     if v is None or part is None:
-        from passivity.floats.storage import as_scattering, proves
-
         s = system if certificate.kind is Kind.BR else as_scattering(system)
         return s is not None and proves(s, p)
     return (
-        certificate.kind is Kind.PR
-        and system.a * v == v * part.a
+        system.a * v == v * part.a
         and system.b == v * part.b
         and system.c * v == part.c
         and system.d == part.d
         and p == p.transpose()
-        and negative_direction(p) is None
-        and negative_direction(-kyp(part, p)) is None
+        and (is_positive(p) or negative_direction(p) is None)
+        and negative_direction(-dissipation(certificate.kind, *part.matrices, p)) is None
     )
 
 

@@ -3,6 +3,7 @@
 import math
 import sys
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,8 +27,10 @@ _LEVELS = (0.2, 0.5, 1.0, 2.0, 5.0)
 _CURVE, _BAD, _GRID = "#0072B2", "#D55E00", "#B8B8B8"
 
 
-def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0) -> Figure:
+def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes | None = None) -> Any:
     """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| against z0 with its largest value.
+
+    On `ax` the Smith chart alone.
 
     Raises
     ------
@@ -41,6 +44,9 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0) -> Figure:
     values = np.array([verdict.function(1j * x) for x in w])
     with np.errstate(invalid="ignore", divide="ignore"):
         h = values if verdict.kind is Kind.BR else np.where(np.isfinite(values), (values - z0) / (values + z0), 1)
+    if ax is not None:
+        draw_smith(ax, h)
+        return ax
     figure = Figure(figsize=(13 if verdict.kind is Kind.PR else 9.5, 4.6), dpi=150, layout="constrained")
     *plane, smith, size = figure.subplots(1, 3 if verdict.kind is Kind.PR else 2)
     for axes in plane:

@@ -17,13 +17,14 @@ B. D. O. Anderson, S. Vongpanitlerd, "Network Analysis and Synthesis", 1973, cha
 
 from dataclasses import replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
-from flint import fmpq_mat, fmpz_poly
+from flint import fmpz_poly
 
 from passivity.budget import VERDICT, UndecidedError, budget
 from passivity.errors import ExpressionError
 from passivity.exact.storage import lossless_storage
-from passivity.exact.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict
+from passivity.exact.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict, Witness
 from passivity.exact.witness import from_axis, from_root, of_multiport, of_one_port
 from passivity.polynomial.hurwitz import routh_column
 from passivity.polynomial.sign import allowance, coprime, find_sign, product
@@ -34,7 +35,10 @@ from passivity.rational.polynomial_matrix import axis_sums
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind, Status
 
-_STORAGE_FIRST = 12  # states from which a storage function is looked for before the minors are
+if TYPE_CHECKING:
+    from passivity.floats.modes import Modes
+
+_FLOATS_FIRST = 12  # states from which floats are asked before the minors are
 _STORAGE_MOST = 200  # states of impedances up to which it is: more take longer than some seconds
 _ONE = fmpz_poly([1])
 
@@ -126,10 +130,12 @@ def _of_one_port(function: RationalFunction, kind: Kind) -> Verdict:
 
 
 def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
-    if isinstance(network, StateSpace) and network.states >= _STORAGE_FIRST:
-        storage = _strict_storage(kind, network)
-        if storage is not None:
-            return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, storage))
+    if isinstance(network, StateSpace):
+        if found := lossless_storage(kind, network):
+            certificate = StorageCertificate(kind, network, *found)
+            return Verdict(kind, network, Status.PROVED, certificate, lossless=True, hidden=hidden_modes(network))
+        if network.states >= _FLOATS_FIRST and (verdict := _by_floats(kind, network)) is not None:
+            return verdict
     try:
         return replace(_by_minors(kind, network), hidden=hidden_modes(network))
     except UndecidedError as error:
@@ -141,8 +147,6 @@ def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
 def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
     matrix = network.transfer if isinstance(network, StateSpace) else network
     n, d = matrix.fraction
-    if kind is Kind.PR and isinstance(network, StateSpace) and (found := lossless_storage(network)):
-        return Verdict(kind, network, Status.PROVED, StorageCertificate(kind, network, *found), lossless=True)
     totals, sums = list(axis_sums(kind, n, d)), []
     for a, power in totals:
         sign = find_sign(a)
@@ -164,47 +168,68 @@ def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
 
 def by_storage(system: StateSpace) -> Verdict:
     """The verdict on S that a storage function gives, or a point where there can be none; no minors."""
-    storage = _strict_storage(Kind.BR, system)
-    if storage is not None:
-        return Verdict(Kind.BR, system, Status.PROVED, StorageCertificate(Kind.BR, system, storage))
-    return refuted_or_undecided(Kind.BR, system, "no storage function was found")
+    found = _by_floats(Kind.BR, system)
+    return refuted_or_undecided(Kind.BR, system, "no storage function was found") if found is None else found
 
 
-def _strict_storage(kind: Kind, system: StateSpace) -> fmpq_mat | None:
+def _by_floats(kind: Kind, system: StateSpace) -> Verdict | None:
+    """Refuted at a point, or proved by a storage function, which floats suggest; None if they do not see which."""
+    from passivity.floats.modes import Modes
     from passivity.floats.storage import as_scattering, strict_storage
+    from passivity.floats.system import FloatSystem
 
-    lossless = not any((system.d + system.d.transpose()).entries())  # at infinity: nothing to spare
-    if kind is Kind.PR and (lossless or system.states > _STORAGE_MOST):
-        return None
     try:
-        s = system if kind is Kind.BR else as_scattering(system)
-        return s and strict_storage(s)
-    except (OverflowError, ValueError):  # beyond the range of doubles, or eigenvalues do not converge
+        look = Modes(FloatSystem.of(kind, system))
+        if (found := _refuted(look, system, look.lowest[1])) is not None:
+            return found
+        large = kind is Kind.PR and system.states > _STORAGE_MOST
+        if kind is Kind.BR:
+            storage = strict_storage(system, look)
+        else:
+            s = None if large else as_scattering(system)
+            storage = None if s is None else strict_storage(s)
+    except (OverflowError, UndecidedError, ValueError):  # beyond the doubles, or eigenvalues do not converge
         return None
+    if storage is None:
+        return None
+    return Verdict(kind, system, Status.PROVED, StorageCertificate(kind, system, storage))
 
 
-def refuted_or_undecided(kind: Kind, network: StateSpace, reason: str) -> Verdict:
-    """The verdict on a state space that is not proved: points where floats see the property fail are shown exactly.
+def _refuted(look: "Modes", system: StateSpace, frequency: float) -> Verdict | None:
+    """Refuted at one of the points that floats suggest, the first of them over the axis at a frequency."""
+    from passivity.floats.modes import is_negative
+
+    kind = look.system.kind
+    for re, im, vector in look.suspects(frequency):
+        system.check_value()
+        if is_negative(kind, system, re, im, vector):
+            exact = tuple((Fraction(x.real), Fraction(x.imag)) for x in vector)
+            near = "near a pole" if look.has_pole_near(complex(re, im)) else f"near ω = {float(im):.6g}"
+            witness = Witness(kind, re, im, system, exact)
+            return Verdict(kind, system, Status.REFUTED, witness=witness, floats=look.system, place=near)
+    return None
+
+
+def refuted_or_undecided(kind: Kind, system: StateSpace, reason: str) -> Verdict:
+    """The verdict on a state space that is not proved: a point where floats see the property fail is tried exactly.
 
     Modes that do not show at the ports are not looked for.
     """
-    from passivity.floats.axis import analyse, suspects
+    from passivity.floats.modes import Modes
     from passivity.floats.system import FloatSystem
 
-    verdict = Verdict(kind, network, Status.UNDECIDED, budget=reason)
+    verdict = Verdict(kind, system, Status.UNDECIDED, budget=reason)
     try:
-        system = FloatSystem.of(kind, network)
-        analysis = analyse(system)
+        floats = FloatSystem.of(kind, system)
+        look, verdict = Modes(floats), replace(verdict, floats=floats)
+        found = _refuted(look, system, look.lowest[1])
+        if found is None and verdict.analysis and verdict.analysis.bands:  # narrower ones than the look has seen
+            found = _refuted(look, system, verdict.analysis.frequency / floats.unit)
+        return verdict if found is None else found
     except (OverflowError, ValueError):  # beyond the range of doubles, or the eigenvalues do not converge
         return verdict
-    verdict = replace(verdict, analysis=analysis)
-    try:
-        for re, im in suspects(system, analysis):
-            if witness := of_multiport(kind, network)(re, im):
-                return replace(verdict, status=Status.REFUTED, witness=witness, budget="")
     except UndecidedError as error:
         return replace(verdict, budget=f"{reason}; {error}")
-    return verdict
 
 
 def hidden_modes(network: RationalMatrix | StateSpace) -> fmpz_poly | None:
@@ -214,6 +239,8 @@ def hidden_modes(network: RationalMatrix | StateSpace) -> fmpz_poly | None:
     to numerator and denominator of an entry.
     """
     if isinstance(network, StateSpace):
+        if all(len(each.independent_columns()) == network.states for each in (network, network.dual())):
+            return None
         return _hidden(network.modes // network.reached()[1].dual().reached()[1].modes)
     found = _ONE
     for entry in (entry for row in network.rows for entry in row):

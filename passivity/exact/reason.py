@@ -27,10 +27,10 @@ EXTREME = {Kind.PR: "the smallest eigenvalue of (Z + Z^H)/2", Kind.BR: "the larg
 
 def reason(verdict: Verdict) -> str:
     """Why a verdict is what it is, frequencies ω in rad per unit of time."""
-    kind, network, analysis = verdict.kind, verdict.function, verdict.analysis
+    kind, network = verdict.kind, verdict.function
     bounded, equal, broken, closing = (_ONE if isinstance(network, RationalFunction) else _SEVERAL)[kind]
     if verdict.status is Status.UNDECIDED:
-        return "; ".join(filter(None, (verdict.budget, analysis and _seen(verdict))))
+        return "; ".join(filter(None, (verdict.budget, verdict.analysis and _seen(verdict))))
     if isinstance(verdict.certificate, StorageCertificate):
         if verdict.lossless:
             return "all energy that enters is stored: the stored energy is x^T P x/2 >= 0"
@@ -42,9 +42,8 @@ def reason(verdict: Verdict) -> str:
         return f"{axis}, and all {closing} lie in Re s < 0{_hidden(verdict)}"
     if verdict.negative:
         return f"{broken} {in_words(violations(verdict.negative))}{_hidden(verdict)}"
-    if analysis:
-        where = in_words(analysis.bands) if analysis.bands else "near a pole"
-        return f"{broken} {where} (floating point), exactly so at the witness"
+    if verdict.place:
+        return f"{broken} {verdict.place} (floating point), exactly so at the witness"
     if kind is Kind.BR:
         return f"{'H' if verdict.ports == 1 else 'S'} has a pole in Re s > 0{_hidden(verdict)}"
     if isinstance(network, RationalFunction):

@@ -10,7 +10,8 @@ from passivity.exact.robustness import Robustness
 from passivity.exact.verdict import Certificate, Margin, Margins, StorageCertificate, Verdict, Witness
 from passivity.expression.number import complex_text, digits, written
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind
+from passivity.rational.state_space import StateSpace
+from passivity.status import Kind, Status
 
 _ONE = {"input": "smallest Re Z(jω)", "output": "smallest Re 1/Z(jω)", "reflection": "largest |H(jω)|"}
 _SEVERAL = {"input": "smallest eigenvalue of (Z + Zᴴ)/2", "reflection": "largest singular value of S"}
@@ -27,7 +28,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
     told["margins"] = {name: _margin(margin) for name, margin in margins._asdict().items()}
     if verdict.witness:
         told["witness"] = point(verdict.witness)
-    if found := verdict.analysis:
+    if verdict.status is Status.UNDECIDED and (found := verdict.analysis):
         bands = [[_number(x) for x in band] for band in found.bands]
         told["analysis"] = {name: _number(x) for name, x in vars(found).items() if name != "bands"} | {"bands": bands}
     if verdict.certificate:
@@ -106,22 +107,23 @@ def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = Non
             proved = f"proved not beyond {margin.bound:.6g}"
             lines.append(f"  {_SEVERAL[key]} ≈ {margin.value:.6g} at ω = {margin.frequency:.6g} rad/s, {proved}")
         elif margin:
+            value = beside_one(margin.low if margin.largest else margin.high)
             sign, tail = "=" if margin.low == margin.high else "≈", against if key == "reflection" else ""
-            lines.append(f"  {_ONE[key]:<20} {sign} {_digits(margin):<12} {_place(verdict, margin)}{tail}")
+            lines.append(f"  {_ONE[key]:<20} {sign} {value:<12} {_place(verdict, margin)}{tail}")
     return lines
 
 
 def _witness(found: Witness) -> list[str]:
     lines = [f"  witness s = {complex_text(found.re, found.im)}"]
-    if len(found.vector) == 1:
+    if len(found.vector) == 1 and not isinstance(found.found, StateSpace):
         value = "infinite" if found.image is None else complex_text(*found.image[0])
         return [*lines, f"    {found.kind.letter}(s) = {value}"]
     form = "vᴴ(Z + Zᴴ)v" if found.kind is Kind.PR else "|v|² − |Sv|²"
-    assert found.value is not None
+    value = "< 0" if isinstance(found.found, StateSpace) else f"= {digits(found.value or 0)}"  # the first takes long
     return [
         *lines,
         f"    v = ({', '.join(complex_text(*x) for x in found.vector)})",
-        f"    {form} = {digits(found.value)}",
+        f"    {form} {value}",
     ]
 
 
@@ -133,9 +135,7 @@ def _place(verdict: Verdict, margin: Margin) -> str:
     return f"at ω = {margin.frequency:.6g} rad/s"
 
 
-def _digits(margin: Margin) -> str:
+def beside_one(x: Fraction | float) -> str:
     """Six digits, and more where they would hide on which side of 1 a number lies."""
-    text = digits(margin.low if margin.largest else margin.high)
-    if text == "1" and margin.low != 1:
-        return f"1 {'-' if margin.low < 1 else '+'} {digits(abs(Fraction(margin.low) - 1), 3)}"
-    return text
+    text = digits(x)
+    return f"1 {'-' if x < 1 else '+'} {digits(abs(Fraction(x) - 1), 3)}" if text == "1" and x != 1 else text

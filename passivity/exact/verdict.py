@@ -18,6 +18,7 @@ from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
     from passivity.floats.axis import AxisAnalysis
+    from passivity.floats.system import FloatSystem
 
 Network: TypeAlias = RationalFunction | RationalMatrix | StateSpace
 Parts: TypeAlias = tuple[Fraction, Fraction]  # real and imaginary part
@@ -105,8 +106,8 @@ class Witness:
     kind : Kind
     re, im : Fraction
         The point s = re + j im, re > 0.
-    image : tuple of (Fraction, Fraction) or None
-        Z v or S v there, real and imaginary part of each component; None where it is infinite.
+    found : tuple of (Fraction, Fraction), StateSpace or None
+        The image; or the state space that has it, which may take seconds to be found.
     vector : tuple of (Fraction, Fraction)
         v; 1 of one port.
     """
@@ -114,8 +115,13 @@ class Witness:
     kind: Kind
     re: Fraction
     im: Fraction
-    image: tuple[Parts, ...] | None
+    found: tuple[Parts, ...] | StateSpace | None
     vector: tuple[Parts, ...] = _ONE
+
+    @cached_property
+    def image(self) -> tuple[Parts, ...] | None:
+        """Z v or S v there, real and imaginary part of each component; None where it is infinite."""
+        return self.found.image(self.re, self.im, self.vector) if isinstance(self.found, StateSpace) else self.found
 
     @property
     def value(self) -> Fraction | None:
@@ -208,8 +214,10 @@ class Verdict(Decided):
         What must not be negative on the axis, in x = w^2, if it is somewhere (see `AxisSum`).
     budget : str
         What ran out, if undecided.
-    analysis : AxisAnalysis or None
-        What floating point sees of a state space too large for the exact test, whose hidden modes are not looked for.
+    floats : FloatSystem or None
+        The state space in floating point, if it was looked at so; then hidden modes are not looked for.
+    place : str
+        Where floating point sees a violation that was then proved.
     """
 
     kind: Kind
@@ -221,7 +229,16 @@ class Verdict(Decided):
     hidden: fmpz_poly | None = None
     negative: tuple[fmpz_poly, ...] = ()
     budget: str = ""
-    analysis: "AxisAnalysis | None" = None
+    floats: "FloatSystem | None" = None
+    place: str = ""
+
+    @cached_property
+    def analysis(self) -> "AxisAnalysis | None":
+        """What floating point sees on the axis; None if the eigenvalues do not converge."""
+        try:
+            return self.floats and self.floats.analysis
+        except ValueError:  # numpy's LinAlgError
+            return None
 
     @property
     def ports(self) -> int:
@@ -255,13 +272,13 @@ class Verdict(Decided):
 
         return as_dict(self, self._margins)
 
-    def _figure(self) -> Any:
-        """Impedance plane, Smith chart and reflection, z0 = 1; of one port."""
+    def plot(self, ax: Any = None) -> Any:
+        """Impedance plane, Smith chart and reflection, z0 = 1; of one port. On `ax` the Smith chart alone."""
         if not isinstance(self.function, RationalFunction):
-            return super()._figure()
+            return super().plot(ax)
         from passivity.exact.picture import draw_verdict
 
-        return draw_verdict(self, self._margins)
+        return draw_verdict(self, self._margins, ax=ax)
 
     @property
     def _margins(self) -> Margins:

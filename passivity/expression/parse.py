@@ -110,16 +110,13 @@ class _Parser:
     """Recursive descent: sum, product, operand (sign and power), atom; one method each."""
 
     def __init__(self, text: str, lines: bool):
-        self.tokens, self.position, self.lines = list(_tokens(text)), 0, lines
+        self.tokens, self.lines = iter(list(_tokens(text))), lines
         self.units: list[Token] = []
-
-    @property
-    def token(self) -> Token:
-        return self.tokens[self.position]
+        self.token = next(self.tokens)
 
     def take(self) -> Token:
-        self.position += 1
-        return self.tokens[self.position - 1]
+        taken, self.token = self.token, next(self.tokens, self.token)
+        return taken
 
     def fail_unless(self, condition: bool, expected: str) -> None:
         if not condition:

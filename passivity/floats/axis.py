@@ -17,9 +17,7 @@ Systems I 51 (2004), 1755-1769, doi:10.1109/TCSI.2004.834527.
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -33,7 +31,6 @@ MAX_ROUNDS = 4
 _NEAR = 2.0**-30  # between value and level, in parts of the value
 _SAME = 2.0**-20  # between the ends of bands found by both methods, in parts of the frequency
 _HALVINGS = 60
-_ON_AXIS = 1e-8  # real part of a pole in parts of its modulus
 
 
 class Crossing(NamedTuple):
@@ -172,43 +169,3 @@ def _same(some: list[Band], others: list[Band], error: float) -> bool:
         return False
     pairs = [(x, y) for a, b in zip(some, others, strict=True) for x, y in zip(a, b, strict=True)]
     return all(x == y or abs(x - y) <= 10 * error + _SAME * max(x, y) < math.inf for x, y in pairs)
-
-
-def suspects(system: FloatSystem, analysis: AxisAnalysis) -> Iterator[tuple[Fraction, Fraction]]:
-    """Points with few digits where the form is negative beyond its error: over the axis, then around poles."""
-    for points in (_over_axis(analysis.frequency / system.unit), _around_poles(system)):
-        places = system.at(*points)
-        negative = [(x.value, s) for x, s in zip(places, points, strict=True) if x.is_negative]
-        if negative:
-            enough = min(value for value, _ in negative) / 4
-            s = next(s for value, s in negative if value <= enough)
-            unit = Fraction(system.unit)
-            yield Fraction(s.real) * unit, Fraction(s.imag) * unit
-
-
-def _over_axis(w: float) -> list[complex]:
-    """Ever closer to a frequency, or ever farther out."""
-    if w == math.inf:
-        return [complex(2.0**k) for k in range(_HALVINGS)]
-    size = 2.0 ** round(math.log2(w)) if w else 1.0
-    return [_rounded(size / 2**k, w, size / 2**k) for k in range(_HALVINGS)]
-
-
-def _around_poles(system: FloatSystem) -> list[complex]:
-    """To the right of poles on the axis, and around those to the right of it."""
-    found = []
-    for p in system.poles:
-        size = 2.0 ** round(math.log2(abs(p))) if p else 1.0
-        if p.real > _ON_AXIS * size:
-            size = 2.0 ** math.floor(math.log2(p.real))
-            ring = [complex(re, im) for re in (-1, 0, 1) for im in (-1, 0, 1) if re or im]
-            for r in (size / 2, size / 64):
-                found += [_rounded(p.real + r * x.real, p.imag + r * x.imag, r) for x in ring]
-        elif p.real > -_ON_AXIS * size:
-            found += [_rounded(r, p.imag, r) for r in (size / 2**8, size / 2**16)]
-    return found
-
-
-def _rounded(re: float, im: float, size: float) -> complex:
-    """On a grid of eighths."""
-    return complex(round(re / size * 8) * size / 8, round(im / size * 8) * size / 8)

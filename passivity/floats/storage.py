@@ -24,8 +24,10 @@ import numpy as np
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from passivity.floats.system import floats, power_of_two
-from passivity.rational.state_space import StateSpace, identity
+from passivity.floats.modes import Modes
+from passivity.floats.system import FloatSystem, floats, power_of_two
+from passivity.rational.state_space import StateSpace, dissipation, identity
+from passivity.status import Kind
 
 BITS = 150  # of the balls
 LOSSES = 0.3, 0.03, 0.003  # added to the system, in parts of what there is to spare
@@ -46,9 +48,11 @@ def as_scattering(z: StateSpace) -> StateSpace | None:
     return StateSpace(z.a - inputs * z.c, inputs, e * z.c * (2 * z0), identity(z.size) - e * (2 * z0))
 
 
-def strict_storage(system: StateSpace) -> fmpq_mat | None:
-    """P with M(P) < 0 and P > 0, None if none was found: S has a singular value of 1, or nearly."""
-    for p in _candidates(system):
+def strict_storage(system: StateSpace, look: Modes | None = None) -> fmpq_mat | None:
+    """P with M(P) < 0 and P > 0, None if none was found: S has a singular value of 1, or nearly, or more."""
+    look = look or Modes(FloatSystem.of(Kind.BR, system))
+    room, _ = look.lowest
+    for p in _candidates(look, room) if room > 0 and look.is_stable else ():
         rounded = fmpq_mat(len(p), len(p), [fmpq(*Fraction(float(x)).as_integer_ratio()) for x in p.ravel()])
         if proves(system, rounded):
             return rounded
@@ -57,65 +61,51 @@ def strict_storage(system: StateSpace) -> fmpq_mat | None:
 
 def proves(system: StateSpace, storage: fmpq_mat) -> bool:
     """Whether M(P) < 0 and P > 0, P symmetric."""
-    before, ctx.prec = ctx.prec, BITS
-    try:
-        a, b, c, d, p = map(arb_mat, (system.a, system.b, system.c, system.d, storage))
-        one = arb_mat(system.size, system.size, [int(i == k) for i in range(system.size) for k in range(system.size)])
-        ct, dt = c.transpose(), d.transpose()
-        loss, cross = p * a + (p * a).transpose() + ct * c, p * b + ct * d
-        rows = [[*x, *y] for x, y in zip(loss.tolist(), cross.tolist(), strict=True)]
-        rows += [[*x, *y] for x, y in zip(cross.transpose().tolist(), (dt * d - one).tolist(), strict=True)]
-        return storage == storage.transpose() and _is_positive(p) and _is_positive(arb_mat(rows) * arb(-1))
-    finally:
-        ctx.prec = before
+    with ctx.workprec(BITS):
+        gained = dissipation(Kind.BR, *map(arb_mat, (*system.matrices, storage)))
+        return storage == storage.transpose() and is_positive(storage) and is_positive(gained * -1)
 
 
-def _is_positive(x: arb_mat) -> bool:
-    """Whether a symmetric matrix of balls is positive definite, whatever is in the balls."""
-    middle = np.array([[float(y.mid()) for y in row] for row in x.tolist()])
-    if not (np.diag(middle) > 0).all():
-        return False
-    size = np.sqrt(np.diag(middle))  # rows of one size, else the small ones are lost
-    try:
-        factor = np.linalg.cholesky(middle / size / size[:, None])
-        t = np.linalg.inv(factor) / size
-    except np.linalg.LinAlgError:
-        return False
-    if not np.isfinite(t).all():
-        return False
-    t = arb_mat(len(t), len(t), [float(y) for y in t.ravel()])
-    rows = (t * x * t.transpose()).tolist()
-    return all(row[i] - sum((abs(y) for k, y in enumerate(row) if k != i), arb(0)) > 0 for i, row in enumerate(rows))
+def is_positive(x: arb_mat | fmpq_mat) -> bool:
+    """Whether a symmetric matrix is positive definite, with whatever is in its balls; false too if that is not seen."""
+    with ctx.workprec(BITS):
+        x = arb_mat(x)
+        middle = np.array([float(y.mid()) for y in x.entries()]).reshape(x.nrows(), x.nrows())
+        if not (np.diag(middle) > 0).all():
+            return False
+        size = np.sqrt(np.diag(middle))  # rows of one size, else the small ones are lost
+        try:
+            factor = np.linalg.cholesky(middle / size / size[:, None])
+            t = np.linalg.inv(factor) / size
+        except np.linalg.LinAlgError:
+            return False
+        if not np.isfinite(t).all():
+            return False
+        t = arb_mat(len(t), len(t), t.ravel().tolist())
+        rows = (t * x * t.transpose()).tolist()
+        return all(2 * abs(row[i]) > sum(map(abs, row), arb(0)) and row[i] > 0 for i, row in enumerate(rows))
 
 
-def _candidates(system: StateSpace) -> Iterator[NDArray]:
+def _candidates(look: Modes, room: float) -> Iterator[NDArray]:
     """Solutions of Riccati equations with more and less loss added: of each mode in parts of its own."""
     from scipy.linalg import schur
 
-    a, b, c, d = (floats(x) for x in (system.a, system.b, system.c, system.d))
-    unit = power_of_two(np.linalg.norm(a, 2))
-    level = power_of_two(np.sqrt(np.linalg.norm(c) / (np.linalg.norm(b) or 1) * unit))
-    a, b, c = a / unit, b * (level / unit), c / level  # A about 1, and B and C alike
-    found: Any = np.linalg.eig(a)
-    modes, v = found
-    back = np.linalg.inv(v)
-    inputs = np.maximum(np.linalg.norm(back @ b, axis=1), np.finfo(float).tiny)
+    system, modes = look.system, look.poles
+    a, b, c, d = system.a, system.b, system.c, system.d
+    inputs = np.maximum(np.linalg.norm(look.inputs, axis=1), np.finfo(float).tiny)
     gains = 1 / (1j * np.append(modes.imag, 0.0)[:, None] - modes)  # at each resonance, of each mode
-    values = d + np.einsum("ik,wk,kj->wij", c @ v, gains, back @ b)
-    room = 1 - max(np.linalg.norm(values, 2, axis=(1, 2)).max(), np.linalg.norm(d, 2)) ** 2
-    if room <= 0:
-        return
     each = (modes.real / inputs) ** 2 / (np.abs(gains * modes.real) ** 2).sum(1).max()
+    back = np.linalg.inv(look.vectors)
     lost = (back.conj().T * each @ back).real
-    inner = np.linalg.inv(np.eye(system.size) - d.T @ d)
+    inner = np.linalg.inv(np.eye(len(d)) - d.T @ d)
     drift, gain = a + b @ inner @ d.T @ c, b @ inner @ b.T
     for part in LOSSES:
         given = c.T @ c + c.T @ d @ inner @ d.T @ c + part * room * lost
         try:
-            found = schur(np.block([[drift, gain], [-given, -drift.T]]), sort="lhp")
+            found: Any = schur(np.block([[drift, gain], [-given, -drift.T]]), sort="lhp")
         except np.linalg.LinAlgError:  # eigenvalues too near to the axis to be told apart
             return
         _, u, stable = found
         if stable == len(a):
             p = np.linalg.solve(u[: len(a), : len(a)].T, u[len(a) :, : len(a)].T)
-            yield (p + p.T) / 2 * (level**2 / unit)
+            yield system.scale[:, None] * (p + p.T) / 2 * system.scale / system.unit

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from flint import fmpq_mat
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
+
+if TYPE_CHECKING:
+    from passivity.floats.axis import AxisAnalysis
 
 _EPS = float(np.finfo(float).eps)
 _PER_DECADE, _MOST = 8, 200  # frequencies of the first grid
@@ -50,6 +53,7 @@ class FloatSystem:
     c: NDArray[np.float64]
     d: NDArray[np.float64]
     unit: float  # a power of two, by which frequencies of this system are multiplied for the given one
+    scale: NDArray[np.float64]  # powers of two, by which the given states are multiplied for those of this system
 
     @classmethod
     def of(cls, kind: Kind, system: StateSpace) -> Self:
@@ -72,7 +76,14 @@ class FloatSystem:
             a, b, c = a / unit, b * (level / unit), c / level
         if not all(np.isfinite(x).all() for x in (a, b, c)):
             raise OverflowError("entries too large to multiply in doubles")
-        return cls(kind, a, b, c, d, unit)
+        return cls(kind, a, b, c, d, unit, level / t)
+
+    @cached_property
+    def analysis(self) -> "AxisAnalysis":
+        """What the Hamiltonian test and samples see on the axis."""
+        from passivity.floats.axis import analyse
+
+        return analyse(self)
 
     @cached_property
     def schur(self) -> tuple[Any, Any, Any]:

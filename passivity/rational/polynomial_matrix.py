@@ -108,6 +108,13 @@ def hermitian_polynomial(kind: Kind, n: PolynomialMatrix, d: fmpz_poly) -> Polyn
     return add(identity(len(n), d * minus), scaled(multiply(mirrored(n), n), -1))
 
 
+def check_work(ports: int, degree: int, bits: int, most: int) -> None:
+    """Raise UndecidedError if the sums of minors would take more than that."""
+    if ports**4 * (degree + 1) * bits > most:
+        text = f"{ports} ports of degree {degree} with {bits} bits take too long; smaller ones would be decided"
+        raise UndecidedError(text)
+
+
 def axis_sums(kind: Kind, n: PolynomialMatrix, d: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
     """For k = 1, 2, ... the sum of principal minors of order k, divided by a power of |d|^2, and the power.
 
@@ -116,10 +123,7 @@ def axis_sums(kind: Kind, n: PolynomialMatrix, d: fmpz_poly) -> Iterator[tuple[f
     UndecidedError
         If it would take more than MAX_WORK.
     """
-    m, bits = len(n), max(height_bits(n), d.height_bits())
-    if m**4 * (degree(n, d) + 1) * bits > MAX_WORK:
-        text = f"{m} ports of degree {degree(n, d)} with {bits} bits take too long; smaller ones would be decided"
-        raise UndecidedError(text)
+    check_work(len(n), degree(n, d), max(height_bits(n), d.height_bits()), MAX_WORK)
     g = d * d(fmpz_poly([0, -1]))
     for a, power in minor_sums(hermitian_polynomial(kind, n, d), g // g.content())[0]:
         yield fmpz_poly([-c if i % 2 else c for i, c in enumerate(a.coeffs()[::2])]), power

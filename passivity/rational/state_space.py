@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import lcm
-from typing import Any, Self
+from typing import Any, Self, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz_poly, nmod_mat
 
@@ -14,12 +14,17 @@ from passivity.polynomial.sign import UndecidedError
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix, check_shape, table
+from passivity.rational.polynomial_matrix import MAX_WORK as MINORS
+from passivity.rational.polynomial_matrix import check_work
+from passivity.status import Kind
 
 MAX_STATES = 400
 MAX_WORK = 40_000_000_000  # states^4 bits: some seconds
 MAX_VALUE_WORK = 5_000_000_000  # states^3 bits: half a minute
 MAX_BITS = 10_000  # of an entry, and of the denominator common to all of a matrix
 _PRIME = 2**61 - 1
+Rows: TypeAlias = Iterable[Iterable[Exact]]
+Parts: TypeAlias = tuple[Fraction, Fraction]  # real and imaginary part
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +45,10 @@ class StateSpace:
     @classmethod
     def from_entries(
         cls,
-        a: Iterable[Iterable[Exact]],
-        b: Iterable[Iterable[Exact]],
-        c: Iterable[Iterable[Exact]],
-        d: Iterable[Iterable[Exact]],
+        a: Rows,
+        b: Rows,
+        c: Rows,
+        d: Rows,
     ) -> Self:
         """State space of the given entries.
 
@@ -70,6 +75,57 @@ class StateSpace:
             raise ExpressionError("A", "too many states", f"at most {MAX_STATES}", f"{n}")
         shapes = {"A": (n, n), "B": (n, m), "C": (m, n), "D": (m, m)}
         return cls(*(_matrix(name, rows[name], *shape) for name, shape in shapes.items()))
+
+    @classmethod
+    def from_descriptor(cls, e: Rows, a: Rows, b: Rows, c: Rows, d: Rows) -> Self:
+        """State space of E x' = A x + B u, y = C x + D u, as nodal analysis of a circuit writes it; exactly.
+
+        Parameters
+        ----------
+        e, a, b, c, d : iterable of iterable of int, float, Fraction, Decimal or str
+            E and A of shape (n, n), the rest as of `from_entries`.
+
+        Raises
+        ------
+        ExpressionError
+            As `from_entries`; or if the algebraic equations do not determine what E leaves open: then there is no
+            function, or one that grows with s, whose inverse may have a state space.
+
+        Examples
+        --------
+        >>> parallel = StateSpace.from_descriptor([[2, 0], [0, 0]], [[0, 1], [1, 3]], [[1], [0]], [[1, 0]], [[0]])
+        >>> parallel.transfer.rows[0][0]  # 2 farad beside 3 ohm
+        RationalFunction.from_expression('(3)/(6*s + 1)')
+        """
+        given = cls.from_entries(a, b, c, d)
+        n, rows = given.states, table("E", e)
+        reduced, _ = side_by_side([_matrix("E", rows, n, n), identity(n)], identity(n)).rref()
+        pivots = [k for k in (next((k for k in range(n) if reduced[i, k]), None) for i in range(n)) if k is not None]
+        rank, free = len(pivots), [k for k in range(n) if k not in pivots]
+        left = columns(reduced, range(n, 2 * n))  # with which E is [1 F; 0 0], columns renumbered
+        forward, backward = columns(identity(n), pivots), columns(identity(n), free)
+        backward -= (
+            forward * columns(columns(reduced, free).transpose(), range(rank)).transpose()
+        )  # what E does not see
+        try:
+            first, last = (columns(left.transpose(), part).transpose() for part in (range(rank), range(rank, n)))
+            within = (last * given.a * backward).inv() * -1
+        except ZeroDivisionError:
+            expected = "algebraic equations for what E leaves open"
+            raise ExpressionError("E", "no state space", expected, f"{n} states, E of rank {rank}") from None
+        x = forward + backward * (within * (last * given.a * forward))
+        direct = backward * (within * (last * given.b))
+        return cls(
+            first * given.a * x,
+            first * (given.b + given.a * direct),
+            given.c * x,
+            given.d + given.c * direct,
+        )
+
+    @property
+    def matrices(self) -> tuple[fmpq_mat, fmpq_mat, fmpq_mat, fmpq_mat]:
+        """A, B, C, D."""
+        return self.a, self.b, self.c, self.d
 
     @property
     def size(self) -> int:
@@ -99,11 +155,12 @@ class StateSpace:
         Raises
         ------
         UndecidedError
-            If it would take more than MAX_WORK.
+            If it would take more than MAX_WORK, or its minors would.
         """
         n, m, bits = self.states, self.size, self.bits
         if n**4 * bits > MAX_WORK:
             raise UndecidedError(f"{n} states with {bits} bits take too long; fewer would be decided")
+        check_work(m, n, n * bits, 10 * MINORS)  # whose coefficients may be shorter than that, though
         q, markov = self.a.charpoly(), self.markov(n)
 
         def entry(i: int, k: int) -> RationalFunction:
@@ -127,17 +184,40 @@ class StateSpace:
         [ 1/2, 1/2]
         [-1/2, 1/2]
         """
+        self.check_value()
+        found = self._value(re, im, self.b, self.d)
+        if found is None:
+            return None
+        u, v = (x.tolist() for x in found)
+        upper = [[*row, *(-y for y in other)] for row, other in zip(u, v, strict=True)]
+        return fmpq_mat(upper + [[*other, *row] for row, other in zip(u, v, strict=True)])
+
+    def check_value(self) -> None:
+        """Raise UndecidedError if an exact value would take more than MAX_VALUE_WORK."""
         n, bits = self.states, self.bits
         if n**3 * bits > MAX_VALUE_WORK:
             raise UndecidedError(f"one exact value for {n} states with {bits} bits takes too long, too")
+
+    def image(self, re: Fraction, im: Fraction, vector: Iterable[Parts]) -> tuple[Parts, ...] | None:
+        """Exact value of the function times a vector, real and imaginary part of each component; None at a pole."""
+        entries = [fmpq(x.numerator, x.denominator) for parts in vector for x in parts]
+        v = fmpq_mat(self.size, 2, entries)
+        found = self._value(re, im, self.b * v, self.d * v)
+        if found is None:
+            return None
+        u, w = (x.tolist() for x in found)  # of real and imaginary part of the vector
+        sums = [(a[0] - b[1], b[0] + a[1]) for a, b in zip(u, w, strict=True)]
+        return tuple((Fraction(int(a.p), int(a.q)), Fraction(int(b.p), int(b.q))) for a, b in sums)
+
+    def _value(self, re: Fraction, im: Fraction, b: fmpq_mat, d: fmpq_mat) -> tuple[fmpq_mat, fmpq_mat] | None:
+        """Real and imaginary part of d + C (sI - A)^-1 b."""
+        n = self.states
         w, shifted = fmpq(im.numerator, im.denominator), identity(n) * fmpq(re.numerator, re.denominator) - self.a
-        try:  # (G + jw)^-1 B = (G - jw) X
-            x = (shifted * shifted + identity(n) * (w * w)).solve(self.b)
+        try:  # (G + jw)^-1 b = (G - jw) X
+            x = (shifted * shifted + identity(n) * (w * w)).solve(b)
         except ZeroDivisionError:
             return None
-        u, v = (self.d + self.c * (shifted * x)).tolist(), (self.c * x * -w).tolist()
-        upper = [[*row, *(-y for y in other)] for row, other in zip(u, v, strict=True)]
-        return fmpq_mat(upper + [[*other, *row] for row, other in zip(u, v, strict=True)])
+        return d + self.c * (shifted * x), self.c * x * -w
 
     def markov(self, number: int) -> list[fmpq_mat]:
         """C B, C A B, C A^2 B, ...: what remains of the transfer matrix without D, in powers of 1/s."""
@@ -164,9 +244,9 @@ class StateSpace:
         chosen = self.independent_columns()
         if len(chosen) == self.states:
             return identity(self.states), self
-        krylov = _krylov(self.a, self.b)
-        for some in (chosen, range(krylov.ncols())):  # all, should the prime have hidden a column
-            echelon, rank = columns(krylov, some).transpose().rref()
+        whole = _krylov(self.a, self.b, self.states)
+        for some in (chosen, range(whole.ncols())):  # all, should the prime have hidden a column
+            echelon, rank = columns(whole, some).transpose().rref()
             pivots = [next(k for k in range(self.states) if echelon[i, k]) for i in range(rank)]
             v = fmpq_mat(rank, self.states, echelon.entries()[: rank * self.states]).transpose()
             a, b = (columns(x.transpose(), pivots).transpose() for x in (self.a * v, self.b))
@@ -176,24 +256,53 @@ class StateSpace:
 
     def independent_columns(self) -> list[int]:
         """Which columns of [B, A B, A^2 B, ...] are independent modulo a prime, and so at all: n if all is reached."""
-        (a, _), (b, _) = self.a.numer_denom(), self.b.numer_denom()
-        seen, rank = _krylov(nmod_mat(a, _PRIME), nmod_mat(b, _PRIME)).rref()
-        return [next(k for k in range(seen.ncols()) if seen[i, k] != 0) for i in range(rank)]
+        n, m = self.states, self.size
+        a, b = (nmod_mat(x.numer_denom()[0], _PRIME) for x in (self.a, self.b))
+        blocks = -(-n // m)
+        while True:
+            seen, rank = _krylov(a, b, blocks).rref()
+            if rank == n or blocks >= n:
+                return [next(k for k in range(seen.ncols()) if seen[i, k] != 0) for i in range(rank)]
+            blocks = min(2 * blocks, n)
 
-    def krylov(self, chosen: list[int]) -> fmpq_mat:
-        """Some columns of [B, A B, A^2 B, ...]."""
-        return columns(_krylov(self.a, self.b), chosen)
 
-
-def _krylov(a: Any, b: Any) -> Any:
-    """[B, A B, A^2 B, ...] with n blocks, over Q or modulo the prime."""
+def _krylov(a: Any, b: Any, number: int) -> Any:
+    """[B, A B, A^2 B, ...], so many blocks, over Q or modulo the prime."""
     blocks, x = [], b
-    for _ in range(a.nrows()):
-        blocks.append(x.tolist())
+    for _ in range(number):
+        blocks.append(x)
         x = a * x
-    entries = [c for i in range(a.nrows()) for block in blocks for c in block[i]]
-    shape = a.nrows(), a.nrows() * b.ncols()
-    return nmod_mat(*shape, entries, _PRIME) if isinstance(a, nmod_mat) else fmpq_mat(*shape, entries)
+    return side_by_side(blocks, b)
+
+
+def side_by_side(blocks: list[Any], like: Any) -> Any:
+    """Matrices of one height as one, of the kind of another."""
+    rows = [block.tolist() for block in blocks]
+    entries = [c for i in range(like.nrows()) for block in rows for c in block[i]]
+    return _like(like, sum(block.ncols() for block in blocks), entries)
+
+
+def _like(a: Any, width: int, entries: list[Any]) -> Any:
+    """A matrix as high as another, over the same field."""
+    field = (a.modulus(),) if isinstance(a, nmod_mat) else ()
+    return type(a)(a.nrows(), width, entries, *field)
+
+
+def dissipation(kind: Kind, a: Any, b: Any, c: Any, d: Any, p: Any) -> Any:
+    """L(P), by which the stored energy x^T P x grows by more than what enters: in fractions or in balls, P symmetric.
+
+    [[A^T P + P A, P B - C^T], [B^T P - C, -D - D^T]] of impedances; else, with waves that enter and leave,
+    [[A^T P + P A + C^T C, P B + C^T D], [B^T P + D^T C, D^T D - I]].
+    """
+    pa, pb, ct, dt = p * a, p * b, c.transpose(), d.transpose()
+    loss = pa + pa.transpose()
+    if kind is Kind.PR:
+        cross, direct = pb - ct, (d + dt) * -1
+    else:
+        loss, cross, direct = loss + ct * c, pb + ct * d, dt * d - type(d)(identity(d.nrows()))
+    rows = [[*x, *y] for x, y in zip(loss.tolist(), cross.tolist(), strict=True)]
+    rows += [[*x, *y] for x, y in zip(cross.transpose().tolist(), direct.tolist(), strict=True)]
+    return type(p)(rows)
 
 
 def identity(n: int) -> fmpq_mat:
@@ -201,10 +310,10 @@ def identity(n: int) -> fmpq_mat:
     return fmpq_mat(n, n, [int(i == k) for i in range(n) for k in range(n)])
 
 
-def columns(a: fmpq_mat, chosen: Iterable[int]) -> fmpq_mat:
+def columns(a: Any, chosen: Iterable[int]) -> Any:
     """Some columns of a matrix."""
     chosen = list(chosen)
-    return fmpq_mat(a.nrows(), len(chosen), [a[i, k] for i in range(a.nrows()) for k in chosen])
+    return _like(a, len(chosen), [a[i, k] for i in range(a.nrows()) for k in chosen])
 
 
 def _matrix(name: str, rows: list[list[Any]], height: int, width: int) -> fmpq_mat:

@@ -87,11 +87,11 @@ class SampleVerdict(Decided):
 
         return samples_as_dict(self)
 
-    def _figure(self) -> Any:
-        """The worst values against their bound."""
+    def plot(self, ax: Any = None) -> Any:
+        """The worst values against their bound, on `ax` or in a new figure."""
         from passivity.sampled.report import draw_samples
 
-        return draw_samples(self)
+        return draw_samples(self, ax=ax)
 
     @property
     def worst_value(self) -> float:
@@ -181,7 +181,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
     beyond = excess(worst, parameter) - bars
     k = int(np.argmax(beyond))
-    witness = _witness(response, k, Fraction(float(bars[k]))) if beyond[k] > 0 else None
+    witness = _witness(response, k, right[k], Fraction(float(bars[k]))) if beyond[k] > 0 else None
     status = Status.REFUTED if witness else Status.NO_VIOLATION
     return SampleVerdict(response, status, worst, bars, _bands(response, worst, beyond > 0), witness, by_digits)
 
@@ -219,11 +219,9 @@ def _bands(response: SampledResponse, worst: NDArray, violating: NDArray) -> tup
     return tuple(bands)
 
 
-def _witness(response: SampledResponse, k: int, bar: Fraction) -> SampleWitness | None:
+def _witness(response: SampledResponse, k: int, vector: NDArray[np.complex128], bar: Fraction) -> SampleWitness | None:
     """The k-th sample as a witness in exact arithmetic, None if it is none."""
     matrix, scattering = response.values[k], response.parameter is Parameter.S
-    vector: NDArray[np.complex128]
-    vector = np.linalg.svd(matrix)[2][0].conj() if scattering else np.linalg.eigh(matrix + matrix.conj().T)[1][:, 0]
     exact = np.vectorize(Fraction, otypes=[object])
     v = exact(np.concatenate([vector.real, vector.imag]))
     image = exact(np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])) @ v

@@ -4,8 +4,8 @@ Poles stay. Wherever the worst value of a model has an extreme beyond its bound,
 Re v^H Z(jw) v >= 0 with the eigenvector v, or Re u^H S(jw) v <= 1 with the singular vectors u and v: a condition that
 is linear in the coefficients. All of them, old and new, are kept, and what is made small under them is the sum of
 |change|^2 at the samples. The conditions are necessary, so the limit is the best possible change but for what is
-spared. Of one port the exact test finds the extremes, of several a grid that shows all resonances, and then the
-Hamiltonian test. What comes out is proved, or not, by the exact test.
+spared. A grid that shows all resonances finds the extremes, and then of one port the exact test, of several the
+Hamiltonian one. What comes out is proved, or not, by the exact test.
 
 References
 ----------
@@ -28,8 +28,18 @@ from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
 from passivity.exact.verdict import Verdict
-from passivity.sampled.check import check_samples, excess
-from passivity.sampled.extremes import Place, exact_extremes, extremes_on_grid, grid_of, seen, verdict_of
+from passivity.sampled.check import check_samples
+from passivity.sampled.extremes import (
+    Place,
+    bands_of,
+    extremes_on_grid,
+    grid_of,
+    inside,
+    off_poles,
+    places_of,
+    verdict_of,
+    worst_of,
+)
 from passivity.sampled.model import MatrixModel, PartialFractions, PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 from passivity.status import Decided, Status
@@ -97,7 +107,7 @@ class Enforced(Decided):
     @cached_property
     def worst(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """Largest |S| or singular value, smallest Re Z or eigenvalue, and its frequency in Hz: before and after."""
-        return _worst(self.original), _worst(self.model)
+        return worst_of(self.original), worst_of(self.model)
 
     @property
     def response(self) -> SampledResponse:
@@ -116,11 +126,11 @@ class Enforced(Decided):
 
         return models_as_dict(self)
 
-    def _figure(self) -> Any:
-        """The worst values of samples and models against their bound."""
+    def plot(self, ax: Any = None) -> Any:
+        """The worst values of samples and models against their bound, on `ax` or in a new figure."""
         from passivity.sampled.report import draw_samples
 
-        return draw_samples(check_samples(self.samples), self)
+        return draw_samples(check_samples(self.samples), self, ax)
 
 
 def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) -> Enforced:
@@ -159,7 +169,6 @@ def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) 
         expected = "samples, a Touchstone file, or a PoleResidueModel or MatrixModel"
         raise ExpressionError("what", "no model can be made of it", expected, type(what).__name__)
     w = grid_of(what, np.zeros(0))
-    w = w[~np.isin(w, what.poles.imag[what.poles.real == 0])]
     return enforce(what, SampledResponse(w / (2 * np.pi), what.matrices(w), what.parameter))
 
 
@@ -195,25 +204,11 @@ def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -
     free = _free(model, samples, only_constant)
     verdict, rounds, changed = verdict_of(model), 0, model
     if verdict.status is not Status.PROVED:
-        if isinstance(model, PoleResidueModel):
-            found, rounds = _least_changed(model, w, free, exact_extremes)
-            after = verdict_of(found)
-        else:
-            found, after, rounds = _of_several(model, w, free)
+        found, after, rounds = _nearest(model, w, free)
         changed, verdict = (found, after) if after.status is Status.PROVED else (model, verdict)
     here, before = changed.matrices(w), model.matrices(w)
     errors = deviation(here, before), deviation(here, data), deviation(before, data)
     return Enforced(changed, model, verdict, rounds, *errors, samples)
-
-
-def _worst(model: PoleResidueModel | MatrixModel) -> tuple[float, float]:
-    """The worst value over all frequencies, exact of one port, and its frequency in Hz."""
-    if isinstance(model, PoleResidueModel):
-        margins = verdict_of(model).margins
-        margin = margins.reflection if model.parameter is Parameter.S else margins.input
-        return (margin.value, margin.frequency / (2 * np.pi)) if margin else (math.nan, math.nan)
-    analysis = seen(model)
-    return analysis.value, analysis.frequency / (2 * np.pi)
 
 
 def deviation(values: NDArray, reference: NDArray) -> Deviation:
@@ -284,30 +279,32 @@ def _least_changed(model: M, w: NDArray, free: NDArray, extremes: Callable[[M], 
     return changed, MAX_ROUNDS
 
 
-def _of_several(model: MatrixModel, w: NDArray, free: NDArray) -> tuple[MatrixModel, Verdict, int]:
-    """The nearest passive model, moved inside the bound until that is proved; else the last that was tried."""
+def _nearest(model: M, w: NDArray, free: NDArray) -> tuple[M, Verdict, int]:
+    """The nearest passive model, of several ports moved inside until that is proved; else the last that was tried."""
     marks, size = [], 0.0
     unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
 
-    def extremes(changed: MatrixModel) -> list[Place]:
+    def extremes(changed: M) -> list[Place]:
         nonlocal size
         if places := extremes_on_grid(changed, w, np.array(marks)):
             return places
-        analysis = seen(changed)
-        size = float(excess(np.array(analysis.value), model.parameter)) + analysis.value_error
-        edges = np.array([analysis.frequency, *np.ravel(analysis.bands)])
-        marks.extend(edges[np.isfinite(edges)])
-        return extremes_on_grid(changed, w, np.array(marks)) if size > BARELY * unit else []
+        bands, size = bands_of(changed)
+        if size <= BARELY * unit:
+            return []
+        inner = off_poles(changed, np.concatenate([[], *(inside(*band) for band in bands)]))
+        marks.extend(inner)
+        places = extremes_on_grid(changed, w, np.array(marks))
+        return places or (places_of(changed, inner) if size == math.inf else [])  # seen in exact numbers alone
 
     found, rounds = _least_changed(model, w, free, extremes)
     verdict = verdict_of(found)
     for room in ROOM:
         if verdict.status is Status.PROVED or not size < math.inf:
             break
-        inside = found.moved_inside(max(size, 0.0) + room * unit)
-        verdict = verdict_of(inside)
+        moved = found.moved_inside(max(size, 0.0) + room * unit)
+        verdict = verdict_of(moved)
         if verdict.status is Status.PROVED:
-            return inside, verdict, rounds
+            return moved, verdict, rounds
     return found, verdict, rounds
 
 

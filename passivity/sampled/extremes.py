@@ -1,7 +1,7 @@
 """Where a model is not passive: the extremes of its worst value beyond the bound, and the exact verdict."""
 
 import math
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ from passivity.sampled.response import Parameter
 from passivity.status import Status
 
 FEW = 4  # ports up to which the exact test takes seconds
-POINTS = 60  # in a forbidden band, at equal ratios
 BEYOND = 1e6  # times the largest frequency: stands for infinity, its inverse for zero
 AROUND = np.tan(np.linspace(-1.5, 1.5, 17))  # of the half width of a resonance: frequencies that show it
 EVEN = 100  # frequencies at equal ratios
@@ -58,59 +57,47 @@ def places_of(model: PoleResidueModel | MatrixModel, w: NDArray) -> list[Place]:
     return [(float(w[i]), float(beyond[i, j]), left[i, :, j], right[i, :, j]) for i, j in chosen]
 
 
-def exact_extremes(model: PoleResidueModel) -> list[Place]:
-    """Where a function is locally worst in each of its forbidden bands, which the exact test finds."""
+def bands_of(model: PoleResidueModel | MatrixModel) -> tuple[list[tuple[float, float]], float]:
+    """Bands beyond the bound, rad/s, and by how much: exact of one port, infinite if at all; else in floating point."""
+    if isinstance(model, MatrixModel):
+        analysis = seen(model)
+        return list(analysis.bands), float(excess(np.array(analysis.value), model.parameter)) + analysis.value_error
     verdict = verdict_of(model)
-    if verdict.status is not Status.REFUTED:
-        return []
     try:
-        return places_of(model, worst_frequencies(model, violations(verdict.negative)))
+        bands = violations(verdict.negative) if verdict.status is Status.REFUTED else []
     except UndecidedError:
-        return []
+        bands = []
+    return bands, math.inf if bands else -math.inf
 
 
-def worst_frequencies(model: PoleResidueModel, bands: list[tuple[float, float]]) -> NDArray:
-    """In each forbidden band all frequencies where the model is locally worst, rad/s."""
-    marks = np.array([*np.abs(model.poles), *(edge for band in bands for edge in band)])
-    marks = marks[(marks > 0) & (marks < math.inf)]
-    least, most = (marks.min() / BEYOND, marks.max() * BEYOND) if len(marks) else (1.0, 1.0)
-    found = []
-    for low, high in bands:
-        low, high = max(low, least), min(high, most)
-        near = [np.abs(a.imag + a.real * AROUND) for a in model.poles if a.real]
-        inner = np.concatenate([np.geomspace(low, high, POINTS), *near])
-        w = np.unique(inner[(inner >= low) & (inner <= high)])
-        beyond = _beyond(model, w)
-        padded = np.pad(beyond, 1, constant_values=-math.inf)
-        peaks = np.flatnonzero((beyond >= padded[:-2]) & (beyond > padded[2:]) & (beyond > 0))
-        peaks = peaks if len(peaks) else np.array([np.argmax(beyond)])
-        found += [_summit(model, w, int(k)) for k in peaks]
-    return np.array(found)
+def worst_of(model: PoleResidueModel | MatrixModel) -> tuple[float, float]:
+    """The worst value over all frequencies, exact of one port, and its frequency in Hz."""
+    if isinstance(model, PoleResidueModel):
+        margins = verdict_of(model).margins
+        margin = margins.reflection if model.parameter is Parameter.S else margins.input
+        return (margin.value, margin.frequency / (2 * np.pi)) if margin else (math.nan, math.nan)
+    analysis = seen(model)
+    return analysis.value, analysis.frequency / (2 * np.pi)
+
+
+def inside(low: float, high: float) -> list[float]:
+    """Frequencies in a band that may begin at zero or go on for ever."""
+    if high == math.inf:
+        return [2 * low, BEYOND * low] if low else [1.0]
+    return [low, math.sqrt(low * high) or high / 2, (low + high) / 2, high]
 
 
 def _beyond(model: PoleResidueModel | MatrixModel, w: NDArray) -> NDArray:
     return excess(worst_values(model.matrices(w), model.parameter), model.parameter)
 
 
-def _summit(model: PoleResidueModel, w: NDArray, k: int) -> float:
-    """The top between the neighbours of a point that is higher than they."""
-    from scipy.optimize import minimize_scalar
-
-    low, high = math.log(w[max(k - 1, 0)]), math.log(w[min(k + 1, len(w) - 1)])
-    if low == high:
-        return float(w[k])
-    top: Any = minimize_scalar(lambda x: -_beyond(model, np.exp([x]))[0], bounds=(low, high), method="bounded")
-    found = np.array([w[k], math.exp(top.x)])
-    return float(found[np.argmax(_beyond(model, found))])
-
-
-def extremes_on_grid(model: MatrixModel, w: NDArray, also: NDArray) -> list[Place]:
+def extremes_on_grid(model: PoleResidueModel | MatrixModel, w: NDArray, also: NDArray) -> list[Place]:
     """Frequencies beyond the bound, wherever the worst value has an extreme."""
     grid = grid_of(model, np.concatenate([w, also]))
     peaks = _peaks(model, grid)
     for _ in range(CLOSER):
         low, high = grid[np.maximum(peaks - 1, 0)], grid[np.minimum(peaks + 1, len(grid) - 1)]
-        grid = np.unique(low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 12))
+        grid = off_poles(model, low[:, None] + (high - low)[:, None] * np.linspace(0, 1, 12))
         peaks = _peaks(model, grid)
     return [place for place in places_of(model, grid[peaks]) if place[1] > 0]
 
@@ -120,10 +107,15 @@ def grid_of(model: PartialFractions, also: NDArray) -> NDArray:
     a = model.poles
     top = max(float(also.max(initial=0.0)), float(np.abs(a).max(initial=0.0))) or 1.0
     around = np.abs(a.imag[:, None] + a.real[:, None] * AROUND).ravel()
-    return np.unique(np.concatenate([[0.0], also, around, np.geomspace(top / BEYOND, top * BEYOND, EVEN)]))
+    return off_poles(model, np.concatenate([[0.0], also, around, np.geomspace(top / BEYOND, top * BEYOND, EVEN)]))
 
 
-def _peaks(model: MatrixModel, grid: NDArray) -> NDArray:
+def off_poles(model: PartialFractions, w: NDArray) -> NDArray:
+    """The frequencies in rising order, without those of poles on the axis."""
+    return np.setdiff1d(w, model.poles.imag[model.poles.real == 0])
+
+
+def _peaks(model: PoleResidueModel | MatrixModel, grid: NDArray) -> NDArray:
     """Where the worst value is beyond the bound and no better than at the neighbours."""
     beyond = np.pad(_beyond(model, grid), 1, constant_values=-math.inf)
     inner = beyond[1:-1]

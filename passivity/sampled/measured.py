@@ -21,12 +21,10 @@ from numpy.typing import ArrayLike
 
 from passivity.errors import ExpressionError
 from passivity.exact.verdict import Verdict
-from passivity.floats.axis import AxisAnalysis
-from passivity.polynomial.bands import violations
 from passivity.rational.state_space import MAX_STATES
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
-from passivity.sampled.extremes import FEW, seen, verdict_of, worst_frequencies
+from passivity.sampled.extremes import FEW, bands_of, verdict_of, worst_of
 from passivity.sampled.fit import MEETING, Reached, fit, fits
 from passivity.sampled.model import MatrixModel, PoleResidueModel
 from passivity.sampled.response import Parameter, SampledResponse
@@ -68,11 +66,6 @@ class DelayedModel:
         """Exact, of `model`. Passive if and only if it is `PROVED`."""
         return verdict_of(self.model)
 
-    @cached_property
-    def seen(self) -> AxisAnalysis:
-        """Largest singular value of S' of several ports over all frequencies, and bands beyond 1, in floating point."""
-        return seen(self.model)
-
     @property
     def order(self) -> int:
         """Number of poles, both of a pair counted."""
@@ -99,24 +92,14 @@ class DelayedModel:
         """Why it is passive, or where it is not."""
         if self.verdict.status is not Status.REFUTED:
             return self.verdict.why
-        if isinstance(self.model, PoleResidueModel):
-            bands, what = violations(self.verdict.negative), "|S| > 1"
-            places = worst_frequencies(self.model, bands)
-            sizes = np.abs(self.model.at(places))
-            size, w = float(sizes.max()), float(places[sizes.argmax()])
-        else:
-            bands, what, size, w = (
-                self.seen.bands,
-                "S has a singular value above 1",
-                self.seen.value,
-                self.seen.frequency,
-            )
-        near = [band for band in bands if band[0] <= w <= band[1]]
+        bands, (size, f) = bands_of(self.model)[0], worst_of(self.model)
+        what = "|S| > 1" if isinstance(self.model, PoleResidueModel) else "S has a singular value above 1"
+        near = [band for band in bands if band[0] <= 2 * np.pi * f <= band[1]]
         if not near:
-            return f"{what} by no more than rounding, at or near {w / (2 * np.pi):.4g} Hz"
+            return f"{what} by no more than rounding, at or near {f:.4g} Hz"
         low, high = (edge / (2 * np.pi) for edge in near[0])
         band = f"from {low:.4g} Hz to {high:.4g} Hz" if high < np.inf else f"above {low:.4g} Hz"
-        where = f"at {w / (2 * np.pi):.4g} Hz" if w < np.inf else "towards infinity"
+        where = f"at {f:.4g} Hz" if f < np.inf else "towards infinity"
         return f"{what} {band}, by up to {size - 1:.3g} {where}"
 
 

@@ -1,6 +1,7 @@
 """Rational models as sums of partial fractions, of one port and of several with common poles, and the same exactly."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Self
 
@@ -11,11 +12,12 @@ from passivity.errors import ExpressionError
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
 from passivity.sampled.response import Parameter, array
+from tline.presentation import Presentation, plain
 
 MAX_POLES = 100  # each pair counted once
 
 
-class PartialFractions:
+class PartialFractions(Presentation):
     """d + e s + sum of r/(s - a), where each a with Im a > 0 stands for itself and its conjugate, with r and conj r."""
 
     poles: Any
@@ -23,6 +25,18 @@ class PartialFractions:
     constant: Any
     proportional: Any
     parameter: Any
+    picture = "passivity.sampled.report:draw_model"
+
+    def text_lines(self) -> Iterator[str]:
+        """What it is of, and its poles."""
+        ports = len(np.atleast_1d(self.constant))
+        yield f"{self.parameter.value} of {ports} port{'s' * (ports > 1)}, {self.order} poles, rad/s"
+        for a in self.poles:
+            yield f"  {a.real:.6g}" + (f" ± {a.imag:.6g}j" if a.imag else "")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Real and imaginary part of each pole and residue; of several ports residues and the rest are matrices."""
+        return plain({name: getattr(self, name) for name in ("poles", "residues", "constant", "proportional")})
 
     @property
     def order(self) -> int:
@@ -47,6 +61,18 @@ class PartialFractions:
             k += 1 + (a.imag > 0)
         return type(self)(self.poles, residues, x[k], x[k + 1], self.parameter)  # pyright: ignore[reportCallIssue]
 
+    def over(self, size: float) -> Self:
+        """S/size, rounded."""
+        return self.with_coefficients(self.coefficients / size)
+
+    def moved_inside(self, by: float) -> Self:
+        """S/(1 + by), or Z + by: less beyond the bound by so much."""
+        if self.parameter is Parameter.S:
+            return self.over(1 + by)
+        x = self.coefficients
+        x[-2] += by * np.eye(len(np.atleast_1d(self.constant))).reshape(x.shape[1:])
+        return self.with_coefficients(x)
+
     def at(self, w: NDArray) -> NDArray[np.complex128]:
         """Values at s = jw; w in rad/s, shape (n,)."""
         return np.tensordot(terms(self.poles, w), self.coefficients, 1)
@@ -57,7 +83,7 @@ class PartialFractions:
         return self.at(w).reshape(-1, p, p)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PoleResidueModel(PartialFractions):
     """A function d + e s + sum of r/(s - a), each a with Im a > 0 standing for its conjugate too, with r and conj r.
 
@@ -122,7 +148,7 @@ class PoleResidueModel(PartialFractions):
         return total
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MatrixModel(PartialFractions):
     """A matrix D + E s + sum of R/(s - a) with common poles, each a with Im a > 0 standing for its conjugate too.
 
@@ -165,16 +191,6 @@ class MatrixModel(PartialFractions):
         """The matrix, its floats taken as the binary numbers they are."""
         ports = range(len(self.constant))
         return RationalMatrix(tuple(tuple(self.entry(i, k).rational() for k in ports) for i in ports))
-
-    def over(self, size: float) -> Self:
-        """S/size, rounded."""
-        return self.with_coefficients(self.coefficients / size)
-
-    def moved_inside(self, by: float) -> Self:
-        """S/(1 + by), or Z + by: less beyond the bound by so much."""
-        if self.parameter is Parameter.S:
-            return self.over(1 + by)
-        return replace(self, constant=self.constant + by * np.eye(len(self.constant)))
 
     def realised(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """A, B, C, D of dx/dt = A x + B a, b = C x + D a, without E: for each pole one state a port, for each pair two.

@@ -9,8 +9,10 @@ from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
 from passivity.exact.certificate import verify
+from passivity.exact.report import beside_one
 from passivity.sampled.check import Band, SampleVerdict, worst_values
 from passivity.sampled.enforce import Enforced
+from passivity.sampled.extremes import off_poles
 from passivity.sampled.model import PartialFractions
 from passivity.sampled.response import Parameter
 
@@ -39,13 +41,9 @@ def samples_as_dict(verdict: SampleVerdict, enforced: Enforced | None = None) ->
         "grid": {"samples": len(response.f), "first": float(response.f[0]), "last": float(response.f[-1])},
     }
     if witness:
-        told["witness"] = {
-            "sample": witness.sample,
-            "frequency": witness.frequency,
-            "vector": [[v.real, v.imag] for v in witness.vector],
-            "value": str(witness.value),
-            "bar": str(witness.bar),
-        }
+        vector = [[v.real, v.imag] for v in witness.vector]
+        told["witness"] = witness._asdict() | {"vector": vector}
+        told["witness"] |= {name: str(getattr(witness, name)) for name in ("value", "bar")}
     return told | ({} if enforced is None else models_as_dict(enforced))
 
 
@@ -54,18 +52,11 @@ def models_as_dict(enforced: Enforced) -> dict[str, Any]:
     certificate, told = enforced.verdict.certificate, {}
     models = {"fitted": (enforced.original, enforced.misfit_before), "model": (enforced.model, enforced.misfit)}
     for (name, (model, misfit)), (worst, frequency) in zip(models.items(), enforced.worst, strict=True):
-        told[name] = _model(model) | {"misfit": misfit._asdict(), "worst": worst}
+        told[name] = model.to_dict() | {"misfit": misfit._asdict(), "worst": worst}
         told[name]["worst_frequency"] = frequency if np.isfinite(frequency) else str(frequency)
     told["model"] |= {"status": enforced.status.value, "why": enforced.why, "rounds": enforced.rounds}
     told["model"] |= {"verified": certificate is not None and verify(certificate), "change": enforced.change._asdict()}
     return told
-
-
-def _model(model: PartialFractions) -> dict[str, Any]:
-    """Real and imaginary part of each pole and residue; of several ports residues and the rest are matrices."""
-    poles, residues = (np.stack([x.real, x.imag], -1).tolist() for x in (model.poles, model.residues))
-    rest = {"constant": model.constant, "proportional": model.proportional}
-    return {"poles": poles, "residues": residues} | {name: np.asarray(x).tolist() for name, x in rest.items()}
 
 
 def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[str]:
@@ -75,7 +66,7 @@ def in_lines(verdict: SampleVerdict, enforced: Enforced | None = None) -> list[s
     lines = [
         f"{len(response.f)} samples of {response.parameter.value}, {response.ports} port{'s' * (response.ports > 1)}, "
         f"{response.f[0]:.6g} to {response.f[-1]:.6g} Hz: {verdict.status.value}",
-        f"  {name} = {_value(verdict)} at {verdict.worst_frequency:.6g} Hz",
+        f"  {name} = {beside_one(verdict.worst_value)} at {verdict.worst_frequency:.6g} Hz",
         *_allowed(verdict),
     ]
     lines += [f"  violated {_band(band, response.parameter)}" for band in verdict.bands[:_MOST_BANDS]]
@@ -100,13 +91,6 @@ def model_in_lines(enforced: Enforced) -> list[str]:
     ]
 
 
-def _value(verdict: SampleVerdict) -> str:
-    """Six digits, and more where they would hide on which side of 1 it lies."""
-    text = f"{verdict.worst_value:.6g}"
-    off = verdict.worst_value - 1
-    return f"1 {'-' if off < 0 else '+'} {abs(off):.3g}" if text == "1" and off else text
-
-
 def _allowed(verdict: SampleVerdict) -> list[str]:
     """How far the worst sample is beyond the bound, and how far it may be off."""
     if verdict.worst_excess <= 0:
@@ -125,7 +109,7 @@ def _band(band: Band, parameter: str) -> str:
     return f"{where}, worst {worst} at {band.frequency:.6g} Hz"
 
 
-def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Figure:
+def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None, ax: Axes | None = None) -> Any:
     """A figure: worst singular value of S or smallest eigenvalue of Z or Y against frequency, violations shaded.
 
     Parameters
@@ -134,10 +118,12 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
         From `check_samples`.
     enforced : Enforced, optional
         Its models, before and after, are drawn to BEYOND times the highest frequency.
+    ax : matplotlib Axes, optional
+        Where to draw; without it a new figure.
     """
     response, f = verdict.response, verdict.response.f
     figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
-    axes = figure.subplots()
+    axes = ax if ax is not None else figure.subplots()
     for k, band in enumerate(verdict.bands):
         label = "" if k else "samples violate the bound"
         axes.axvspan(*_ends(band), facecolor=_BAD, alpha=0.3, hatch="///", edgecolor="white", linewidth=0, label=label)
@@ -167,8 +153,24 @@ def draw_samples(verdict: SampleVerdict, enforced: Enforced | None = None) -> Fi
     axes.legend(loc="best", fontsize=8, frameon=False)
     title = f"samples: {verdict.status.value}"
     title += "" if enforced is None else f"; model: {enforced.status.value}"
+    if ax is not None:
+        ax.set_title(title, loc="left")
+        return ax
     figure.suptitle(title, x=0.02, ha="left", fontweight="bold")
     return figure
+
+
+def draw_model(model: PartialFractions, ax: Axes | None = None) -> Any:
+    """Magnitude of all entries over frequency, from below the slowest to above the fastest pole."""
+    figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
+    axes = ax if ax is not None else figure.subplots()
+    sizes = np.abs(model.poles[model.poles != 0]) if np.any(model.poles) else np.ones(1)
+    w = off_poles(model, np.geomspace(sizes.min() / 10, sizes.max() * 10, POINTS))
+    axes.loglog(w / (2 * np.pi), np.abs(model.matrices(w)).reshape(len(w), -1), linewidth=1.7)
+    axes.set(xlabel="frequency f", ylabel=f"|{model.parameter.value}|" + _UNITS[model.parameter])
+    axes.xaxis.set_major_formatter(EngFormatter("Hz"))
+    axes.grid(alpha=0.3)
+    return figure if ax is None else ax
 
 
 def _ends(band: Band) -> tuple[float, float]:
@@ -181,9 +183,7 @@ def _ends(band: Band) -> tuple[float, float]:
 def _draw_models(axes: Axes, enforced: Enforced, f: NDArray) -> None:
     spread = np.geomspace if f[0] > 0 else np.linspace
     ends = f[0], f[-1] * BEYOND
-    w = 2 * np.pi * np.unique([*f, *np.linspace(*ends, POINTS), *spread(*ends, POINTS)])
-    on_axis = enforced.model.poles.imag[enforced.model.poles.real == 0]
-    w = w[~np.isin(w, on_axis)]
+    w = off_poles(enforced.model, 2 * np.pi * np.array([*f, *np.linspace(*ends, POINTS), *spread(*ends, POINTS)]))
     for model, color, style, name in (
         (enforced.original, _BEFORE, "--", "model as given"),
         (enforced.model, _AFTER, "-", "nearest passive model"),

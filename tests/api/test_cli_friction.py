@@ -12,6 +12,9 @@ from matplotlib.image import imread
 import friction
 from tline.cli.main import main
 
+LAW = "--set F_s=1.5 --set F_v=0 --set v_s=0.01"
+HUNTING = f"run karnopp {LAW} --pid '100 N/m, 200 N/(m s), 5 N s/m' --target '1 cm' --t-end 60"
+
 
 def run(command):
     return CliRunner().invoke(main, ["friction", *shlex.split(command)], catch_exceptions=False)
@@ -30,7 +33,9 @@ def run(command):
         ("run karnopp --spring '20 N/m' --pull '5 cm/s' --t-end 60", "stop at"),
         ("run elasto-plastic --sine '0.6 N' --frequency '1 Hz'", "rosenbrock (order 5): done"),
         ("run coulomb --set F_c=1 --method moreau --step 0.001", "moreau (order 1): done"),
-        ("curve lugre dahl --set sigma0=100", "dahl [N]"),
+        ("run coulomb --sine '0.5 N' --frequency '1 Hz' --offset '0.9 N' --slope '0.1 N/s'", "break-away at 0.0"),
+        ("run coulomb karnopp --offset '2 N' --t-end 1", "karnopp by events"),
+        (HUNTING, "sticks and slips to and fro: period 5.5367546 s, span 0.0091603998 m"),
     ],
 )
 def test_answers(command, words):
@@ -60,11 +65,19 @@ def test_answers(command, words):
         ("run coulomb --sine 1", "--sine: needs its partner"),
         ("run coulomb --spring 1", "--spring: needs its partner"),
         ("run coulomb --spring -1 --pull 1", "--spring: too small"),
-        ("run coulomb --slope 1 --sine 1 --frequency 1", "--sine: another force than --slope"),
+        ("run coulomb --phase 1", "--sine: needs its partner"),
+        ("run coulomb --table nothing.csv --slope 1", "--table: another force than --slope"),
+        ("run coulomb --hold", "--hold: nothing to hold"),
+        ("run coulomb --spring 1 --pid 1", "--pid: beside a spring"),
+        ("run coulomb --target 1", "--target: needs its partner, expected --pid beside it"),
+        ("run coulomb --pid 1,2,3,4", "--pid: too many gains"),
+        ("run coulomb --pid 1,-2", "--pid: too small"),
+        ("run lugre --pid 1", "--method: 'rosenbrock' knows no controller"),
+        ("run coulomb --method euler --step 1 --samples 5", "--samples: 'euler' has fixed steps"),
+        ("run coulomb karnopp --set sigma0=1", "--set: the coulomb or karnopp model has no sigma0"),
         ("run coulomb --table nothing.csv", "--table: 'nothing.csv' cannot be read"),
         ("run coulomb --plot out.gif", "--plot: unknown kind of file"),
         ("run coulomb --t-end 0", "--t-end: too small"),
-        ("curve lugre --velocity 0", "--velocity: not positive"),
     ],
 )
 def test_mistakes(command, sentence, tmp_path, monkeypatch):
@@ -84,6 +97,29 @@ def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):
     assert run("run coulomb --table force.csv").stderr.startswith("--table: line 2 is not 2 numbers, expected t, F")
     (tmp_path / "force.csv").write_text("0,0,1\n", encoding="utf-8")
     assert run("run coulomb --table force.csv").stderr.startswith("--table: line 1 is not 2 numbers")
+
+
+def test_a_held_table_jumps(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "force.csv").write_text("t [s]; F [N]\n0; 0\n1; 2,0\n", encoding="utf-8")
+    told = json.loads(run("run coulomb --table force.csv --hold --t-end 3 --samples 3 --csv out.csv --json").output)
+    assert told["events"] == [{"kind": "break-away", "t": 1.0, "x": 0.0}]
+    assert told["end"]["v"] == pytest.approx(2.0)
+    rows = list(csv.DictReader((tmp_path / "out.csv").read_text(encoding="utf-8").splitlines()))
+    assert [float(row["t"]) for row in rows] == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_several_models_are_told_by_their_names():
+    told = json.loads(run("run coulomb lugre --set sigma0=1e3 --json").output)
+    own = [friction.simulate(law, friction.Testbench()) for law in (friction.Coulomb(), friction.LuGre(sigma0=1e3))]
+    assert {name: each["end"]["v"] for name, each in told.items()} == {each.model.name: each.v[-1] for each in own}
+
+
+def test_a_budget_that_ends_says_what_raises_it():
+    result = run("run lugre --budget 10")
+    assert result.exit_code == 1
+    assert "the budget of steps is spent, a larger budget goes on" in result.output
+    assert run("run lugre --budget 100000").exit_code == 0
 
 
 def test_an_unfinished_run_exits_with_one():
@@ -126,7 +162,7 @@ def test_numbers_are_the_librarys(tmp_path, monkeypatch):
     assert [float(row["F_f"]) for row in rows] == own.F_f.tolist()
 
 
-@pytest.mark.parametrize("command", ["run lugre --plot", "curve lugre karnopp --plot"])
+@pytest.mark.parametrize("command", ["run lugre --plot", "run lugre karnopp --plot"])
 def test_pictures_show_something(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(f"{command} out.png").exit_code == 0

@@ -59,6 +59,20 @@ def test_rest_has_any_force():
     assert json.loads(run("karnopp --velocity 0 --json").output)["karnopp"]["F_f"][0] is None
 
 
+def test_formulas_and_elements(folder):
+    law = "maxwell-slip --set stiffness='1 N/mm, 500' --set limits=0.4,0.6"
+    sine = json.loads(run(f"{law} --position '2 mm' --frequency 1 --samples 50 --json").output)["maxwell-slip"]
+    own = friction.MaxwellSlip([1000.0, 500.0], [0.4, 0.6])
+    times = [2.0 * k / 50 for k in range(51)]
+    there = friction.prescribe(own, position=friction.Sine(0.002, 1.0), t_end=2.0, times=times)
+    assert sine["F_f"] == pytest.approx(there.F_f.tolist(), abs=1e-12)
+    formula = json.loads(run(f"{law} --position '2m*sin(2*pi*t)' --t-end 2 --samples 50 --json").output)["maxwell-slip"]
+    assert formula["F_f"] == pytest.approx(sine["F_f"], abs=1e-9)
+    assert formula["errors"]["v"] < 1e-9
+    held = json.loads(run("coulomb --velocity driven.csv --hold --json").output)["coulomb"]
+    assert held["x"][-1] == pytest.approx(0.1)
+
+
 def test_loops_are_drawn(folder):
     result = run("dahl karnopp --position '1 um, 2 mm' --frequency '1 Hz' --plot out.png")
     assert [line.split(":")[0] for line in result.output.splitlines()[:4]] == [
@@ -80,6 +94,11 @@ def test_loops_are_drawn(folder):
         ("coulomb --velocity 1 --z0 1", "--z0: the coulomb model has no bristles"),
         ("lugre --position moved.csv --frequency 1", "--frequency: of a file"),
         ("lugre --velocity moved.csv", "--velocity: a column is missing, expected t and v, got t and x"),
+        ("lugre --velocity 'sin(t' ", "--velocity: not an expression that can be computed: ')' is missing"),
+        ("lugre --velocity t --frequency 1", "--frequency: of a formula"),
+        ("lugre --velocity 1 --hold", "--hold: nothing to hold"),
+        ("maxwell-slip --velocity 1", "--set: the maxwell-slip model needs stiffness and limits"),
+        ("maxwell-slip --velocity 1 --set stiffness=1,2 --set limits=1", "--set limits: not one for each stiffness"),
         ("lugre --position none.csv", "--position: 'none.csv' cannot be read"),
         ("lugre --position gap.csv", "--position: line 3 is not 2 numbers, expected t, x"),
         ("lugre --position back.csv", "--position: line 4: time does not rise, expected more than 2 s, got 1"),

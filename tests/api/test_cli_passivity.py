@@ -189,8 +189,8 @@ def test_a_fault_of_the_program_is_no_answer(monkeypatch):
 def test_the_outputs_on_the_page_are_those_of_the_program(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = (Path(__file__).parents[2] / "docs" / "passivity.md").read_text(encoding="utf-8")
-    for language, name in (("toml", "scene.toml"), ("csv", "measured.csv")):
-        (text,) = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
+    for start, name in (("medium =", "scene.toml"), ("f,re,im", "measured.csv")):
+        (text,) = re.findall(rf"```\w+\n({start}.*?)```", page, re.DOTALL)
         (tmp_path / name).write_text(text, encoding="utf-8")
     shown = re.findall(r"^\$ tline passivity (.*)\n((?:[^$`].*\n)+)", page, re.MULTILINE)
     assert len(shown) == page.count("$ tline passivity ") == 7

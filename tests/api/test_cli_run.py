@@ -176,7 +176,7 @@ MISTAKES = [
         "valve.toml --space-time a.html",
         "--space-time: unknown kind of file, expected .png or .svg or .pdf, got 'a.html'",
     ),
-    ("valve.toml --animate out.mp4", "--animate: unknown kind of file, expected .html or .gif, got 'out.mp4'"),
+    ("valve.toml --animate out.mov", "--animate: unknown kind of file, expected .html or .gif or .mp4, got 'out.mov'"),
     ("valve.toml --csv no/out.csv", "no/out.csv: cannot be written, got no such file or directory"),
     (
         "valve.toml --plot a.png --lattice ./a.png",

@@ -18,6 +18,7 @@ from tline.solver.simulate import simulate
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+MEASURED = sorted((ROOT / "benchmarks" / "pages").glob("*.md"))
 SCENES = sorted((ROOT / "scenes").glob("*.toml"))
 
 
@@ -94,7 +95,7 @@ def test_snippets_import_whole_packages(page):
                 assert not inside or package in ("scipy", *sys.stdlib_module_names), name
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [*PAGES, *MEASURED], ids=lambda page: page.stem)
 def test_links_lead_somewhere(page):
     for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
         assert (page.parent / target).exists(), target

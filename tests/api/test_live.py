@@ -53,7 +53,7 @@ def test_the_page_needs_nothing_from_elsewhere(server):
 
 
 @pytest.mark.parametrize("how", [{"token": "guess"}, {"host": "evil.example"}, {"host": "localhost:1"}])
-@pytest.mark.parametrize("page", ["", "first", "seen", "copied"])
+@pytest.mark.parametrize("page", ["", "first", "seen", "waves", "copied"])
 def test_nobody_else_gets_anything(server, page, how):
     assert ask(server, "POST" if page else "GET", page, {} if page else None, **how) == (403, "")
 
@@ -90,6 +90,12 @@ def test_the_page_begins_with_the_scene_as_given(server):
     assert first["network"].startswith("<img")
     for one, other in zip(first["panels"], told(server, "seen", {})["panels"], strict=True):  # of another order
         assert max(one["curves"]["middle"][1]) == pytest.approx(max(other["curves"]["middle"][1]), abs=1e-4)
+
+
+def test_waves_travel_on_a_page_of_their_own(server):
+    page = told(server, "waves", {"t_end": 1.0})["page"]
+    assert '"marks":[[0.0,"reservoir"],[300.0,"valve"]]' in page
+    assert Desk(tl.examples["loop"], "").waves({}) == {"page": None}
 
 
 def test_copies_give_the_same_scene(server, tmp_path):

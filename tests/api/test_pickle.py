@@ -241,6 +241,12 @@ FRICTION = {
     "methods": lambda: list(friction.METHODS.values()),
     "benches": lambda: [friction.Testbench(force) for force in FORCES],
     "events": lambda: friction.simulate(friction.Karnopp(), BENCH),
+    "hunting": lambda: friction.Testbench(friction.Ramp(0.0), controller=friction.PID(100.0, 200.0, 5.0, 0.01)),
+    "cycle": lambda: (
+        friction.simulate(
+            friction.Karnopp(), friction.Testbench(friction.Ramp(0.0), spring=friction.Spring(20.0, 0.05))
+        ).cycle
+    ),
     "ledger": lambda: friction.simulate(friction.Karnopp(), BENCH).ledger,
     "taylor": lambda: friction.simulate(friction.Coulomb(), BENCH, t_end=1.0),
     "limits": lambda: friction.limits(friction.LuGre(sigma0=500.0), 4.0),
@@ -249,7 +255,6 @@ FRICTION = {
     "prescribed": lambda: friction.prescribe(friction.LuGre(), velocity=friction.Sine(0.1, 1.0)),
     "elements": lambda: friction.MaxwellSlip([1000.0], [1.0]),
     "identified": lambda: friction.identify(BENT.t, BENT.F_f, velocity=BENT.v, models=("dahl",)),
-    "sweep": lambda: friction.sweep(friction.LuGre(), BENCH, sigma0=[500.0], tol=1e-6),
 }
 
 

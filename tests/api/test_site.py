@@ -5,7 +5,9 @@ import re
 import runpy
 from pathlib import Path
 
+import nbformat
 import pytest
+from nbclient import NotebookClient
 
 import tline as tl
 from tline.cli.main import COMMANDS
@@ -14,6 +16,8 @@ from tline.exercises.answer import letters
 ROOT = Path(__file__).parents[2]
 INDEX = (ROOT / "docs" / "site" / "index.md").read_text(encoding="utf-8")
 ASSEMBLED = runpy.run_path(str(ROOT / "docs" / "site" / "assemble.py"))
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 MADE = {"gallery", "reference", "commands", *(f"exercise/{letter}" for letter in letters())}
 
 
@@ -46,3 +50,35 @@ def test_commands_and_letters_have_pages():
     assert "# 3b The line in between" in letter
     assert "put in B2 = H2 A2 *(checked)*" in letter
     assert "![The line in between](3b.png)" in letter
+
+
+def test_every_scene_has_a_page_in_the_gallery():
+    page = ASSEMBLED["gallery"]()
+    for name in tl.examples:
+        assert f"(gallery/{name}.png)" in page
+        assert f"\ngallery/{name}\n" in page
+    assert 'tl.simulate(tl.examples["water_pipe"]).plot()\n' in ASSEMBLED["scene_page"]("water_pipe")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_a_notebook_has_all_of_its_page(page):
+    text = page.read_text(encoding="utf-8")
+    made = ASSEMBLED["notebook"](text)
+    nbformat.validate(made)
+    assert [cell.source + "\n" for cell in made.cells if cell.cell_type == "code"] == CODE.findall(text)
+    kept = "".join(cell.source for cell in made.cells)
+    assert [line for line in text.splitlines() if line not in kept and "```" not in line and line[:2] != "!["] == []
+
+
+def test_the_notebook_of_a_letter_runs():
+    made = ASSEMBLED["notebook"](ASSEMBLED["letter_page"](tl.exercise("2b")))
+    done = NotebookClient(made, timeout=300, kernel_name="python3").execute()
+    ((shown,),) = [cell.outputs for cell in done.cells if cell.cell_type == "code"]
+    assert "= 11.1 pF/m and L = " in shown.data["text/plain"]
+
+
+def test_what_is_to_be_read_is_no_book():
+    """Words of the pages that are written by hand, without code, addresses and figures."""
+    written = [page.read_text(encoding="utf-8") for page in PAGES if page.stem != "scene-reference"]
+    prose = re.sub(r"```.*?```|`[^`]*`|\]\([^)]*\)|<!--.*?-->", "", "\n".join(written), flags=re.DOTALL)
+    assert 20_000 < len(re.findall(r"[^\W\d_]{2,}", prose)) < 40_000

@@ -54,6 +54,30 @@ def test_identities(form):
     assert proved > 20
 
 
+def constant(random: Random, depth: int) -> str:
+    """A positive constant, made of numbers, parameters and functions of these."""
+    if depth == 0:
+        return random.choice(["R", "T", "3", "(1 + L)"])
+    x, y = (constant(random, depth - 1) for _ in range(2))
+    made = [f"({x} + {y})", f"{x}*{y}", f"1/(1/{x} + R)", f"sqrt({x}*{y})", f"tanh({x})", f"(1 - exp(-{x})/2)"]
+    return random.choice([*made, f"log(1 + {x})"])
+
+
+CONSTANTS = ["(3 + R)", "7/3*(R + 3)", "(1 + L)", "(R + T)", "(tanh(R) + R)", "(R + L + 1 - exp(-1 - R)/2)"]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_identities_of_constants(form):
+    """A constant is a positive real function, and nothing else is assumed of what follows."""
+    text, ask = FORMS[form]
+    random = Random(f"constants, {form}")
+    for x in [*CONSTANTS, *(constant(random, random.randint(1, 2)) for _ in range(12))]:
+        assert is_positive_real(x, ASSUME).proved, x
+        found = ask(f"let x = {x}; {text.format('x')}", ASSUME)
+        assert found.proved, (x, found.why)
+        assert check(json.loads(json.dumps(found.evidence))) is None
+
+
 PROVED = [
     "let h = exp(-2*R*s)*(Z2 - T)/(Z2 + T); (1 + h)/(1 - h)",
     "R*(Z2 + R*tanh(T*s))/(R + Z2*tanh(T*s)) + L*s",

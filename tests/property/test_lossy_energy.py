@@ -10,7 +10,6 @@ from random_scenes import random_scene
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
-from tline.solver.kernel.network import REMEMBERED
 from tline.solver.loop.kernel import Kernel
 from tline.solver.simulate import simulate
 
@@ -54,11 +53,12 @@ def with_friction(seed: int, **scene) -> Scene:
 
 def in_losses(assembly: Assembly) -> float:
     """Half the sum of squares of the circuits' states, over z0."""
-    losses, total = assembly.network.losses, 0.0
-    z0 = [line.z0 for line in assembly.lines.values()]
-    for r in np.flatnonzero(losses.kind == REMEMBERED):
-        n = losses.modes[r] * (losses.first[r + 1] - losses.first[r])
-        total += float(np.sum(assembly.state.loss_states[losses.memory[r] :][:n] ** 2)) / (2 * z0[losses.line[r]])
+    diamonds, total = assembly.network.diamonds, 0.0
+    memory, z0 = diamonds.memory, [line.z0 for line in assembly.lines.values()]
+    for row, (line, k) in enumerate(zip(diamonds.line.tolist(), diamonds.cell.tolist(), strict=True)):
+        for c in range(memory.first[row], memory.first[row + 1]):
+            n = memory.modes[c] * (2 * (assembly.network.delay[line] // k) - 1)
+            total += float(np.sum(assembly.state.memory[memory.state_at[c] :][:n] ** 2)) / (2 * z0[line])
     return total
 
 
@@ -75,9 +75,9 @@ def test_energy_never_grows(seed, make, order, slab, size):
     assembly = assemble(describe(scene), set())
     state = assembly.state
     rng = np.random.default_rng(seed)
-    for part in (state.waves, state.before, state.loss_states):
+    for part in (state.waves, state.before, state.memory):
         part[:] = size * rng.normal(size=part.shape)
-    state.loss_states[:] *= 1e-2  # of the size that waves bring about, or less
+    state.memory[:] *= 1e-2  # of the size that waves bring about, or less
     in_loads, kernel = InLoads(scene, assembly), Kernel(assembly.network, state)
     start = last = on_lines(assembly) + in_loads(assembly) + in_losses(assembly)
     for _ in range(SLABS // PART):

@@ -70,3 +70,22 @@ def test_a_pole_that_is_hardly_seen_from_the_input():
         s = point(found.witness)
         assert s.real > 0 > value(*NEGATIVE, s).real
         assert all(value(*NEGATIVE, mpmath.mpc(1e-9, w / 7)).real > 0 for w in range(1, 100))
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("lines", [[(120, "3/10", 0), (-120, "1/5", 0)], [(-120, "1/5", 0), (120, "3/10", 0)]])
+def test_a_negative_line_undoes_as_much_of_one(form, lines):
+    """A line of z0 < 0 is one of negative length: behind 3/10 one of 1/5 leaves 1/10; the other way nothing passive."""
+    before, after = [(75, "1/10", 0)], [(50, "1/5", 0)]
+    found = is_positive_real(text_of(form, "25 + s", before + lines + after))
+    assert found.proved
+    assert verify(found.proof)
+    with mpmath.workdps(30):
+        s, left = mpmath.mpc(3, 71) / 10, [(120, "1/10", 0)]
+        whole, short = (value("25 + s", before + middle + after, s) for middle in (lines, left))
+        assert abs(whole - short) < 1e-25 * abs(short)
+    longer = [(z, "3/10" if z < 0 else "1/10", less) for z, _, less in lines]
+    found = is_positive_real(text_of(form, "25 + s", before + longer + after))
+    assert found.refuted
+    with mpmath.workdps(200):
+        assert point(found.witness).real > 0 > value("25 + s", before + longer + after, point(found.witness)).real

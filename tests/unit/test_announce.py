@@ -43,7 +43,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 def test_what_takes_long_is_said_once_while_it_compiles(monkeypatch: pytest.MonkeyPatch, clock: Clock):
     monkeypatch.setattr("sys.stderr", terminal := Terminal())
     for _ in range(2):
-        with announced("tline.solver.kernel.losses.memory"):
+        with announced("tline.solver.kernel.diamonds.cells"):
             clock.go_on(1.1)
             assert terminal.getvalue() == "compiling for losses, once, some 3 s\n"
     with announced("tline.solver.kernel.fronts.advance"):
@@ -64,6 +64,6 @@ def test_what_is_short_is_not_said_but_adds_up(monkeypatch: pytest.MonkeyPatch, 
 
 def test_nothing_is_said_where_nobody_looks(monkeypatch: pytest.MonkeyPatch, clock: Clock):
     monkeypatch.setattr("sys.stderr", pipe := io.StringIO())
-    with announced("tline.solver.kernel.losses.memory"):
+    with announced("tline.solver.kernel.diamonds.cells"):
         clock.go_on(2.0)
     assert pipe.getvalue() == ""

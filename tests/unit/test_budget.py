@@ -9,6 +9,7 @@ from tline.errors import InputError
 from tline.solver.description import slab
 from tline.solver.result.accuracy import Attempt
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.solver.tolerance import budget as budgets
 from tline.solver.tolerance.budget import Budget
 
 
@@ -47,6 +48,23 @@ def test_what_is_expected_is_said_once_after_two_seconds(monkeypatch, capsys):
     assert capsys.readouterr().err == said
     now[0] = 60.0
     assert budget.limit(runs, 1e-4) == "a finer run would take the total beyond 100 s"
+
+
+def test_what_compiling_takes_does_not_count_and_a_search_leaves_what_others_need(monkeypatch):
+    now, compiling = [0.0], [0.0]
+    monkeypatch.setattr(time, "process_time", lambda: now[0])
+    monkeypatch.setattr(budgets, "compiling_seconds", lambda: compiling[0])
+    budget = Budget(20)
+    now[0] = 32.0
+    compiling[0] = 30.0
+    assert budget.left == 18
+    search = budget.keeping(lambda boils: 10.0 if boils else 0.0)
+    now[0] = 35.0
+    runs = [Attempt(1, 0.1, None, 1000, 1.0), Attempt(1, 0.05, 1e-1, 2000, 2.0)]
+    assert not search.limit(runs, 1e-2, last=False)  # 5 s, and twice the 2 s of the last run: less than 20 s
+    now[0] = 37.0
+    assert search.limit(runs, 1e-2, last=True) == "a finer run would take the total beyond 10 s"
+    assert not search.limit(runs, 1e-2, last=False)
 
 
 def test_an_oscillation_that_no_affordable_run_follows_ends_a_search_at_once(monkeypatch):

@@ -1,18 +1,14 @@
-"""Laws of what is lost per metre over the flow, and the tables that loss elements have of them."""
+"""Laws of what is lost per metre over the flow."""
 
 from math import log10
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tline.errors import InputError
-from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic, side_by_side
+from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, SwameeJain, quadratic, side_by_side
 from tline.scene.line import Pipe
 from tline.scene.site import GRAVITY
-from tline.solver.assembly.flow_tables import HIGHEST, LOWEST, flow_table
-from tline.solver.kernel.losses.dissipation import looked_up
 
 LENGTH, DIAMETER, DENSITY = 1000.0, 0.3, 1000.0
 PIPE = {"nodes": ["a", "b"], "length": LENGTH, "diameter": DIAMETER, "wave_speed": 1000, "density": DENSITY}
@@ -87,18 +83,3 @@ def test_laws_side_by_side_are_the_same():
     assert seen.keys() == {k for k, law in enumerate(laws) if law is not None}
     for k, found in seen.items():
         assert found == pytest.approx([float(each) for each in laws[k](flow)], rel=1e-14)
-
-
-@pytest.mark.parametrize("law", LAWS, ids=str)
-@given(octave=st.floats(LOWEST + 1, HIGHEST - 1), z0=st.floats(1e4, 1e9), length=st.floats(1.0, 1e4))
-def test_what_a_loss_element_takes_is_what_the_law_takes(law: FlowLaw, octave: float, z0: float, length: float):
-    """Its flow y in 2 z0 y + length F(y) = w; at kinks of the friction factor to the width of a cell, else to 1e-4."""
-    entries, scale = flow_table(law, z0, length)
-    w = 2.0**octave
-    share = looked_up(entries, 0, scale * w)
-    assert 0 <= share <= 1
-    y = (1 - share) * w / (2 * z0)
-    if not isinstance(law, RoughPipe) or law.reynolds * y > 4500:
-        drop = length * float(law(np.array(y))[0])
-        assert 2 * z0 * y + drop == pytest.approx(w, rel=1e-4)
-        assert share * w == pytest.approx(drop, rel=1e-4)

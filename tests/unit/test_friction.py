@@ -8,6 +8,7 @@ import pytest
 from friction import (
     METHODS,
     MODELS,
+    PID,
     Coulomb,
     Dahl,
     ElastoPlastic,
@@ -28,8 +29,8 @@ from friction import (
     kernel,
     limits,
     lugre_drift,
+    prescribe,
     simulate,
-    sweep,
     tanh_creep,
 )
 from tline.compiled.structure import pack
@@ -82,6 +83,7 @@ def test_zeros_at_the_start_are_no_roots():
     [
         (Ramp(2.0, 1.0), 3.0, 7.0),
         (Sine(2.0, 0.25, offset=1.0), 1.0, 3.0),
+        (Sine(2.0, 0.25, offset=1.0, slope=0.5), 1.0, 3.5),
         (Steps([1.0, 2.0], [5.0, -1.0]), 0.5, 0.0),
         (Steps([1.0, 2.0], [5.0, -1.0]), 1.0, 5.0),
         (Steps([1.0, 2.0], [5.0, -1.0]), 9.0, -1.0),
@@ -100,19 +102,6 @@ def test_euler_does_what_its_formula_says():
     for k in range(10):
         x, v = x + 0.1 * v, v + 0.1 * (0.5 * 0.1 * k - np.sign(v)) / 2.0
         assert (run.x[k + 1], run.v[k + 1]) == (pytest.approx(x, abs=1e-15), pytest.approx(v, abs=1e-15))
-
-
-def test_many_runs_are_single_runs():
-    s0, mass, force = [100.0, 5e3, 2e4], [1.0, 0.5, 2.0], [1.0, 2.0, -1.0]
-    many = sweep(LuGre(sigma1=2.0), Testbench(), 5.0, 1e-8, sigma0=s0, mass=mass, force=force)
-    for k in range(3):
-        bench = Testbench(Ramp(0.5 * force[k]), mass[k])
-        one = simulate(LuGre(sigma1=2.0, sigma0=s0[k]), bench, 5.0, tol=1e-8, times=[5.0])
-        np.testing.assert_array_equal(many[k], [one.x[0], one.v[0], one.z[0], one.F_f[0]])
-
-
-def test_a_run_beyond_its_budget_is_not_a_number():
-    assert np.isnan(sweep(LuGre(), Testbench(Sine(2.0, 1e4)), 1e3, 1e-12, sigma0=[500.0])).all()
 
 
 def test_fixed_steps_are_thinned():
@@ -135,6 +124,19 @@ SENTENCES = [
     (lambda: Testbench(mass=-1.0), "bench.mass: too small, expected more than 0, got -1"),
     (lambda: Testbench(v0=inf), "bench.v0: not a finite number"),
     (lambda: Spring(-2.0, 1.0), "spring.stiffness: too small"),
+    (lambda: Testbench(spring=Spring(1.0, 1.0), controller=PID(1.0)), "bench.controller: beside a spring"),
+    (lambda: PID(1.0, integral=-1.0), "controller.integral: too small"),
+    (
+        lambda: simulate(LuGre(), Testbench(controller=PID(1.0))),
+        "method: 'rosenbrock' knows no controller, expected events, with coulomb or karnopp",
+    ),
+    (lambda: simulate(LuGre(), Testbench(), budget=2 * 10**9), "budget: too large, expected at most 1,000,000,000"),
+    (lambda: prescribe(LuGre(), velocity=lambda t: np.abs(t - 0.3)), "velocity: a formula with a corner, a jump"),
+    (lambda: prescribe(LuGre(), position=lambda t: 1.0 / t), "position: no number at 0 s"),
+    (
+        lambda: prescribe(LuGre(), velocity=Sine(1.0, 1.0, slope=1.0)),
+        "velocity: a sine on a slope, expected a sine and",
+    ),
     (lambda: Sine(1.0, 0.0), "force.frequency: too small"),
     (lambda: Table([0.0, 1.0], [0.0, nan]), "force.values[1]: not a finite number"),
     (lambda: Table([0.0, 0.0], [0.0, 1.0]), "force.times[1]: times do not rise, expected more than 0, got 0"),
@@ -167,14 +169,6 @@ SENTENCES = [
     (lambda: simulate(LuGre(), Testbench(), 1.0, times=range(10**9)), "times: not rising, expected 1 to 200000 rising"),
     (lambda: simulate(LuGre(), Testbench(), 1.0, times=[0.5, 2.0]), "times: outside the run, expected 0 to 1"),
     (lambda: simulate(LuGre(), Testbench(), 1.0, "euler", h=0.1, tol=1e-3), "tol: 'euler' has fixed steps"),
-    (lambda: sweep(Coulomb(), Testbench(), F_c=[1.0]), "model: no smooth model"),
-    (lambda: sweep(LuGre(), Testbench(), sigma=[1.0]), "sigma: unknown column"),
-    (lambda: sweep(LuGre(), Testbench(), sigma0=[1.0, -1.0]), "sigma0: too small, expected more than 0, got -1"),
-    (lambda: sweep(LuGre(), Testbench(), F_s=[0.5]), "F_s: below F_c"),
-    (lambda: sweep(LuGre(), Testbench(), sigma0=[nan]), "sigma0: not finite"),
-    (lambda: sweep(LuGre(), Testbench(), sigma0=[1.0, 2.0], mass=[1.0]), "columns: not of one length"),
-    (lambda: sweep(LuGre(), Testbench()), "columns: not of one length"),
-    (lambda: sweep(ElastoPlastic(), Testbench(), sigma0=[1e5]), "z_ba: too large"),
     (lambda: limits(LuGre(), 1.0, 0.0), "mass: too small"),
     (lambda: limits(LuGre(), inf), "v: not a finite number"),
     (lambda: Coulomb(1e300), "model.F_c: too large, expected at most 1e+12, got 1e+300"),
@@ -208,6 +202,17 @@ def test_huge_and_tiny_numbers_end_soon():
         for force in (Ramp(1e12), Sine(1e12, 1e12), Ramp(1e-300)):
             run = simulate(model, Testbench(force, mass=1e-200), 1e3, budget=1000, times=[1.0])
             assert isinstance(run.status, Status)
+
+
+@pytest.mark.parametrize("gain", ["stiffness", "integral", "derivative", "speed"])
+def test_a_controller_of_another_gain_is_doubted(gain, monkeypatch):
+    right = Testbench.drive.fget
+    bench = Testbench(Ramp(0.0), controller=PID(100.0, 200.0, 5.0, 0.01, 0.001))
+    assert simulate(Karnopp(), bench, 20.0).status is Status.DONE
+    monkeypatch.setattr(
+        Testbench, "drive", property(lambda self: (d := right(self))._replace(**{gain: 1.01 * getattr(d, gain)}))
+    )
+    assert simulate(Karnopp(), bench, 20.0).status is Status.DOUBTED
 
 
 def test_events_beyond_the_list_are_counted():

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -92,7 +93,7 @@ def test_an_exact_value_that_takes_too_long_is_not_begun():
 def test_methods_that_disagree_say_so():
     analysis = AxisAnalysis(((1.0, 2.0),), 1e-9, -0.25, 1e-9, 1.5, -1.0, agree=False)
     network = StateSpace.from_entries(*TRIANGLE)
-    verdict = Verdict(Kind.PR, network, Status.UNDECIDED, budget="too large", analysis=analysis)
+    verdict = Verdict(Kind.PR, network, Status.UNDECIDED, budget="too large", floats=SimpleNamespace(analysis=analysis))
     assert verdict.why == (
         "too large; in floating point, by two methods that disagree, the smallest eigenvalue of (Z + Z^H)/2 is "
         "-0.25 ± 1e-09 at ω = 1.5, Z + Z^H has a negative eigenvalue for 1 < ω < 2; "

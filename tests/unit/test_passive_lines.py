@@ -28,9 +28,9 @@ of = RationalFunction.from_expression
 )
 def test_passive_ends_make_passive_ports(load, delay, words):
     chain = check_line(of(load), 50, delay)
-    assert [step.status for step in chain.steps] == [Status.PROVED] * 4
+    assert [step.status for _, step in chain.statements] == [Status.PROVED] * 4
     assert chain.status is Status.PROVED
-    assert words in chain.steps[-1].why
+    assert words in chain.statements[-1][1].why
     assert (chain.witness, chain.input) == (None, None)
 
 
@@ -38,7 +38,7 @@ def test_passive_ends_make_passive_ports(load, delay, words):
 @pytest.mark.parametrize("delay", [0, "1/1000", 1, 30])
 def test_active_ends_make_active_ports(load, delay):
     chain = check_line(of(load), 1, delay)
-    assert [step.status for step in chain.steps] == [Status.REFUTED] * 4
+    assert [step.status for _, step in chain.statements] == [Status.REFUTED] * 4
     assert chain.witness.re > 0
     assert chain.input.real < 0
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +12,16 @@ import pytest
 from picture_scenes import FORK, JOUKOWSKY, TANK, cables, quietly, water_hammer
 from PIL import Image
 
-from tline.errors import InputError
+from tline.errors import InputError, MissingExtraError
 from tline.pictures.along import effort_along
 from tline.pictures.animation import FRAMES, PLACES, STEPS, animated
-from tline.pictures.handy import handy
 from tline.pictures.lattice import plot_lattice
 from tline.pictures.path import Route, route
 from tline.pictures.profile import plot_space_time
 from tline.pictures.style import save_figure
 from tline.pictures.traces import plot
 from tline.solver.result.result import Result
+from tline.units import handy
 
 
 @pytest.fixture(scope="module")
@@ -272,7 +273,26 @@ def test_gif_plays_all_frames(surge: Result, tmp_path: Path) -> None:
 
 
 def test_unknown_animations_are_refused(surge: Result, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"unknown kind of animation, expected \.html or \.gif, got '\.mp4'"):
+    with pytest.raises(InputError, match=r"unknown kind of animation, expected \.html or \.gif or \.mp4, got '\.mov'"):
+        animated(surge, route(surge.scene)).save(tmp_path / "surge.mov")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_film_has_all_frames_and_the_size_of_the_picture(surge: Result, tmp_path: Path) -> None:
+    import imageio_ffmpeg
+
+    animated(surge, route(surge.scene)).save(tmp_path / "surge.mp4")
+    film = imageio_ffmpeg.read_frames(str(tmp_path / "surge.mp4"))
+    assert next(film)["size"] == (800, 420)
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "surge.mp4"))[0] == FRAMES
+    film.close()
+
+
+def test_without_ffmpeg_a_film_is_refused_in_a_sentence(
+    surge: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(MissingExtraError, match=r"\.mp4: ffmpeg is missing"):
         animated(surge, route(surge.scene)).save(tmp_path / "surge.mp4")
     assert list(tmp_path.iterdir()) == []
 

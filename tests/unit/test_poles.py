@@ -55,4 +55,4 @@ def test_poles_of_sums_are_found_too():
 @pytest.mark.parametrize("load", ["-s", "(s+3)/(s-1)", "-1/(1+s)"])
 def test_an_active_load_is_seen_through_any_delay(load, delay):
     chain = check_line(RationalFunction.from_expression(load), Fraction(10), delay)
-    assert [step.status for step in chain.steps[1:]] == [Status.REFUTED] * 3
+    assert [step.status for _, step in chain.statements[1:]] == [Status.REFUTED] * 3

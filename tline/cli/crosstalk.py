@@ -1,12 +1,8 @@
 """`tline crosstalk`: what a driven conductor sends into those beside it."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tline.cli.from_signature import Output, command, drawn, picture, table
-
-if TYPE_CHECKING:
-    from tline.signal.crosstalk import Crosstalk
 
 EXAMPLES = """\b
 Examples:
@@ -33,22 +29,5 @@ def crosstalk(scene: str, *, confined: bool = False, **given: Any) -> Output:
     read = read_any(scene, confined=confined)
     with crosstalk.named():
         seen = measured.crosstalk(read, **given, progress=True)
-    modes = {
-        ", ".join(pair): {"differential": float(abs(u).max()), "common": float(abs(seen.common[pair]).max())}
-        for pair, u in seen.differential.items()
-    }
-    files = {
-        "csv": lambda file: measured.save_crosstalk(seen, file),
-        "plot": drawn("tline.pictures.signals:plot_crosstalk", seen, read.title),
-    }
-    told = {"line": seen.line, "driven": seen.driven, "swing": seen.swing, "near": seen.near, "far": seen.far}
-    return Output(_text(seen, modes), lambda: told | {"modes": modes}, files)
-
-
-def _text(seen: "Crosstalk", modes: dict[str, dict[str, float]]) -> Iterator[str]:
-    yield f"'{seen.driven}' of '{seen.line}' swings by {seen.swing:.6g} V"
-    for word, shares in (("near end", seen.near), ("far end", seen.far)):
-        for node, share in shares.items():
-            yield f"{word} '{node}' {share * seen.swing:.6g} V, {100 * share:.4g} %"
-    for pair, each in modes.items():
-        yield f"{pair}: differential up to {each['differential']:.6g} V, common up to {each['common']:.6g} V"
+    files = {"csv": lambda file: measured.save_crosstalk(seen, file), "plot": drawn(seen.picture, seen)}
+    return Output(seen.text_lines(), seen.to_dict, files)

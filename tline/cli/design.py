@@ -2,7 +2,7 @@
 
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -105,7 +105,7 @@ def separation(scene: str, *, confined: bool = False) -> Output:
     from tline.interchange.any_file import read as read_any
 
     found = search(read_any(scene, confined=confined))
-    return Output([str(found)], found.table, notes=found.notes)
+    return Output(found.text_lines(), found.to_dict, notes=found.notes)
 
 
 def _found(search: Command, network: str, confined: bool, given: dict[str, Any]) -> Output:
@@ -124,10 +124,10 @@ def _found(search: Command, network: str, confined: bool, given: dict[str, Any])
         )
     files = {
         "output": lambda file: write_text(scene_text(found.scene), file),
-        "plot": drawn("tline.design.picture:plot_sizing", found),
+        "plot": drawn(found.picture, found),
         "csv": found.save,
     }
-    return Output(_text(found), found.table, files, (*guesses, *found.notes))
+    return Output(found.text_lines(), found.to_dict, files, (*guesses, *found.notes))
 
 
 def _operated(
@@ -145,23 +145,3 @@ def _operated(
         return operated_network(search, scene, t_end=t_end or scene.t_end, tol=tol or USUAL_TOL, **operations)
     with search.named():
         return scene.with_changes(t_end=t_end) if t_end else scene, ()
-
-
-def _text(found: "Sizing") -> Iterator[str]:
-    from tline.words.aligned import aligned
-
-    limits, trial = found.limits, found.found
-    per, unit = limits.unit
-    name, size = found.searched
-    head = [name, f"lowest [{unit}]", f"highest [{unit}]", f"margin [{unit}]"]
-    rows = [
-        [str(size._replace(value=each.size)), *(f"{value / per:.4g}" for value in each[1:4])] for each in found.curve
-    ]
-    error = f", estimated error {trial.error / per:.1g} {unit}" if trial.error == trial.error else ""
-    yield f"{found.scene.title or 'a scene'}: {found.kind}, {found.element}"
-    yield from aligned([[key, str(size)] for key, size in found.sizes.items()], 2)
-    yield (
-        f"{limits.word} {limits.where}: {limits.shown(trial.lowest)} to {limits.shown(trial.highest)}, "
-        f"margin {trial.margin / per:.2g} {unit}{error}"
-    )
-    yield from ["", *aligned([head, *rows], 0)]

@@ -1,25 +1,23 @@
-"""`tline drives`: the coupled drives, from the equations to Bode plot, controller and animation."""
+"""`tline drives`: the coupled drives, from the equations to Bode plot and controller."""
 
 from collections.abc import Iterator
-from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
 from tline.cli.drives_input import MECHANISM, SET_POINTS, mechanism, numbers_of, quantity, torques
-from tline.cli.from_signature import Command, Output, command, drawn, picture, table, tabled
+from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
 from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
-    from drives import CoupledDrives, Design, Run
+    from drives import Run
 
 EXAMPLES = """\b
 Examples:
   tline drives bode --plot bode.png
   tline drives step --t1 "0.1 N m" --t2 "0.1 N m" --plot step.png
   tline drives control --speed "1 m/s" --tension "5 N" --limit "2 N m"
-  tline drives animate mechanism.html
 """
 CONTROL, DESIGN = "drives.loop:simulate_control", "drives.control:design"
 PASSED_ON = ("design", "drives", "belt_speed", "d1", "d2", "step", "initial")  # arguments that commands give themselves
@@ -174,18 +172,13 @@ def _files(run: "Run") -> dict[str, Any]:
     return {"csv": tabled({"t": run.t} | run.outputs), "plot": drawn("drives.picture:draw_run", run)}
 
 
-closed_loop = partial(
-    command,
+@command(
     CONTROL,
     DESIGN,
     omit=PASSED_ON,
     more=(*SET_POINTS, *MECHANISM),
-    group=drives,
-)
-
-
-@closed_loop(
     files=FILES,
+    group=drives,
     epilog="""\b
 Examples:
   tline drives control
@@ -199,50 +192,12 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
     Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
     first. What cannot be had, a bandwidth with good margins or set points at the limit, is said with what can; exit 1.
     """
-    _, made, run = _controlled(control, t_end, given)
-    verdicts = (*made.verdicts, *run.verdicts)
-    return Output(
-        [*made.text_lines(), *run.text_lines(), *made.verdicts],
-        lambda: {"design": made.to_dict()} | run.to_dict() | {"verdicts": verdicts},
-        _files(run),
-        run.notes,
-        int(bool(verdicts)),
-    )
-
-
-@closed_loop(
-    epilog="""\b
-Examples:
-  tline drives animate mechanism.html
-  tline drives animate mechanism.html --speed "0.5 m/s" --tension "4 N" --t-end "1 s"
-""",
-)
-def animate(file: str, *, t_end: str = "2 s", **given: Any) -> None:
-    """Write an animation of the mechanism under control: FILE.html, a page of its own."""
-    from drives import animate as write
-    from tline.cli.options import check_files
-    from tline.solver.result.atomic import replacing
-
-    check_files({"FILE": (file, (".html",))})
-    found, made, run = _controlled(animate, t_end, given)
-    with replacing(file) as temporary:
-        write(found, run.t, run.outputs, temporary)
-    click.echo(f"wrote {file}")
-    for note in run.notes:
-        click.echo(f"note: {note}", err=True)
-    if verdicts := (*made.verdicts, *run.verdicts):
-        click.echo("\n".join(verdicts))
-        raise click.exceptions.Exit(1)
-
-
-def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[CoupledDrives, Design, Run]":
-    """Mechanism, design, and run."""
     from drives import Torque, design, simulate_control
 
     found, end, antiwindup = mechanism(given), quantity("--t-end", t_end, "s"), given.pop("antiwindup", True)
     numbers = numbers_of(given)
     bands = {key: numbers.get(key) for key in ("speed_bandwidth", "tension_bandwidth")}
-    with asked.named():
+    with control.named():
         made = design(found, **bands)
         run = simulate_control(
             made,
@@ -254,4 +209,11 @@ def _controlled(asked: Command, t_end: str, given: dict[str, Any]) -> "tuple[Cou
             t_end=end,
             step=end / SAMPLES["control"],
         )
-    return found, made, run
+    verdicts = (*made.verdicts, *run.verdicts)
+    return Output(
+        [*made.text_lines(), *run.text_lines(), *made.verdicts],
+        lambda: {"design": made.to_dict()} | run.to_dict() | {"verdicts": verdicts},
+        _files(run),
+        run.notes,
+        int(bool(verdicts)),
+    )

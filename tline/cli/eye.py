@@ -1,6 +1,5 @@
 """`tline eye`: a bit pattern as a probe sees it."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import Output, command, drawn, picture
@@ -34,33 +33,23 @@ def eye(scene: str, *, mask: str | None = None, confined: bool = False, **given:
         Width and height of a hexagon in its middle, as '0.4 ns, 0.3 V'.
     """
     from tline.interchange.any_file import read as read_any
-    from tline.scene.medium import MEDIA
     from tline.signal import eye_diagram
-    from tline.signal.eye_statistics import jitter, mask_hits
+    from tline.signal.eye_statistics import mask_hits
 
     read = read_any(scene, confined=confined)
     given |= {key: _number_or_text(given[key]) for key in ("low", "high") if key in given}
     with eye.named():
         seen = eye_diagram.eye(read, **given, progress=True)
-    medium = MEDIA[read.medium]
-    unit = medium.units["effort"]
+    unit = seen.medium.units["effort"]
     hexagon = None if mask is None else _mask(mask, seen, unit)
-    spread, hits = jitter(seen), 0 if hexagon is None else mask_hits(seen, hexagon)
-    told = {"height": seen.height, "width": seen.width, "instant": seen.instant, "threshold": seen.threshold}
-    told |= {"jitter": spread.peak_to_peak, "jitter_rms": spread.rms} | ({"mask_hits": hits} if hexagon else {})
-    told |= {"bits": len(seen.bits), "period": seen.period, "unit": unit}
-    files = {"plot": drawn("tline.pictures.signals:plot_eye", seen, medium, read.title, hexagon)}
-    return Output(_text(given["probe"], told), lambda: told, files, exit_code=int(seen.height <= 0 or hits > 0))
-
-
-def _text(probe: str, told: dict[str, Any]) -> Iterator[str]:
-    unit, bits = told["unit"], told["bits"]
-    yield f"{bits} bits of {told['period']:.6g} s at '{probe}'"
-    yield f"height {told['height']:.6g} {unit} around {told['threshold']:.6g} {unit}, width {told['width']:.6g} s"
-    yield f"jitter {told['jitter']:.6g} s from peak to peak, {told['jitter_rms']:.6g} s rms"
-    if "mask_hits" in told:
-        yield f"mask touched by {told['mask_hits']} of {bits} bits"
-    yield f"sampled {told['instant']:.6g} s after the begin of a bit at the source"
+    hits = 0 if hexagon is None else mask_hits(seen, hexagon)
+    told = f"mask touched by {hits} of {len(seen.bits)} bits"
+    return Output(
+        [*seen.text_lines(), *([told] if hexagon else [])],
+        lambda: seen.to_dict() | ({"mask_hits": hits} if hexagon else {}),
+        {"plot": drawn(seen.picture, seen, mask=hexagon)},
+        exit_code=int(seen.height <= 0 or hits > 0),
+    )
 
 
 def _mask(text: str, seen: "Eye", unit: str) -> "Mask":

@@ -1,7 +1,8 @@
-"""`tline friction`: single runs, and curves."""
+"""`tline friction run`: models on the testbench."""
 
-from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -12,27 +13,33 @@ from tline.errors import InputError
 from tline.units import to_si
 
 if TYPE_CHECKING:
-    from friction import Force, Model, Spring
+    from friction import PID, Force, Spring
 
 EXAMPLES = """\b
 Examples:
   tline friction run lugre --set sigma0=1e5 --slope "2 N/s" --plot lugre.png
   tline friction run coulomb --method euler --step "10 ms" --v0 -1
   tline friction run karnopp --spring "20 N/m" --pull "5 cm/s" --t-end "1 min"
-  tline friction run elasto-plastic --sine "0.6 N" --frequency "1 Hz" --json
-  tline friction curve lugre dahl --plot curves.png
+  tline friction run karnopp --pid "100 N/m, 200 N/(m s), 5 N s/m" --target "1 cm" --t-end "1 min"
+  tline friction run elasto-plastic lugre --sine "0.6 N" --frequency "1 Hz" --plot both.png
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
+GAINS = ("proportional", "integral", "derivative")
+SEVERAL = ("stiffness", "limits")  # of MaxwellSlip
 RECORDED = {"t": "s", "x": "m", "v": "m/s", "F": "N"}  # columns of records, and their units
 NAMED = {  # options by the package's names
     "bench.mass": "--mass",
     "bench.v0": "--v0",
-    "times": "--t-end",
+    "times": "--samples",
     "spring.stiffness": "--spring",
     "spring.speed": "--pull",
+    "controller.speed": "--pull",
+    "controller.target": "--target",
     "force.slope": "--slope",
     "force.amplitude": "--sine",
     "force.frequency": "--frequency",
+    "force.phase": "--phase",
+    "force.offset": "--offset",
 }
 
 
@@ -45,146 +52,170 @@ def friction() -> None:
     "friction.simulate:simulate",
     "friction.testbench:Testbench",
     names={"parameters": "set", "h": "step"},
-    omit=("model", "bench", "times", "budget", "force"),
-    files={"csv": table("Table of the run, SI, full precision"), "plot": picture("v, F_f and x over time")},
+    omit=("model", "bench", "times", "force", "controller"),
+    files={"csv": table("Table of the runs, SI, full precision"), "plot": picture("v, F_f and x over time")},
     group=friction,
     epilog=EXAMPLES,
 )
 def run(
-    model: str,
+    models: tuple[str, ...],
     *,
     parameters: tuple[str, ...] = (),
     slope: str | None = None,
     sine: str | None = None,
     frequency: str | None = None,
+    phase: str | None = None,
+    offset: str | None = None,
     table: str | None = None,
+    hold: bool = False,
     spring: str | None = None,
+    pid: str | None = None,
+    target: str | None = None,
     pull: str | None = None,
+    samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
+    budget: Annotated[int | None, click.IntRange(1)] = None,
     **given: Any,
 ) -> Output:
-    """Run one model on the testbench and say what happened: events, final state, energy.
+    """Run models on the testbench and say what happened: events, cycles, final state, energy.
 
     Parameters
     ----------
     parameters : NAME=VALUE
-        A parameter, such as F_s='1.2 N'.
+        A parameter, such as F_s='1.2 N', for the models that have it.
     slope : N/s
         Ramp [N/s], 0.5 N/s if no force is given.
     sine : N
         Amplitude of a sine [N], with --frequency.
     frequency : HZ
         Of the sine [Hz].
+    phase : ANGLE
+        Of the sine at t = 0 [rad].
+    offset : N
+        Force at t = 0 of a ramp, and below a sine [N].
     table : FILE.csv
         Force over time: columns t and F, with units in the heading or in s and N, joined by straight lines.
+    hold
+        Hold each row of the table until the next, instead of straight lines.
     spring : N/m
         Stiffness of a spring that pulls [N/m], with --pull.
+    pid : P,I,D
+        Gains of a controller of the place, such as '100 N/m, 200 N/(m s), 5 N s/m'; later ones are 0 if not given.
+    target : m
+        Where the controller wants the mass [m].
     pull : m/s
-        Speed of the spring's far end [m/s].
+        Speed of the spring's far end, or of the controller's target [m/s].
+    samples : NUMBER
+        Equal steps from sample to sample, 1000 if not given; errors and events do not depend on them.
     """
-    from friction import Status, Testbench, simulate
+    import numpy as np
+
+    from friction import MODELS, Result, Status, Testbench, simulate
     from friction.result import COLUMNS
 
-    shape = {"slope": slope, "sine": sine, "frequency": frequency, "spring": spring, "pull": pull}
-    si = run.in_si(shape | given)
-    method, tol = given.get("method"), given.get("tol")
-    tol = None if tol is None else to_si(tol, None, "--tol")
-    bench, law = {key: si[key] for key in ("mass", "v0") if key in si}, model_of(model, parameters)
+    numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
+    si = run.in_si(numbers | {"spring": spring, "target": target, "pull": pull} | given)
+    tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
+    bench = {key: si[key] for key in ("mass", "v0") if key in si}
+    steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
+    laws = models_of(models, parameters, MODELS)
+    runs: dict[str, Result] = {}
     with run.named(**NAMED):
-        pulled = _spring(si)
-        loaded = Testbench(_force(si, table, pulled is not None), spring=pulled, **bench)
-        steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
-        result = simulate(law, loaded, method=method, tol=tol, **steps)
-    files = {
-        "csv": tabled({name: getattr(result, name) for name in COLUMNS}),
-        "plot": drawn("friction.pictures:draw_run", result),
-    }
-    return Output(result.text_lines(), result.to_dict, files, exit_code=int(result.status is not Status.DONE))
-
-
-@command(
-    names={"parameters": "set"},
-    files={
-        "plot": picture("Curves and hysteresis loops"),
-        "csv": table("Steady friction over velocity, SI, full precision"),
-    },
-    group=friction,
-    epilog=EXAMPLES,
-)
-def curve(models: tuple[str, ...], *, parameters: tuple[str, ...] = (), velocity: str = "0.5") -> Output:
-    """Steady friction over velocity, and hysteresis loops, of one or more models.
-
-    Parameters
-    ----------
-    parameters : NAME=VALUE
-        A parameter, for the models that have it.
-    velocity : m/s
-        Largest velocity, 0.5 m/s if not given.
-    """
-    from tline.solver.result.atomic import write_table
-    from tline.words.aligned import aligned
-
-    largest = to_si(velocity, "m/s", "--velocity")
-    if not largest > 0.0:
-        raise InputError("--velocity", "not positive", "more than 0 m/s", velocity)
-    chosen = {name: model_of(name, parameters, shared=len(models) > 1) for name in models}
-    speeds = [largest * (k - 10) / 10 for k in range(21)]
-    forces = {name: [float(one.steady_force(v)) for v in speeds] for name, one in chosen.items()}
-    rows = list(zip(speeds, *forces.values(), strict=True))
-    head = ["v [m/s]", *(f"{name} [N]" for name in chosen)]
+        forced = _force(si, table, hold, pid is not None or "spring" in si)
+        loaded = Testbench(forced, spring=_spring(si, pid), controller=_controller(si, pid), **bench)
+        if samples is not None:
+            steps["times"] = np.linspace(0.0, steps.get("t_end", 10.0), samples + 1)
+        for name, law in laws.items():
+            runs[name] = simulate(law, loaded, method=given.get("method"), tol=tol, budget=budget, **steps)
+    found = next(iter(runs.values()))
     return Output(
-        aligned([head, *([f"{number:.6g}" for number in row] for row in rows)], 0),
-        lambda: {"v": speeds} | forces,
-        {
-            "csv": lambda file: write_table(file, ["v", *chosen], rows),
-            "plot": drawn("friction.pictures:draw_curves", chosen, largest),
-        },
+        [line for each in runs.values() for line in each.text_lines()],
+        found.to_dict if len(runs) == 1 else lambda: {name: each.to_dict() for name, each in runs.items()},
+        {"csv": tabled(beside(runs, COLUMNS)), "plot": drawn("friction.pictures:draw_run", runs)},
+        exit_code=int(any(each.status is not Status.DONE for each in runs.values())),
     )
 
 
-def model_of(name: str, parameters: tuple[str, ...], *, shared: bool = False) -> "Model":
-    """The model of that name; `shared` parameters need not be its own."""
-    from friction import MODELS
-    from friction.models import UNITS
+def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mapping[str, type]) -> dict[str, Any]:
+    """The models of those names; each takes the parameters that it has."""
+    from friction.parameters import TOLD
 
-    if name not in MODELS:
-        raise InputError("MODEL", "unknown", " or ".join(MODELS), f"'{name}'")
-    names = {field.name for field in fields(MODELS[name])}
-    given = {}
+    for name in names:
+        if name not in known:
+            raise InputError("MODEL", "unknown", " or ".join(known), f"'{name}'")
+    have = {name: {field.name for field in fields(known[name])} for name in names}
+    every, given = set[str]().union(*have.values()), dict[str, Any]()
     for text in parameters:
-        key, equals, number = (part.strip() for part in text.partition("="))
-        if not equals or key not in UNITS:
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or key not in TOLD:
             raise InputError(
-                "--set", "no parameter", f"NAME=VALUE, NAME one of {', '.join(sorted(names))}", f"'{text}'"
+                "--set", "no parameter", f"NAME=VALUE, NAME one of {', '.join(sorted(every))}", f"'{text}'"
             )
-        if key in names:
-            given[key] = to_si(number, UNITS[key], f"--set {key}")
-        elif not shared:
-            raise InputError("--set", f"the {name} model has no {key}", " or ".join(sorted(names)))
-    with options_named({f"model.{key}": f"--set {key}" for key in UNITS}):
-        return MODELS[name](**given)
+        if key not in every:
+            raise InputError("--set", f"the {' or '.join(names)} model has no {key}", " or ".join(sorted(every)))
+        parts = value.split(",") if key in SEVERAL else [value]
+        numbers = [to_si(part, TOLD[key].unit or None, f"--set {key}") for part in parts]
+        given[key] = numbers if key in SEVERAL else numbers[0]
+    for name in names:
+        if needed := [
+            field.name for field in fields(known[name]) if field.default is MISSING and field.name not in given
+        ]:
+            raise InputError("--set", f"the {name} model needs {' and '.join(needed)}", "NAME=VALUE")
+    with options_named({f"model.{key}": f"--set {key}" for key in every}):
+        return {
+            name: known[name](**{key: value for key, value in given.items() if key in have[name]}) for name in names
+        }
 
 
-def _spring(si: dict[str, float]) -> "Spring | None":
+def beside(runs: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    """Columns of runs beside each other, with their labels if there are several."""
+    several = len(runs) > 1
+    return {
+        f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in names
+    }
+
+
+def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
     from friction import Spring
 
-    if ("spring" in si) != ("pull" in si):
+    if "spring" in si and pid is not None:
+        raise InputError("--pid", "beside a spring", "one of both")
+    if pid is None and ("spring" in si) != ("pull" in si):
         raise InputError("--spring", "needs its partner", "--spring and --pull together")
     return Spring(si["spring"], si["pull"]) if "spring" in si else None
 
 
-def _force(si: dict[str, float], file: str | None, pulled: bool) -> "Force":
-    from friction import Ramp, Sine, Table
+def _controller(si: dict[str, float], pid: str | None) -> "PID | None":
+    from friction import PID
+    from friction.parameters import TOLD
 
-    asked = [name for name in ("slope", "sine") if name in si] + ["table"] * (file is not None)
-    if len(asked) > 1:
-        raise InputError(f"--{asked[1]}", f"another force than --{asked[0]}", "one force")
-    if ("sine" in si) != ("frequency" in si):
+    if pid is None:
+        if "target" in si:
+            raise InputError("--target", "needs its partner", "--pid beside it")
+        return None
+    parts = pid.split(",")
+    if len(parts) > len(GAINS):
+        raise InputError("--pid", "too many gains", "at most three", f"{len(parts)}")
+    gains = {name: to_si(part, TOLD[name].unit, "--pid") for name, part in zip(GAINS, parts, strict=False)}
+    with options_named({f"controller.{name}": "--pid" for name in GAINS}):
+        return PID(**gains, target=si.get("target", 0.0), speed=si.get("pull", 0.0))
+
+
+def _force(si: dict[str, float], file: str | None, hold: bool, pulled: bool) -> "Force":
+    from friction import Ramp, Sine, Steps, Table
+
+    shaped = [name for name in ("slope", "sine", "offset") if name in si]
+    if file is not None and shaped:
+        raise InputError("--table", f"another force than --{shaped[0]}", "one force")
+    if ("sine" in si) != ("frequency" in si) or ("phase" in si and "sine" not in si):
         raise InputError("--sine", "needs its partner", "--sine and --frequency together")
+    if hold and file is None:
+        raise InputError("--hold", "nothing to hold", "--table beside it")
+    if file is not None:
+        return (Steps if hold else Table)(*columns_of(file, "--table", "t", "F"))
     if "sine" in si:
-        return Sine(si["sine"], si["frequency"])
-    if file is None:
-        return Ramp(si.get("slope", 0.0 if pulled else 0.5))
-    return Table(*columns_of(file, "--table", "t", "F"))
+        below = si.get("offset", 0.0), si.get("phase", 0.0), si.get("slope", 0.0)
+        return Sine(si["sine"], si["frequency"], *below)
+    return Ramp(si.get("slope", 0.0 if pulled or "offset" in si else 0.5), si.get("offset", 0.0))
 
 
 def columns_of(file: str, where: str, *names: str) -> list[list[float]]:

@@ -1,22 +1,27 @@
 """`tline friction motion` and `identify`: friction under a prescribed motion, and parameters from such a record."""
 
-from typing import TYPE_CHECKING, Any
+import re
+from typing import TYPE_CHECKING, Annotated, Any
+
+import click
 
 from tline.cli.columns import read_columns
-from tline.cli.friction import RECORDED, columns_of, friction, model_of
+from tline.cli.friction import RECORDED, beside, columns_of, friction, models_of
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
 from tline.units import engineering, to_si
 from tline.words.progress import Progress
 
 if TYPE_CHECKING:
-    from friction import Force, Prescribed
+    from friction import Prescribed
 
 EXAMPLES = """\b
 Examples:
   tline friction motion lugre --velocity "5 cm/s" --frequency "1 Hz" --plot loops.png
   tline friction motion dahl lugre --position "0.5 mm, 2 mm, 10 mm" --frequency "1 Hz" --plot presliding.png
+  tline friction motion maxwell-slip --set stiffness=1000,500 --set limits=0.4,0.6 --position 2mm --frequency 1Hz
   tline friction motion karnopp --velocity "2 mm/s" --json
+  tline friction motion lugre --velocity "0.05*sin(2*pi*t)*exp(-t)" --t-end "5 s"
   tline friction motion elasto-plastic --position moved.csv --csv force.csv
 """
 RECORDS = """\b
@@ -25,7 +30,8 @@ Examples:
   tline friction identify data.csv --model lugre --model dahl --json
 A file begins with the names of its columns: t [ms], x [um] or v [mm/s], F [N]; SI without units.
 """
-TIME = 1.0  # s, of a steady velocity
+TIME = 1.0  # s, of a steady velocity or a formula
+FORMULA = re.compile(r"\bt\b")  # what has a t in it
 
 
 @command(
@@ -42,6 +48,8 @@ def motion(
     frequency: str | None = None,
     z0: str | None = None,
     t_end: str | None = None,
+    hold: bool = False,
+    samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
     parameters: tuple[str, ...] = (),
 ) -> Output:
     """Friction that a prescribed motion meets, for one or more models: hysteresis, presliding loops.
@@ -50,37 +58,42 @@ def motion(
     ----------
     velocity : m/s
         Amplitude of a sine, with --frequency, or a steady velocity; several with commas between; or FILE.csv with
-        columns t and v, joined by straight lines.
+        columns t and v, joined by straight lines; or a formula of t in SI.
     position : m
-        Amplitude of a sine, with --frequency; several with commas between; or FILE.csv with columns t and x.
+        Amplitude of a sine, with --frequency; several with commas between; or FILE.csv with columns t and x; or a
+        formula of t in SI.
     frequency : HZ
         Of the sine [Hz].
     z0 : m
         Deflection of the bristles at the beginning [m].
     t_end : TIME
         End [s]; two periods, or the end of the file, or 1 s, if not given.
+    hold
+        Hold each velocity of a file until the next, instead of straight lines.
+    samples : NUMBER
+        Equal steps from sample to sample, 1000 if not given.
     parameters : NAME=VALUE
-        A parameter, for the models that have it.
+        A parameter, for the models that have it; of maxwell-slip stiffness and limits, with commas between elements.
     """
+    import numpy as np
+
     from friction import prescribe
-    from friction.prescribe import COLUMNS
+    from friction.prescribe import COLUMNS, PRESCRIBED
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")
-    chosen = {name: model_of(name, parameters, shared=len(models) > 1) for name in models}
+    chosen = models_of(models, parameters, PRESCRIBED)
     si = motion.in_si({"frequency": frequency, "z0": z0, "t_end": t_end})
     kind, text = ("velocity", velocity) if velocity is not None else ("position", position)
     runs: dict[str, Prescribed] = {}
-    for amplitude, moved, end in _motions(kind, str(text), si.get("frequency")):
+    for amplitude, moved, end in _motions(kind, str(text), si.get("frequency"), hold):
+        last: Any = si.get("t_end", end)
+        times = None if samples is None else np.linspace(0.0, last, samples + 1)
         for name, model in chosen.items():
             label = f"{name}, {amplitude}" if amplitude else name
-            with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--t-end"}):
-                runs[label] = prescribe(model, **{kind: moved}, t_end=si.get("t_end", end), z0=si.get("z0", 0.0))  # type: ignore[arg-type]
-    several = len(runs) > 1
-    columns = {
-        f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in COLUMNS
-    }
-    files = {"csv": tabled(columns), "plot": drawn("friction.pictures:draw_moved", runs)}
+            with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--samples"}):
+                runs[label] = prescribe(model, **{kind: moved}, t_end=last, times=times, z0=si.get("z0", 0.0))  # type: ignore[arg-type]
+    files = {"csv": tabled(beside(runs, COLUMNS)), "plot": drawn("friction.pictures:draw_moved", runs)}
     text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
     return Output(text, lambda: {label: run.to_dict() for label, run in runs.items()}, files)
 
@@ -124,16 +137,23 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
     return Output(found.text_lines(), found.to_dict, files)
 
 
-def _motions(kind: str, text: str, frequency: float | None) -> list[tuple[str, "Force", float]]:
+def _motions(kind: str, text: str, frequency: float | None, hold: bool) -> list[tuple[str, Any, float]]:
     """Label, motion and default end of each."""
-    from friction import Ramp, Sine, Table
+    from friction import Ramp, Sine, Steps, Table
 
-    option = f"--{kind}"
-    if text.strip().lower().endswith(".csv"):
-        if frequency is not None:
-            raise InputError("--frequency", "of a file", f"an amplitude as {option}, or no frequency")
+    option, is_file = f"--{kind}", text.strip().lower().endswith(".csv")
+    if hold and not is_file:
+        raise InputError("--hold", "nothing to hold", f"{option} FILE.csv beside it")
+    if frequency is not None and (is_file or FORMULA.search(text)):
+        given = "file" if is_file else "formula"
+        raise InputError("--frequency", f"of a {given}", f"an amplitude as {option}, or no frequency")
+    if is_file:
         times, values = columns_of(text.strip(), option, "t", "v" if kind == "velocity" else "x")
-        return [("", Table(times, values), times[-1])]
+        return [("", (Steps if hold else Table)(times, values), times[-1])]
+    if FORMULA.search(text):
+        from tline.interchange.spice_expression import computed
+
+        return [("", lambda times: [computed(text, {"t": t}, option) for t in times.tolist()], TIME)]
     unit, parts = ("m/s" if kind == "velocity" else "m"), text.split(",")
     sizes = [to_si(part, unit, option) for part in parts]
     labels = [engineering(size, unit) if len(sizes) > 1 else "" for size in sizes]

@@ -26,6 +26,7 @@ COMMANDS = {
     "exercise": ("tline.cli.exercise:exercise", "The exercise tline grew out of, answered letter by letter."),
     "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
     "surge": ("tline.cli.surge:surge", "Operate a water network without editing a file: the worst of a surge."),
+    "study": ("tline.cli.study:study", "Many surges of a water network, and variants of it, from one file."),
     "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),
     "sweep": ("tline.cli.sweep:sweep", "A scene in many runs with other values: grids, tolerances of parts, clusters."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),

@@ -8,17 +8,16 @@ from typing import Any
 from numpy.typing import NDArray
 
 from tline.cli.measured import as_dict, in_words
-from tline.pictures.handy import handy
 from tline.scene.ibis.element import Ibis
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
-from tline.solver.assembly.loss_elements import loss_elements_in
 from tline.solver.description.description import describe
-from tline.solver.description.resolution import grid_choice
+from tline.solver.description.resolution import cell_in, grid_choice
 from tline.solver.ledger.ledger import COLUMNS, TOLERANCE, Entry, Ledger
 from tline.solver.result.accuracy import Accuracy, Estimate
 from tline.solver.result.quantities import Bounds, in_tables
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.simulate import judged
+from tline.units import handy
 from tline.words.aligned import aligned
 from tline.words.wording import place
 
@@ -93,24 +92,16 @@ def _measured_in_words(result: Result) -> list[str]:
 
 
 def _losses(result: Result) -> dict[str, Any]:
-    """Of each lossy line, or of its stretches between cavities, its diamonds or loss elements, and its circuits."""
+    """Of each lossy line, or of its stretches between cavities, slabs in diamonds or cells, and its circuits."""
     told: dict[str, Any] = {}
     description = describe((result.parts or result).scene)
     lines = description.lines
     if not result.circuits:
         return {name: {"convolved": True, "terms": 0, "error": 0.0} for name, line in lines.items() if line.losses}
-    diamonds = result.resolution.diamonds and description.diamonds
-    loss_elements = loss_elements_in(lines, result.resolution.h, result.resolution.loss_elements)
+    cell = cell_in(description, result.resolution)
+    kind, width = ("cells", cell) if cell else ("diamonds", result.resolution.h)
     for name, circuits in result.circuits.items():
-        line = lines[name]
-        slabs = round(line.delay / result.resolution.h)
-        parts = (
-            {"loss_elements": 1}
-            if line.losses and line.losses.distortionless
-            else {"diamonds": slabs}
-            if diamonds and line.in_diamonds
-            else {"loss_elements": loss_elements[name]}
-        )
+        parts = {kind: max(round(lines[name].delay / width), 1)} if lines[name].dispersive else {}
         terms = len(circuits.series.rates) + len(circuits.shunt.rates)
         told[name] = parts | {"terms": terms, "error": circuits.error}
     return told
@@ -121,8 +112,8 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
     if not losses:
         return []
     parts = ["convolved with what they answer in s"] * any("convolved" in each for each in losses.values()) + [
-        f"up to {most} {kind.replace('_', ' ')}"
-        for kind in ("diamonds", "loss_elements")
+        f"up to {most} {kind}"
+        for kind in ("diamonds", "cells")
         if (most := max(each.get(kind, 0) for each in losses.values()))
     ]
     terms, error = (max(each[key] for each in losses.values()) for key in ("terms", "error"))

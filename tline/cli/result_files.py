@@ -25,7 +25,7 @@ FILES = {
     "plot_waves": picture("Waves along a path and against it, over place and time"),
     "lattice": picture("Bounce diagram, for a scene with one line"),
     "load_lines": picture("Bergeron's diagram, for one line between resistive ends"),
-    "animate": FileKind((".html", ".gif"), "Waves and effort along a path, moving"),
+    "animate": FileKind((".html", ".gif", ".mp4"), "Waves and effort along a path, moving"),
 }
 ALONG = ("profile", "space_time", "plot_waves", "animate")  # show a path
 ENVELOPES = ("envelope", "map")  # show the extremes at nodes
@@ -64,10 +64,10 @@ def writers(
 
 
 def _draw_load_lines(scene: "Scene", file: str) -> None:
-    from tline.scene.heights import words
     from tline.signal.load_line import bergeron
 
-    drawn("tline.pictures.signals:plot_load_lines", bergeron(scene), words(scene), scene.title)(file)
+    found = bergeron(scene)
+    drawn(found.picture, found)(file)
 
 
 def _animate(result: "Result", way: "Route | None", file: str) -> None:

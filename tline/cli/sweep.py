@@ -64,9 +64,9 @@ def sweep(
     """
     wanted = _wanted(vary)
     from tline import sweeps
-    from tline.cli.sweep_report import as_text, notes, summary
     from tline.interchange.any_file import read as read_any
     from tline.solver.simulate import UnresolvedWarning
+    from tline.sweeps.report import as_text, notes, summary
 
     read = read_any(scene, confined=confined)
     with _executor(dask) as executor, sweep.named(), warnings.catch_warnings():
@@ -78,7 +78,7 @@ def sweep(
     return Output(
         as_text(found),
         lambda: summary(found) | {"files": list(files.values())},
-        dict.fromkeys(("npz", "netcdf", "csv"), found.save) | {"plot": drawn("tline.pictures.sweep:plot_sweep", found)},
+        dict.fromkeys(("npz", "netcdf", "csv"), found.save) | {"plot": drawn(found.picture, found)},
         [*told, *filter(None, [found.told_unresolved])],
         0 if not told else 1 if found.done.all() else INTERRUPTED,
     )

@@ -1,12 +1,8 @@
 """`tline tdr`: time-domain reflectometry at a node of a scene."""
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tline.cli.from_signature import Output, command, drawn, picture, table
-
-if TYPE_CHECKING:
-    from tline.signal.tdr import Reflections
 
 EXAMPLES = """\b
 Examples:
@@ -27,32 +23,10 @@ def tdr(scene: str, *, confined: bool = False, **given: Any) -> Output:
     exact up to the first discontinuity, misled by multiple reflections behind it. Other sources are silent.
     """
     from tline.interchange.any_file import read as read_any
-    from tline.scene.medium import MEDIA
     from tline.signal.tdr import reflectometry, save_reflections
 
     read = read_any(scene, confined=confined)
     with tdr.named():
         seen = reflectometry(read, **given, progress=True)
-    medium = MEDIA[read.medium]
-    files = {
-        "csv": lambda file: save_reflections(seen, file),
-        "plot": drawn("tline.pictures.signals:plot_reflections", seen, medium, read.title),
-    }
-    return Output(_text(given["node"], seen, medium.units["resistance"]), lambda: _data(seen), files)
-
-
-def _impedances(seen: "Reflections") -> list[float | None]:
-    return [each if each < float("inf") else None for each in seen.impedance.tolist()]
-
-
-def _text(port: str, seen: "Reflections", unit: str) -> Iterator[str]:
-    yield f"step into '{port}' from {seen.z0:.6g} {unit}, reflected wave per step:"
-    z = _impedances(seen)
-    for word, k in (("lowest", seen.reflected.argmin()), ("highest", seen.reflected.argmax())):
-        size = "open" if z[k] is None else f"{z[k]:.6g} {unit}"
-        yield f"  {word} {seen.reflected[k]:.6g} at {seen.t[k]:.6g} s: {size}"
-
-
-def _data(seen: "Reflections") -> dict[str, Any]:
-    waves = {"incident": seen.incident.tolist(), "reflected": seen.reflected.tolist()}
-    return {"z0": seen.z0, "t": seen.t.tolist(), **waves, "impedance": _impedances(seen)}
+    files = {"csv": lambda file: save_reflections(seen, file), "plot": drawn(seen.picture, seen)}
+    return Output(seen.text_lines(), seen.to_dict, files)

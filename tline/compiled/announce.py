@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Timer
+from time import process_time
 
 PATIENCE = 1.0  # s of compiling without a word
 FOR = {  # a part of the kernel -> what it is needed for, and how many seconds all of it takes
@@ -13,13 +14,31 @@ FOR = {  # a part of the kernel -> what it is needed for, and how many seconds a
     "friction": ("friction models", 5),
     "fronts": ("fronts", 10),
     "laws": ("non-linear elements", 5),
-    "losses": ("losses", 3),
+    "diamonds": ("losses", 3),
     "many": ("sweeps", 4),
     "stores": ("vessels, tanks and pumps", 5),
 }
 OTHERWISE = "this", 10
 _spent: dict[str, float] = {}
 _said: set[str] = set()
+_compiling = {"depth": 0, "seconds": 0.0}
+
+
+def compiling_seconds() -> float:
+    """Processor time that this process has spent on compiling, s."""
+    return _compiling["seconds"]
+
+
+@contextmanager
+def counted() -> Iterator[None]:
+    """Count what a unit takes to compile, with the units that it calls."""
+    begun = process_time()
+    _compiling["depth"] += 1
+    try:
+        yield
+    finally:
+        _compiling["depth"] -= 1
+        _compiling["seconds"] += 0.0 if _compiling["depth"] else process_time() - begun
 
 
 @contextmanager

@@ -104,10 +104,10 @@ class Unit:
         return result.value
 
     def _compiled(self) -> tuple[int, Any]:
-        from tline.compiled.announce import announced
+        from tline.compiled.announce import announced, counted
         from tline.compiled.compiler import compile_unit
 
-        with announced(self.__module__):
+        with counted(), announced(self.__module__):
             result = compile_unit(self.code, self.parameters)
         keep(self, result.fndesc.llvm_func_name, result.library)
         return result.library.get_pointer_to_function(result.fndesc.llvm_func_name), result

@@ -3,7 +3,6 @@ from tline.design.columns import Peak as Peak
 from tline.design.columns import Separation as Separation
 from tline.design.columns import separation as separation
 from tline.design.flywheel import flywheel as flywheel
-from tline.design.picture import plot_sizing as plot_sizing
 from tline.design.relief import relief as relief
 from tline.design.sizing import Sizing as Sizing
 from tline.design.vessel import vessel as vessel

@@ -1,11 +1,14 @@
 """Highest pressure where liquid columns separate: over several numbers of places at which cavities may stand."""
 
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
 from tline.scene.cavities import with_cavities
 from tline.scene.file import as_scene
 from tline.scene.quantity import Quantity
@@ -39,7 +42,8 @@ class Peak(NamedTuple):
     at: float
 
 
-class Separation(NamedTuple):
+@dataclass(frozen=True, repr=False)
+class Separation(Presentation):
     """What to design for where columns separate.
 
     Attributes
@@ -64,19 +68,17 @@ class Separation(NamedTuple):
         pressures = [peak.pressure for peak in self.peaks]
         return max(pressures) - min(pressures)
 
-    def table(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """All numbers in SI, as ``tline design separation --json`` prints them."""
-        found = {"design_pressure": self.governing.pressure, "spread": self.spread}
-        return found | {"peaks": [peak._asdict() for peak in self.peaks], "notes": list(self.notes)}
+        return plain({"design_pressure": self.governing.pressure, "spread": self.spread} | vars(self))
 
-    def __str__(self) -> str:
-        rows = [
-            f"{'/'.join(map(str, places))} places: {pressure / BAR:.4g} bar at {node} after {at:.4g} s"
-            for places, pressure, node, at in self.peaks
-        ]
+    def text_lines(self) -> Iterator[str]:
+        """The highest pressure of each run, and which of them to design for."""
+        for places, pressure, node, at in self.peaks:
+            yield f"{'/'.join(map(str, places))} places: {pressure / BAR:.4g} bar at {node} after {at:.4g} s"
         top = self.governing
         advice = f"take {top.pressure / BAR:.4g} bar as the design pressure: the highest of these runs, at {top.node}"
-        return "\n".join([*rows, f"{advice}; the number of places moves it by {self.spread / BAR:.2g} bar"])
+        yield f"{advice}; the number of places moves it by {self.spread / BAR:.2g} bar"
 
 
 def separation(scene: Scene | str | Path) -> Separation:
@@ -117,7 +119,7 @@ def separation(scene: Scene | str | Path) -> Separation:
     found = Separation(tuple(peaks), notes)
     if found.governing.at > LATE * float(given.t_end):
         notes = (*notes, "the highest pressure comes at the end of the run: let it run longer")
-    return found._replace(notes=notes)
+    return replace(found, notes=notes)
 
 
 def _with_stretches(scene: Scene, times: int) -> Scene:

@@ -1,7 +1,7 @@
 """The search of a size by prepared runs, and its result: the size, its margin, its curve, and the scene that has it."""
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 from tline.design.limits import Limits
 from tline.design.search import SizeSearch, Trial, smallest
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
 from tline.scene.scene import Scene
 from tline.solver.prepared import Prepared, prepare
 from tline.solver.result.atomic import write_table
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
 from tline.units import engineering
+from tline.words.aligned import aligned
 from tline.words.progress import Progress
 
 USUAL_TOL, USUAL_RUNS = 1e-3, 20
@@ -32,8 +34,8 @@ class Size(NamedTuple):
         return engineering(self.value, self.unit)
 
 
-@dataclass(frozen=True, eq=False)
-class Sizing:
+@dataclass(frozen=True, eq=False, repr=False)
+class Sizing(Presentation):
     """What a design search found.
 
     Attributes
@@ -64,17 +66,36 @@ class Sizing:
     limits: Limits
     scene: Scene
     notes: tuple[str, ...]
+    picture = "tline.design.picture:plot_sizing"
 
     @property
     def searched(self) -> tuple[str, Size]:
         """Name and value of the size that was searched."""
         return next(iter(self.sizes.items()))
 
-    def table(self) -> dict[str, Any]:
+    def text_lines(self) -> Iterator[str]:
+        """The size, its margin to the limit, and the curve of extremes over sizes."""
+        limits, trial = self.limits, self.found
+        per, unit = limits.unit
+        name, size = self.searched
+        head = [name, f"lowest [{unit}]", f"highest [{unit}]", f"margin [{unit}]"]
+        rows = [
+            [str(size._replace(value=each.size)), *(f"{value / per:.4g}" for value in each[1:4])] for each in self.curve
+        ]
+        error = f", estimated error {trial.error / per:.1g} {unit}" if trial.error == trial.error else ""
+        yield f"{self.scene.title or 'a scene'}: {self.kind}, {self.element}"
+        yield from aligned([[key, str(size)] for key, size in self.sizes.items()], 2)
+        yield (
+            f"{limits.word} {limits.where}: {limits.shown(trial.lowest)} to {limits.shown(trial.highest)}, "
+            f"margin {trial.margin / per:.2g} {unit}{error}"
+        )
+        yield from ["", *aligned([head, *rows], 0)]
+
+    def to_dict(self) -> dict[str, Any]:
         """All of it but the scene as plain data, in SI."""
         limits = self.limits
         bound = {"lowest": limits.lowest, "highest": limits.highest}
-        return {
+        told = {
             "kind": self.kind,
             "element": self.element,
             **{name: size.value for name, size in self.sizes.items()},
@@ -85,16 +106,11 @@ class Sizing:
             "curve": [trial._asdict() for trial in self.curve],
             "notes": list(self.notes),
         }
+        return plain(told)
 
     def save(self, path: str | Path) -> None:
         """Write the curve as CSV: a row for each size, SI."""
         write_table(path, [self.searched[0].replace(" ", "_"), *Trial._fields[1:]], self.curve)
-
-    def plot(self) -> Any:
-        """Draw lowest and highest over the size: see `tline.design.plot_sizing`."""
-        from tline.design.picture import plot_sizing
-
-        return plot_sizing(self)
 
 
 class Runs:

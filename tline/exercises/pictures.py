@@ -9,8 +9,8 @@ from friction.pictures import draw_panels as draw_panels
 from passivity.exact.picture import draw_smith
 from tline.exercises.lines import LENGTH, snapshots
 from tline.exercises.passive_line import example
-from tline.pictures.handy import handy
 from tline.pictures.style import COLOURS, DASHES, FAINT, UP, cells_of, styled
+from tline.units import handy
 
 
 @styled

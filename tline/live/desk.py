@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.along import effort_along
+from tline.pictures.animation import animated
 from tline.pictures.bounds import scale
-from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis, route
+from tline.pictures.spread import spread
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.prepared import prepare
@@ -21,7 +22,7 @@ from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import in_tables
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
-from tline.units import engineering
+from tline.units import engineering, handy
 from tline.words.wording import place
 
 SECTIONS, MOST_SLIDERS, MOST_PROBES = ("lines", "sources", "loads", "links"), 60, 6
@@ -90,13 +91,19 @@ class Desk:
 
     def seen(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Traces, extremes and picture over place and time of a run with these values, in SI by path."""
-        moved = self._checked(values)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
-            result = self.prepared.run(moved, record=self.way.lines if self.way else ())
-        now = {path: engineering(moved.get(path, each), each.unit or "") for path, each in self.sliders.items()}
+        result = self._run(values)
+        now = {path: engineering(values.get(path, each), each.unit or "") for path, each in self.sliders.items()}
         told = {"now": now, "text": str(result).partition("\n")[2].rstrip(">")}
         return told | {"panels": self._panels(result), "map": self._map(result)}
+
+    def waves(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """A page on which the waves of such a run travel along the chain of lines; None without one."""
+        return {"page": animated(self._run(values), self.way).html if self.way else None}
+
+    def _run(self, values: Mapping[str, Any]) -> Result:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
+            return self.prepared.run(self._checked(values), record=self.way.lines if self.way else ())
 
     def _panels(self, result: Result) -> list[dict[str, Any]]:
         end, panels = float(result.t[-1]), []

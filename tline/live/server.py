@@ -23,7 +23,7 @@ class Server(ThreadingHTTPServer):
         self.own, self.token, self.busy = f"127.0.0.1:{self.server_port}", token_urlsafe(16), Lock()
         self.address = f"http://{self.own}/{self.token}/"
         self.ended = False
-        self.answers = {"first": lambda _: desk.first(), "seen": desk.seen, "copied": desk.copied}
+        self.answers = {"first": lambda _: desk.first(), "seen": desk.seen, "waves": desk.waves, "copied": desk.copied}
 
     def serve(self) -> None:
         """Answer, until nobody asks any more."""

@@ -1,4 +1,3 @@
-from tline.pictures.animation import Animation as Animation
 from tline.pictures.animation import animated as animated
 from tline.pictures.bode import plot_bode as plot_bode
 from tline.pictures.bode import plot_misfit as plot_misfit
@@ -9,13 +8,10 @@ from tline.pictures.map import surges as surges
 from tline.pictures.network import plot_network as plot_network
 from tline.pictures.path import Route as Route
 from tline.pictures.path import route as route
+from tline.pictures.player import Animation as Animation
 from tline.pictures.profile import plot_profile as plot_profile
 from tline.pictures.profile import plot_space_time as plot_space_time
-from tline.pictures.signals import plot_eye as plot_eye
-from tline.pictures.signals import plot_load_lines as plot_load_lines
-from tline.pictures.signals import plot_reflections as plot_reflections
 from tline.pictures.style import save_figure as save_figure
-from tline.pictures.sweep import plot_sweep as plot_sweep
 from tline.pictures.traces import draw_probes as draw_probes
 from tline.pictures.traces import plot as plot
 from tline.pictures.waves import plot_line_waves as plot_line_waves

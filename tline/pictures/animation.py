@@ -1,8 +1,5 @@
-"""Waves and effort along a route, moving in time: as a web page of its own, or as a GIF."""
+"""Waves and effort along a route, moving in time: as a web page of its own, or as a film."""
 
-import html
-import json
-from importlib.resources import files
 from math import ceil, log10
 from pathlib import Path
 from typing import NamedTuple
@@ -10,18 +7,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
 from tline.pictures.along import extremes_along, waves_along
 from tline.pictures.bounds import Bound, bounds, scale
-from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis
-from tline.solver.result.atomic import replacing
+from tline.pictures.player import Animation, player
+from tline.pictures.spread import spread
 from tline.solver.result.result import Result
+from tline.units import handy
 
 FRAMES, PLACES = 180, 361
 STEPS = 9999  # levels from smallest to largest effort in the page
-SUFFIXES = (".html", ".gif")
-FRAME = 480  # pixels, height in a notebook
+NOTE = (
+    "a travels to the right, b to the left; the effort u is half of their sum. Shaded: what u passes through in the "
+    "whole run."
+)
 
 
 class MovingQuantities(NamedTuple):
@@ -61,48 +60,24 @@ class MovingQuantities(NamedTuple):
         return max(ceil(-log10(self.t[1])), 0) + 1
 
 
-class Animation:
-    """Waves along a route and against it, and the effort, which is half of their sum, moving; notebooks play it.
+class Waves(Animation):
+    """Waves along a route and against it, and the effort, half of their sum: as a page, GIF or MP4."""
 
-    Parameters
-    ----------
-    motion : MovingQuantities
-    """
+    suffixes = (".html", ".gif", ".mp4")
 
     def __init__(self, motion: MovingQuantities):
+        super().__init__(_page(motion))
         self.motion = motion
 
-    @property
-    def html(self) -> str:
-        """A page that needs nothing else: play, pause and a slider; keys do the same, and show or hide curves."""
-        return _page(self.motion)
+    def write(self, path: Path) -> None:
+        """Write page or film to a file, by its suffix."""
+        suffix = path.suffix.lower()
+        if suffix == ".html":
+            super().write(path)
+            return
+        from tline.pictures import film
 
-    def _repr_html_(self) -> str:
-        return f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{FRAME}" style="border: 0"></iframe>'
-
-    def save(self, filename: str | Path) -> None:
-        """Write it.
-
-        Parameters
-        ----------
-        filename : str or Path
-            ``.html`` for a page; ``.gif`` for a picture that plays for ever.
-
-        Raises
-        ------
-        InputError
-            Another suffix, or the file cannot be written.
-        """
-        suffix = Path(filename).suffix.lower()
-        if suffix not in SUFFIXES:
-            raise InputError(str(filename), "unknown kind of animation", " or ".join(SUFFIXES), f"'{suffix}'")
-        with replacing(filename) as temporary:
-            if suffix == ".html":
-                temporary.write_text(self.html, encoding="utf-8")
-            else:
-                from tline.pictures.gif import write_gif
-
-                write_gif(self.motion, temporary)
+        (film.write_gif if suffix == ".gif" else film.write_mp4)(self.motion, path)
 
 
 def animated(result: Result, path: Route) -> Animation:
@@ -120,7 +95,7 @@ def animated(result: Result, path: Route) -> Animation:
     InputError
         A line of the route was not recorded.
     """
-    return Animation(_motion(result, path))
+    return Waves(_motion(result, path))
 
 
 def _motion(result: Result, path: Route) -> MovingQuantities:
@@ -155,14 +130,16 @@ def _points(bound: Bound) -> list:
 
 
 def _page(motion: MovingQuantities) -> str:
-    """The page: a template with the efforts as whole numbers from 0 to STEPS."""
+    """The page, with the efforts as whole numbers from 0 to STEPS."""
     low, high = motion.range
 
     def counts(values: NDArray, low: float = low, high: float = high) -> list:
         return np.rint((values - low) / (high - low) * STEPS).astype(int).tolist()
 
     data = {
-        "title": motion.title,
+        "title": motion.title or motion.effort,
+        "note": NOTE,
+        "keys": ", u, a and b show or hide a curve",
         "range": [low, high],
         "steps": STEPS,
         "marks": list(motion.labels.items()),
@@ -178,7 +155,4 @@ def _page(motion: MovingQuantities) -> str:
         "wave_range": motion.wave_range,
         "along": counts(motion.waves[0], *motion.wave_range),
     }
-    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
-    template = files("tline.pictures").joinpath("animation.html").read_text(encoding="utf-8")
-    before, after = template.split("DATA", 1)
-    return before.replace("TITLE", html.escape(motion.title or motion.effort)) + text + after
+    return player("tline.pictures", "waves.js", "waves and effort along the path, moving in time", data)

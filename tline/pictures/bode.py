@@ -10,8 +10,8 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from tline.frequency.oscillations import Resonance
-from tline.pictures.handy import handy
 from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, figure, styled
+from tline.units import handy
 
 if TYPE_CHECKING:
     from passivity import DelayedModel

@@ -6,13 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.pictures.handy import handy
 from tline.pictures.path import Leg, Route
 from tline.scene.heights import weight_at, words
 from tline.scene.medium import readable
 from tline.scene.scene import Scene
 from tline.solver.result.limits import VACUUM
-from tline.units import engineering
+from tline.units import engineering, handy
 
 
 class Scale(NamedTuple):

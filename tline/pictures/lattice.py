@@ -7,10 +7,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tline.pictures.fronts import Bounces, Front, Stay, bounces
-from tline.pictures.handy import handy
 from tline.pictures.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.scene.heights import words
 from tline.solver.result.result import Result
+from tline.units import handy
 
 FLAT = 1e-6  # of the largest effort; a smaller one is zero
 ROOM = 0.03  # of the diagram's height, for a number

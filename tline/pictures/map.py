@@ -2,7 +2,7 @@
 
 from itertools import pairwise
 from math import inf, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.bounds import scale
-from tline.pictures.handy import spread
 from tline.pictures.layout import Places, course, has_positions, layout, refuse_too_many
-from tline.pictures.style import FAINT, INK, LONGEST_NAME, figure, styled
+from tline.pictures.spread import spread
+from tline.pictures.style import FAINT, INK, LONGEST_NAME, cells_of, styled
 from tline.scene.coupled import refuse_coupled
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
@@ -144,26 +144,32 @@ def plot_map(result: Result) -> Figure:
     >>> [axes.get_title(loc="left") for axes in maps.axes[:2]]
     ['rise above the start', 'fall below the start']
     """
-    scene, both, places = result.scene, surges(result), layout(result.scene)
+    return draw_surges(result.scene, *surges(result))
+
+
+@styled
+def draw_surges(scene: Scene, *both: Surge, ax: Axes | None = None) -> Any:
+    """Draw the two maps of how far the effort rose and how far it fell; on `ax` the first alone."""
+    places = layout(scene)
     wide, high = np.ptp([*places.values()], axis=0)
     rows = 2 if wide > WIDE * high else 1
-    picture = figure(8.0 if rows == 2 else 9.0, 8.0 if rows == 2 else 5.2, scene.title)
+    drawn, panels = cells_of(ax, *((8.0, 8.0) if rows == 2 else (9.0, 5.2)), rows, 3 - rows, scene.title)
     before = "the steady state" if scene.start == "steady" else "the start"
-    panels = picture.subplots(rows, 3 - rows).ravel()
-    for axes, surge, word in zip(panels, both, ("rise above", "fall below"), strict=True):
+    for axes, surge, word in zip(panels, both, ("rise above", "fall below"), strict=False):
         largest = max([*surge.nodes.values(), *(float(size.max()) for size in surge.lines.values())])
         effort, size, unit = scale(scene, scene.lines, largest)
         colours = ScalarMappable(Normalize(0.0, spread(0.0, largest / size)[1]), SCALE)
         _draw(axes, scene, places, surge, colours, size)
         axes.set_title(f"{word} {before}", loc="left")
-        bar = picture.colorbar(colours, ax=axes, pad=0.02, fraction=0.05)
+        bar = axes.figure.colorbar(colours, ax=axes, pad=0.02, fraction=0.05)
         bar.set_label(f"{word.split()[0]} of {effort} [{unit}]")
         bar.outline.set_visible(False)
-    _explain(picture, scene, bool(held_nodes(scene)), any(surge.beyond for surge in both))
-    picture.draw_without_rendering()
+    if ax is None:
+        _explain(drawn, scene, bool(held_nodes(scene)), any(surge.beyond for surge in both))
+    panels[0].figure.canvas.figure.draw_without_rendering()
     for axes in panels:
         _name(axes, places)
-    return picture
+    return drawn
 
 
 def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: ScalarMappable, size: float) -> None:

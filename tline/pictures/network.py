@@ -13,12 +13,12 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import BboxBase
 from numpy.typing import NDArray
 
-from tline.pictures.handy import handy
 from tline.pictures.layout import Places, conductors, course, delay_of, has_positions, layout
 from tline.pictures.style import COLOURS, FAINT, INK, LONGEST_NAME, figure, styled
 from tline.scene.line import SceneLine
 from tline.scene.load import linked_pairs
 from tline.scene.scene import Scene
+from tline.units import handy
 
 NAMED = 40  # nodes that have their names written, and what stands there
 HALO = [withStroke(linewidth=3, foreground="white")]

@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.pictures.handy import handy
 from tline.scene.coupled import refuse_coupled
 from tline.scene.load import linked_pairs
 from tline.scene.medium import readable
 from tline.scene.scene import Scene
+from tline.units import handy
 from tline.words.wording import nearest
 
 

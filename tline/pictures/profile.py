@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 
 from tline.pictures.along import effort_along, extremes_along, start_effort
 from tline.pictures.bounds import Bound, bounds, scale
-from tline.pictures.handy import handy, spread
 from tline.pictures.path import Route, axis
+from tline.pictures.spread import spread
 from tline.pictures.style import COLOURS, DASHES, DIVERGING, INK, figure, name_nodes, styled
 from tline.solver.result.result import Result
+from tline.units import handy
 
 WIDTH, HEIGHT = 8.0, 5.0  # inches
 MARGIN = 0.06  # of the range, above and below

@@ -5,35 +5,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tline.pictures.handy import handy
-from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, figure, styled
-from tline.scene.medium import Medium
+from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, styled
 from tline.signal.crosstalk import Crosstalk
 from tline.signal.eye_diagram import Eye
 from tline.signal.eye_statistics import Mask, jitter
 from tline.signal.load_line import Bergeron, LoadLine
 from tline.signal.tdr import Reflections
+from tline.units import handy
 
 STEEP = 20.0  # times z0; a higher impedance is off the picture
 
 
 @styled
-def plot_eye(seen: Eye, medium: Medium, title: str = "", mask: Mask | None = None) -> Figure:
-    """All bits laid upon each other, two wide, the sampling instant in the middle, with height and width of the eye.
-
-    Parameters
-    ----------
-    seen : Eye
-    medium : Medium
-        For words and units.
-    title : str
-    mask : Mask, optional
-        Drawn around the sampling instant.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Figure | Axes:
+    """All bits laid upon each other, two wide, the sampling instant in the middle, with height and width of the eye."""
+    medium = seen.medium
     n, fine = seen.u.shape
     shift = round((seen.instant / seen.period % 1.0) * fine) - fine  # one bit in front of the sampling instant
     turned = np.roll(seen.u.ravel(), -shift)
@@ -41,8 +27,7 @@ def plot_eye(seen: Eye, medium: Medium, title: str = "", mask: Mask | None = Non
     size, unit = handy(float(np.abs(seen.u).max()), medium.shown["effort"])
     second, time_unit = handy(2 * seen.period, "s")
     t = np.linspace(-seen.period, seen.period, 2 * fine + 1) / second
-    picture = figure(8.0, 4.8, title)
-    axes = picture.subplots()
+    drawn, (axes,) = cells_of(ax, 8.0, 4.8, title=seen.title)
     axes.plot(t, windows.T / size, color=COLOURS[0], linewidth=0.8, alpha=max(0.2, min(0.6, 12 / n)))
     if mask is not None:
         corners = mask.corners
@@ -63,80 +48,63 @@ def plot_eye(seen: Eye, medium: Medium, title: str = "", mask: Mask | None = Non
     axes.set_ylabel(f"{medium.effort} [{unit}]")
     axes.margins(x=0)
     axes.grid(True)
-    return picture
+    return drawn
 
 
 @styled
-def plot_reflections(seen: Reflections, medium: Medium, title: str = "") -> Figure:
-    """Waves in units of the step above, impedance below; high impedances leave the picture.
-
-    Parameters
-    ----------
-    seen : Reflections
-    medium : Medium
-        For the unit of impedances.
-    title : str
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With two axes that share time.
-    """
+def plot_reflections(seen: Reflections, ax: Axes | None = None) -> Figure | Axes:
+    """Waves in units of the step above, impedance below, not on `ax`; high impedances leave the picture."""
     second, time_unit = handy(float(seen.t[-1]), "s")
-    picture = figure(8.0, 5.4, title)
-    upper, lower = picture.subplots(2, 1, sharex=True)
+    drawn, (upper, *rest) = cells_of(ax, 8.0, 5.4, 2, title=seen.title, sharex=True)
     for k, (name, wave) in enumerate((("incident", seen.incident), ("reflected", seen.reflected))):
         upper.plot(seen.t / second, wave, color=COLOURS[k], linestyle=DASHES[k], label=name)
     upper.set_ylabel("wave / step")
     upper.legend(loc="best", ncols=2)
+    for lower in rest:
+        _draw_impedance(lower, seen, second)
+        drawn.align_ylabels([upper, lower])
+    for axes in (upper, *rest):
+        axes.grid(True)
+        axes.margins(x=0)
+    [upper, *rest][-1].set_xlabel(f"time, there and back [{time_unit}]")
+    return drawn
+
+
+def _draw_impedance(lower: Axes, seen: Reflections, second: float) -> None:
     profile = np.where(seen.impedance < STEEP * seen.z0, seen.impedance, np.nan)
     lower.plot(seen.t / second, profile, color=COLOURS[2])
     lower.axhline(seen.z0, color=COLOURS[6], linewidth=0.8, linestyle=DASHES[2])
-    lower.set_ylabel(f"impedance [{medium.units['resistance'].replace('ohm', 'Ω')}]")
-    lower.set_xlabel(f"time, there and back [{time_unit}]")
-    for axes in (upper, lower):
-        axes.grid(True)
-        axes.margins(x=0)
-    picture.align_ylabels([upper, lower])
-    return picture
+    lower.set_ylabel(f"impedance [{seen.medium.units['resistance'].replace('ohm', 'Ω')}]")
 
 
 @styled
-def plot_crosstalk(seen: Crosstalk, title: str = "") -> Figure:
-    """Voltages of the driven conductor and of the quiet ones, and differential and common mode of pairs, over time.
-
-    Parameters
-    ----------
-    seen : Crosstalk
-    title : str
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        With three axes that share time; of more than two conductors without the modes.
-    """
+def plot_crosstalk(seen: Crosstalk, ax: Axes | None = None) -> Figure | Axes:
+    """Voltages of the driven conductor, of the quiet ones (alone on `ax`), and modes of a single pair, over time."""
     second, unit = handy(float(seen.t[-1]), "s")
     quiet = {**seen.near, **seen.far}
     modes = seen.pairs if len(seen.pairs) == 2 else ()
-    picture = figure(8.0, 7.0 if modes else 5.0, title)
-    axes = picture.subplots(3 if modes else 2, 1, sharex=True)
-    _draw(axes[0], seen, second, {node: u for node, u in seen.voltages.items() if node not in quiet})
+    rows = 3 if modes else 2
+    drawn, axes = cells_of(ax, 8.0, 7.0 if modes else 5.0, rows, title=seen.title, sharex=True)
     largest = max(float(abs(seen.voltages[node]).max()) for node in quiet)
     size, prefix = handy(largest, "V")
     shares = {f"{node}, {100 * share:.3g} %": seen.voltages[node] / size for node, share in quiet.items()}
-    _draw(axes[1], seen, second, shares)
+    heard = ax or axes[1]
+    _draw(heard, seen, second, shares)
+    heard.set_ylabel(f"quiet [{prefix}]")
+    axes[-1].set_xlabel(f"time [{unit}]")
+    if ax is not None:
+        return ax
+    _draw(axes[0], seen, second, {node: u for node, u in seen.voltages.items() if node not in quiet})
     axes[0].set_ylabel("driven [V]")
-    axes[1].set_ylabel(f"quiet [{prefix}]")
     if modes:
         waves = {f"{a} − {b}": u for (a, b), u in seen.differential.items()}
         _draw(axes[2], seen, second, waves | {f"mean of {a}, {b}": u for (a, b), u in seen.common.items()})
         axes[2].set_ylabel("modes [V]")
-    axes[-1].set_xlabel(f"time [{unit}]")
-    picture.align_ylabels(list(axes))
-    return picture
+    drawn.align_ylabels(axes)
+    return drawn
 
 
-def _draw(axes, seen: Crosstalk, second: float, waves: dict) -> None:
+def _draw(axes: Axes, seen: Crosstalk, second: float, waves: dict) -> None:
     for k, (name, u) in enumerate(waves.items()):
         axes.plot(seen.t / second, u, color=COLOURS[k % len(COLOURS)], linestyle=DASHES[k % len(DASHES)], label=name)
     axes.legend(loc="best", fontsize="small", ncols=2)
@@ -149,24 +117,12 @@ NUMBERED = 5  # states that are told apart by a number
 
 
 @styled
-def plot_load_lines(found: Bergeron, medium: Medium, title: str = "") -> Figure:
-    """Effort over flow: where a characteristic meets the load line of the end it arrives at is the next state.
-
-    Parameters
-    ----------
-    found : Bergeron
-    medium : Medium
-        For words and units.
-    title : str
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+def plot_load_lines(found: Bergeron, ax: Axes | None = None) -> Figure | Axes:
+    """Effort over flow: where a characteristic meets the load line of the end it arrives at is the next state."""
+    medium = found.medium
     size_u, unit_u = handy(float(np.abs(found.u).max()) or 1.0, medium.shown["effort"])
     size_y, unit_y = handy(float(np.abs(found.y).max()) or 1.0, medium.shown["flow"])
-    picture = figure(8.0, 5.4, title)
-    axes = picture.subplots()
+    drawn, (axes,) = cells_of(ax, 8.0, 5.4, title=found.title)
     x, y = found.y / size_y, found.u / size_u
     axes.set_xlim(*_around(x))
     axes.set_ylim(*_around(y))
@@ -179,8 +135,11 @@ def plot_load_lines(found: Bergeron, medium: Medium, title: str = "") -> Figure:
     axes.set_xlabel(f"{medium.flow} [{unit_y}]")
     axes.set_ylabel(f"{medium.effort} [{unit_u}]")
     axes.grid(True)
-    picture.legend(loc="outside lower center", ncols=3)
-    return picture
+    if ax is None:
+        drawn.legend(loc="outside lower center", ncols=3)
+    else:
+        ax.legend()
+    return drawn
 
 
 def _around(values: NDArray) -> tuple[float, float]:

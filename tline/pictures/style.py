@@ -73,7 +73,7 @@ def figure(width: float, height: float, title: str) -> Picture:
 
 def cells_of(
     ax: Axes | None, width: float, height: float, rows: int = 1, columns: int = 1, title: str = "", **shared: Any
-) -> tuple[Figure | Axes, list[Axes]]:
+) -> tuple[Any, list[Axes]]:
     """What `plot(ax)` draws on, and in which axes: in `ax` alone, or in those of a new figure, inches.
 
     Examples

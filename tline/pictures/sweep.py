@@ -6,11 +6,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.handy import handy
-from tline.pictures.style import COLOURS, DASHES, INK, figure, styled
+from tline.pictures.style import COLOURS, DASHES, INK, cells_of, styled
 from tline.scene.heights import words
 from tline.sweeps import Sweep
 from tline.sweeps.values import unit_of
+from tline.units import handy
 
 WORDS = ("highest", "lowest")
 BINS = 60
@@ -18,49 +18,40 @@ QUANTILES = (0.05, 0.5, 0.95)
 
 
 @styled
-def plot_sweep(found: Sweep) -> Figure:
+def plot_sweep(found: Sweep, ax: Axes | None = None) -> Figure | Axes:
     """Draw the lowest and the highest effort at every probe.
 
     Over the values of a grid or a list of one path as curves, over those of a grid of two as maps; of all others, as
-    histograms with 5, 50 and 95 % quantiles. Failed runs are left out.
-
-    Parameters
-    ----------
-    found : Sweep
-        Of which extremes were kept.
-
-    Raises
-    ------
-    InputError
-        They were not, there are no probes, or all runs failed.
+    histograms with 5, 50 and 95 % quantiles. Failed runs are left out. On `ax` all curves, or the highest effort at the
+    first probe.
     """
     if "highest" not in found.kept or not found.probes or not len(found.good):
         raise InputError("plot", "there are no extremes to draw", "a sweep with probes, and keep='extremes'")
     numeric = all(values.dtype.kind == "f" for values in found.inputs.values())
     ordered = numeric and found.sample in ("grid", "list")
     if ordered and len(found.inputs) == 1:
-        return _curves(found)
+        return _curves(found, ax)
     if ordered and len(found.shape) == 2 and min(found.shape) > 1:
-        return _maps(found)
-    picture, panels = _panels(found, 2.1)
-    for k, row in enumerate(panels):
-        for axes, word, colour in zip(row, WORDS, COLOURS, strict=False):
-            values, name, error = _efforts(found, word, k)
-            draw_histogram(axes, values[found.good], error, colour)
-            axes.set_xlabel(name)
-        row[0].set_ylabel("runs")
-    return picture
+        return _maps(found, ax)
+    drawn, cells = _cells(found, 2.1, ax)
+    for k, axes in enumerate(cells):
+        values, name, error = _efforts(found, k)
+        draw_histogram(axes, values[found.good], error, COLOURS[k % 2])
+        axes.set_xlabel(name)
+        if k % 2 == 0:
+            axes.set_ylabel("runs")
+    return drawn
 
 
-def _panels(found: Sweep, height: float) -> tuple[Figure, NDArray]:
-    picture = figure(8.0, 0.9 + height * len(found.probes), found.scene.title)
-    return picture, picture.subplots(len(found.probes), 2, squeeze=False)
+def _cells(found: Sweep, height: float, ax: Axes | None) -> tuple[Figure | Axes, list[Axes]]:
+    """A row of the highest and the lowest effort for each probe."""
+    rows = len(found.probes)
+    return cells_of(ax, 8.0, 0.9 + height * rows, rows, 2, found.scene.title)
 
 
-def _curves(found: Sweep) -> Figure:
+def _curves(found: Sweep, ax: Axes | None) -> Figure | Axes:
     ((path, values),) = found.inputs.items()
-    picture = figure(8.0, 4.2, found.scene.title)
-    axes = picture.subplots()
+    drawn, (axes,) = cells_of(ax, 8.0, 4.2, title=found.scene.title)
     at, label = _along(found, path, values)
     order = np.argsort(at)
     largest = max(float(np.nanmax(np.abs(found[word]))) for word in WORDS)
@@ -75,20 +66,19 @@ def _curves(found: Sweep) -> Figure:
         axes.set_xscale("log")
     axes.grid()
     axes.legend(handlelength=3)
-    return picture
+    return drawn
 
 
-def _maps(found: Sweep) -> Figure:
-    picture, panels = _panels(found, 3.0)
+def _maps(found: Sweep, ax: Axes | None) -> Figure | Axes:
+    drawn, cells = _cells(found, 3.0, ax)
     (y, y_name), (x, x_name) = (_along(found, path, values) for path, values in found.inputs.items())
-    for k, row in enumerate(panels):
-        for axes, word in zip(row, WORDS, strict=True):
-            values, name, _ = _efforts(found, word, k)
-            x2, y2, shown = (each.reshape(found.shape) for each in (x, y, values))
-            image = axes.pcolormesh(x2, y2, shown, cmap="viridis", shading="nearest")
-            picture.colorbar(image, ax=axes, label=name)
-            axes.set(xlabel=x_name, ylabel=y_name)
-    return picture
+    for k, axes in enumerate(cells):
+        values, name, _ = _efforts(found, k)
+        x2, y2, shown = (each.reshape(found.shape) for each in (x, y, values))
+        image = axes.pcolormesh(x2, y2, shown, cmap="viridis", shading="nearest")
+        axes.figure.colorbar(image, ax=axes, label=name)
+        axes.set(xlabel=x_name, ylabel=y_name)
+    return drawn
 
 
 def _along(found: Sweep, path: str, values: NDArray) -> tuple[NDArray, str]:
@@ -98,8 +88,9 @@ def _along(found: Sweep, path: str, values: NDArray) -> tuple[NDArray, str]:
     return values / size, f"{path} [{name}]" if name else path
 
 
-def _efforts(found: Sweep, word: str, probe: int) -> tuple[NDArray, str, float]:
-    """Extremes at a probe in the unit in which they are read, what to write beside them, and their estimated error."""
+def _efforts(found: Sweep, cell: int) -> tuple[NDArray, str, float]:
+    """Extremes of a cell in the unit in which they are read, what to write beside them, and their estimated error."""
+    probe, word = cell // 2, WORDS[cell % 2]
     medium = words(found.scene, "gauge pressure")
     values = found[word][:, probe]
     largest = max(float(np.nanmax(np.abs(found[each][:, probe]))) for each in WORDS)

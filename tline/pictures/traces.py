@@ -10,12 +10,12 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.pictures.handy import handy, spread
+from tline.pictures.spread import spread
 from tline.pictures.style import COLOURS, DASHES, Picture, figure, styled
 from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import Quantity, in_tables
 from tline.solver.result.result import Result
-from tline.units import to_si
+from tline.units import handy, to_si
 from tline.words.wording import nearest, shown
 
 WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel

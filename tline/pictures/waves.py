@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.along import waves_along
-from tline.pictures.handy import handy, spread
 from tline.pictures.path import Leg, Route, axis
+from tline.pictures.spread import spread
 from tline.pictures.style import COLOURS, DASHES, Picture, figure, name_nodes, styled
 from tline.solver.result.dense_output import curve
 from tline.solver.result.result import Result
+from tline.units import handy
 from tline.words.wording import nearest, shown
 
 PIXELS = 300, 600  # places, instants

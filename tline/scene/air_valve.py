@@ -1,9 +1,9 @@
 """Air valves: they let air in where the pressure falls below the atmosphere's, and out again."""
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode
@@ -17,8 +17,9 @@ Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
 
 
 class Air(LawKind):
-    """Constants: effort beyond, pressure outside, and of inlet and outlet area times speed. States are two volumes:
-    of the air that is there, and that it would have outside."""
+    """Constants: effort beyond, pressure outside, areas of inlet, outlet and smaller outlet times speed, and pressure
+    over that outside from which the smaller one is open. States are two volumes: of the air that is there, and that it
+    would have outside."""
 
     name, unit = "air", "stores.air.air"
     states = 2
@@ -33,7 +34,9 @@ class Air(LawKind):
 class AirValve(AtNode, OfLiquids):
     """An air valve: air comes in below the outside pressure and leaves above it; without air the valve is shut.
 
-    The air keeps its temperature, so that p·V is in proportion to its mass; it passes orifices without heat and chokes
+    Without an outlet it is a vacuum breaker. With a third stage (non-slam) air leaves through a smaller orifice where
+    its pressure is above one that switches, within half of that. The air keeps its temperature, so that p·V is in
+    proportion to its mass; it passes orifices without heat and chokes
     in them. Liquid never passes.
 
     References
@@ -43,7 +46,13 @@ class AirValve(AtNode, OfLiquids):
 
     kind: Literal["air valve"] = "air valve"
     inlet_diameter: Diameter = Field(description="of the orifice through which air comes in")
-    outlet_diameter: Diameter = Field(description="of the orifice through which it leaves, often smaller")
+    outlet_diameter: Annotated[Quantity, Role("diameter", "m", at_least=0)] = Field(
+        description="of the orifice through which it leaves, often smaller; 0 for a vacuum breaker"
+    )
+    switch_pressure: Annotated[Quantity, Role("pressure", "Pa", above=0)] | None = Field(
+        default=None, description="above the pressure outside, from which the third stage shuts the outlet"
+    )
+    switched_diameter: Diameter | None = Field(default=None, description="of the orifice through which air leaves then")
     discharge_coefficient: Annotated[Quantity, Role("coefficient", "", above=0, at_most=1)] = Field(
         default=Quantity(0.6, ""), description="of both"
     )
@@ -55,10 +64,15 @@ class AirValve(AtNode, OfLiquids):
 
     shows = (Shown("air volume", "m^3", lambda valve, y, i: y),)
 
+    @model_validator(mode="after")
+    def _has_all_of_a_stage(self):
+        if (self.switch_pressure is None) != (self.switched_diameter is None):
+            raise InputError("switch_pressure", "half a third stage", "switch_pressure and switched_diameter together")
+        return self
+
     def law(self) -> ElementLaw:  # noqa: D102
         speed = sqrt(GAS_CONSTANT * self.temperature)
-        inlet, outlet = (
-            float(self.discharge_coefficient * pi / 4 * diameter**2 * speed)
-            for diameter in (self.inlet_diameter, self.outlet_diameter)
-        )
-        return ElementLaw("air", (float(self.back_pressure), float(self.atmosphere), inlet, outlet))
+        both = self.outlet_diameter, self.switched_diameter or self.outlet_diameter
+        areas = [float(self.discharge_coefficient * pi / 4 * d**2 * speed) for d in (self.inlet_diameter, *both)]
+        switch = inf if self.switch_pressure is None else float(self.switch_pressure / self.atmosphere)
+        return ElementLaw("air", (float(self.back_pressure), float(self.atmosphere), *areas, switch))

@@ -45,6 +45,9 @@ class Constant(Shape):
     def _plain(self) -> int | float | str:
         return self.level.typed
 
+    def __repr__(self) -> str:
+        return f"Constant(level={self._plain()!r})"
+
     def breaks(self, t_end):  # noqa: D102
         return np.empty(0)
 

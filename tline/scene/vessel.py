@@ -58,6 +58,24 @@ class Gas(LawKind):
         return Volume(held, capacity)
 
 
+class Bladder(Gas):
+    """Constants: those of gas, and the state at which the bladder fills the vessel and shuts it."""
+
+    name, unit = "bladder", "stores.bladder.bladder"
+    breaks = True
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        (y,) = super().at_rest(c, effort, control)
+        return (min(y, c[5]),)
+
+    def capacity(self, c, effort):  # noqa: D102
+        return super().capacity(c[:5], effort)
+
+    def volume(self, c):  # noqa: D102
+        gas = super().volume(c[:5])
+        return gas._replace(held=lambda p: np.maximum(gas.held(p), -c[3] * np.exp(c[5])))
+
+
 class Tank(LawKind):
     """Constants: effort beyond the element, capacity of the orifice, capacitance. The state is the effort inside."""
 
@@ -112,6 +130,9 @@ class AirVessel(_Vessel):
     total_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] | None = Field(
         default=None, description="of gas and liquid; a run says when the gas fills it, and would enter the pipe"
     )
+    bladder: bool = Field(
+        default=False, description="whether a bladder holds the gas, and shuts the vessel once it fills it"
+    )
     shows = (
         Shown(GAS_VOLUME, "m^3", lambda vessel, y, i: vessel.law().constants[3] * np.exp(y)),
         Shown("gas pressure", "Pa", lambda vessel, y, i: vessel.atmosphere * np.expm1(-vessel.exponent * y)),
@@ -126,12 +147,17 @@ class AirVessel(_Vessel):
         if self.total_volume is not None and self.total_volume <= self.gas_volume:
             got = f"{self.total_volume:g} m^3"
             raise InputError("total_volume", "no room for liquid", f"more than the gas, {self.gas_volume:g} m^3", got)
+        if self.bladder and self.total_volume is None:
+            raise InputError("total_volume", "is missing", "the volume that the bladder may fill")
         return self
 
     def law(self) -> ElementLaw:  # noqa: D102
         n, outside = float(self.exponent), float(self.atmosphere)
         at_zero = self.gas_volume * ((self.gas_pressure + outside) / outside) ** (1 / n)
-        return ElementLaw("gas", (0.0, self.capacity or inf, outside, at_zero, n))
+        constants = 0.0, self.capacity or inf, outside, at_zero, n
+        if self.bladder:
+            return ElementLaw("bladder", (*constants, float(np.log(float(self.total_volume or inf) / at_zero))))
+        return ElementLaw("gas", constants)
 
 
 class Boiling(Element):

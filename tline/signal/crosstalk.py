@@ -1,13 +1,16 @@
 """Crosstalk of coupled conductors: what one that is driven sends into the others, and modes of pairs."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
 from tline.scene.coupled import Coupled
 from tline.scene.scene import Scene
 from tline.solver.result.atomic import write_columns
@@ -16,8 +19,8 @@ from tline.solver.simulate import simulate
 from tline.words.wording import nearest, place, shown
 
 
-@dataclass(frozen=True, eq=False)
-class Crosstalk:
+@dataclass(frozen=True, eq=False, repr=False)
+class Crosstalk(Presentation):
     """Voltages at both ends of coupled conductors."""
 
     line: str  # line, driven: the conductors' line, and the node at which one of them is driven
@@ -29,6 +32,28 @@ class Crosstalk:
     near: dict[str, float]
     far: dict[str, float]
     pairs: tuple[tuple[str, str], ...]  # any two nodes at one end
+    title: str = ""  # of the scene
+    picture = "tline.pictures.signals:plot_crosstalk"
+
+    def text_lines(self) -> Iterator[str]:
+        """The swing, what each quiet conductor hears of it, and the modes of pairs."""
+        yield f"'{self.driven}' of '{self.line}' swings by {self.swing:.6g} V"
+        for word, shares in (("near end", self.near), ("far end", self.far)):
+            for node, share in shares.items():
+                yield f"{word} '{node}' {share * self.swing:.6g} V, {100 * share:.4g} %"
+        for pair, each in self._modes().items():
+            yield f"{pair}: differential up to {each['differential']:.6g} V, common up to {each['common']:.6g} V"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same in SI."""
+        told = {name: getattr(self, name) for name in ("line", "driven", "swing", "near", "far")}
+        return plain(told | {"modes": self._modes()})
+
+    def _modes(self) -> dict[str, dict[str, float]]:
+        return {
+            ", ".join(pair): {"differential": float(abs(u).max()), "common": float(abs(self.common[pair]).max())}
+            for pair, u in self.differential.items()
+        }
 
     @property
     def differential(self) -> dict[tuple[str, str], NDArray]:
@@ -87,7 +112,7 @@ def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None
         for end in (near, far)
     ]
     pairs = tuple(pair for end in (near, far) for pair in combinations(end, 2))
-    return Crosstalk(name, driven, t, voltages, swing, heard[0], heard[1], pairs)
+    return Crosstalk(name, driven, t, voltages, swing, heard[0], heard[1], pairs, scene.title)
 
 
 def save_crosstalk(seen: Crosstalk, path: str | Path) -> None:

@@ -1,14 +1,18 @@
 """Eyes: what a probe sees of a bit pattern, bit laid upon bit, and how far it opens."""
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import source_named
+from tline.presentation import Presentation, plain
 from tline.scene.ibis.element import Ibis
+from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
 from tline.units import to_si
@@ -19,8 +23,8 @@ LONGEST = 4096  # bits
 LATE = 64  # bits, the largest delay of the pattern that is looked for
 
 
-@dataclass(frozen=True, eq=False)
-class Eye:
+@dataclass(frozen=True, eq=False, repr=False)
+class Eye(Presentation):
     """A bit pattern as a probe sees it, the second of two rounds.
 
     Attributes
@@ -39,6 +43,12 @@ class Eye:
         Half way between ones and zeros where the eye is highest.
     width : float
         Time around that instant for which all ones are above the threshold and all zeros below it, s.
+    probe : str
+        Name of the probe.
+    medium : Medium
+        Words and units.
+    title : str
+        Of the scene.
     """
 
     bits: NDArray
@@ -49,6 +59,26 @@ class Eye:
     zeros: float
     threshold: float
     width: float
+    probe: str = ""
+    medium: Medium = ELECTRICAL
+    title: str = ""
+    picture = "tline.pictures.signals:plot_eye"
+
+    def text_lines(self) -> Iterator[str]:
+        """Pattern, height, width, jitter and sampling instant."""
+        told, unit = self.to_dict(), self.medium.units["effort"]
+        yield f"{told['bits']} bits of {self.period:.6g} s at '{self.probe}'"
+        yield f"height {self.height:.6g} {unit} around {self.threshold:.6g} {unit}, width {self.width:.6g} s"
+        yield f"jitter {told['jitter']:.6g} s from peak to peak, {told['jitter_rms']:.6g} s rms"
+        yield f"sampled {self.instant:.6g} s after the begin of a bit at the source"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same in SI."""
+        from tline.signal.eye_statistics import jitter
+
+        told = {name: getattr(self, name) for name in ("height", "width", "instant", "threshold")}
+        told |= {"jitter": jitter(self).peak_to_peak, "jitter_rms": jitter(self).rms}
+        return plain(told | {"bits": len(self.bits), "period": self.period, "unit": self.medium.units["effort"]})
 
     @property
     def height(self) -> float:
@@ -147,7 +177,8 @@ def eye(
     table |= {"t_end": 2 * len(pattern) * T, "start": start, "probes": {probe: table["probes"][probe]}, "measures": {}}
     seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
-    return _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
+    found = _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
+    return replace(found, probe=probe, medium=MEDIA[scene.medium], title=scene.title)
 
 
 def _driver(scene: Scene, name: str | None) -> str | None:

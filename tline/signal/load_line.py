@@ -1,18 +1,24 @@
 """Bergeron's graphical method: on one line between resistive ends, states at either end hop along characteristics."""
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
 from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import refuse_coupled
+from tline.scene.heights import words
 from tline.scene.lossless import refuse_losses
+from tline.scene.medium import Medium
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import Node
 from tline.solver.steady.steady_state import above_level, rest
+from tline.words.aligned import aligned
 
 
 class LoadLine(NamedTuple):
@@ -23,7 +29,8 @@ class LoadLine(NamedTuple):
     r: float
 
 
-class Bergeron(NamedTuple):
+@dataclass(frozen=True, eq=False, repr=False)
+class Bergeron(Presentation):
     """The hops of a step.
 
     Attributes
@@ -34,6 +41,10 @@ class Bergeron(NamedTuple):
         After the sources have stepped at t = 0.
     u, y : ndarray, shape (n + 1,)
         State before t = 0, at end 1 just after it, at end 2 after one delay, at end 1 after two, and so on.
+    medium : Medium
+        Words and units.
+    title : str
+        Of the scene.
     """
 
     z0: float
@@ -41,6 +52,21 @@ class Bergeron(NamedTuple):
     ends: tuple[LoadLine, LoadLine]
     u: NDArray
     y: NDArray
+    medium: Medium
+    title: str
+    picture = "tline.pictures.signals:plot_load_lines"
+
+    def text_lines(self) -> Iterator[str]:
+        """The states at both ends, delay by delay."""
+        said = self.medium
+        effort, flow = f"{said.effort} [{said.units['effort']}]", f"{said.flow} [{said.units['flow']}]"
+        rows = [[f"{max(k - 1, 0)} T", f"end {1 if k % 2 else 2}" if k else "before", f"{u:.6g}", f"{y:.6g}"]
+                for k, (u, y) in enumerate(zip(self.u, self.y, strict=True))]  # fmt: skip
+        yield from aligned([["time", "where", effort, flow], *rows], 2)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it but the words, in SI."""
+        return plain({name: getattr(self, name) for name in ("z0", "delay", "ends", "u", "y")})
 
 
 def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
@@ -98,7 +124,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
         y.append(float(found[1]))
     level = nodes[near].height.level
     one, two = (end._replace(r=end.r + end.p * level) for end in ends)
-    return Bergeron(z0, delay, (one, two), np.array(u) + level, np.array(y))
+    return Bergeron(z0, delay, (one, two), np.array(u) + level, np.array(y), words(scene), scene.title)
 
 
 def _load_line(scene: Scene, name: str, node: Node, into_line: float) -> LoadLine:

@@ -1,13 +1,17 @@
 """Time-domain reflectometry: a step with a real rise time sent into a node, and what comes back."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.presentation import Presentation, plain
 from tline.scene.coupled import Coupled
+from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
 from tline.solver.result.atomic import write_columns
 from tline.solver.result.dense_output import curve
@@ -19,8 +23,8 @@ TOL = 1e-6
 MOST = 1.01  # of the energy of the step, in what comes back; the rest is rounding and tolerance
 
 
-@dataclass(frozen=True, eq=False)
-class Reflections:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reflections(Presentation):
     """What a reflectometer shows.
 
     Attributes
@@ -31,12 +35,36 @@ class Reflections:
         Waves at the node, parts of its effort, in units of the step.
     z0 : float
         Of the instrument, ohm or Pa s/m³.
+    node : str
+        Where the instrument is.
+    medium : Medium
+        Words and units.
+    title : str
+        Of the scene.
     """
 
     t: NDArray
     incident: NDArray
     reflected: NDArray
     z0: float
+    node: str = ""
+    medium: Medium = ELECTRICAL
+    title: str = ""
+    picture = "tline.pictures.signals:plot_reflections"
+
+    def text_lines(self) -> Iterator[str]:
+        """The lowest and the highest reflection, and the impedances there."""
+        unit = self.medium.units["resistance"]
+        yield f"step into '{self.node}' from {self.z0:.6g} {unit}, reflected wave per step:"
+        for word, k in (("lowest", self.reflected.argmin()), ("highest", self.reflected.argmax())):
+            z = self.impedance[k]
+            size = f"{z:.6g} {unit}" if np.isfinite(z) else "open"
+            yield f"  {word} {self.reflected[k]:.6g} at {self.t[k]:.6g} s: {size}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """All waves and impedances, in SI; None where all comes back."""
+        names = ("z0", "t", "incident", "reflected", "impedance")
+        return plain({name: getattr(self, name) for name in names})
 
     @property
     def impedance(self) -> NDArray:
@@ -117,7 +145,7 @@ def reflectometry(
     if back > MOST * sent:
         problem = "more energy comes back than the step brings, for something else drives the scene"
         raise InputError("node", problem, "a scene that is at rest where its sources are silent")
-    return Reflections(seen.t, incident, reflected, resistance)
+    return Reflections(seen.t, incident, reflected, resistance, node, MEDIA[scene.medium], scene.title)
 
 
 def save_reflections(seen: Reflections, path: str | Path) -> None:

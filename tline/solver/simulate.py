@@ -22,9 +22,8 @@ from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.ladder import Search, inside_slabs, refined
 from tline.solver.tolerance.mixed_modes import Doublings
-from tline.solver.tolerance.places import Places
 from tline.solver.tolerance.rounded import Rounded, compared
-from tline.solver.tolerance.search import Start, within
+from tline.solver.tolerance.search import Orders, Start, within
 from tline.solver.witness.witness import Witness
 
 TOL = 1e-6  # where nothing is asked or fixed
@@ -58,9 +57,8 @@ def simulate(
 
     What lines lose at once by their flow, such as a resistance or turbulent friction, is lost all along. Where all
     losses are linear and lines remember or leak, as by a skin effect, scenes are convolutions
-    (`tline.solver.convolution`). Else losses stand at places, a loss element every two slabs; slabs are halved and the
-    runs extrapolated, and the error is the difference to the entry before in Richardson's table
-    (`tline.solver.tolerance.places`).
+    (`tline.solver.convolution`). Else friction, and circuits of what lines remember, are in cells of many slabs
+    (`tline.solver.kernel.diamonds`), of second order in their width, which is halved with each run.
 
     Parameters
     ----------
@@ -130,7 +128,7 @@ def simulate(
         ledger=ledger,
         active=active,
         progress=progress,
-        seconds=seconds,
+        budget=Budget(None if seconds is None else as_seconds(seconds), progress),
     )
 
 
@@ -144,11 +142,10 @@ def simulated(
     active: bool = False,
     progress: bool = False,
     start: Start | None = None,
-    seconds: float | str | None = None,
+    budget: Budget | None = None,
 ) -> Result:
     """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
-    budget = Budget(None if seconds is None else as_seconds(seconds), progress)
-    how = _How([*record], envelope, ledger, active, progress, start, budget)
+    how = _How([*record], envelope, ledger, active, progress, start, budget or Budget(shown=progress))
     with user_mistakes(description.scene):
         result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
     for note in result.unresolved:
@@ -234,7 +231,7 @@ def _found(description: Description, how: _How, tol: float) -> Result:
     witness = None if how.start else Witness(description, how.record)
     record = [*how.record, *(witness.lines if witness else ())]
     search = Search(description, tol, record, how.progress, how.budget, envelope=how.envelope)
-    result = convolved(search) or (refined(Places(search)) if description.dispersive else within(search, how.start))
+    result = convolved(search) or (refined(Orders(search)) if description.dispersive else within(search, how.start))
     if witness is None:
         return result
     kept = {*how.record, *description.probed}
@@ -283,7 +280,8 @@ def judged(result: Result) -> Accuracy:
     def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
         narrower = description.dispersive or whole.mixing
-        chosen = Resolution(s, h / 2) if narrower else Resolution(s + 1, h, layers=followed)
+        cell = coarse.resolution.cell / 2
+        chosen = Resolution(s, h / 2, cell=cell) if narrower else Resolution(s + 1, h, layers=followed, cell=cell)
         with user_mistakes(whole.scene):
             fine = run(whole.parted(doublings) if whole.mixing else description, chosen)
         found = Accuracy(None, *differences(coarse, fine))

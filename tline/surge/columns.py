@@ -65,7 +65,7 @@ def separated(
     """
     scene, nodes, pipes = result.scene, set[str](), set[str]()
     still = held_nodes(scene) | {load.at for load in scene.loads.values() if load.kind in (*CAVITIES, "air valve")}
-    seen, found, notes, takes = result, list[Result](), list[str](), 0.0
+    seen, found, notes, takes = result, list[Result](), list[str](), result.seconds
     try:
         for _ in range(ROUNDS):
             wet = {one.node for one in extremes(seen) if boils(one) and one.before >= BOILS} - still - nodes

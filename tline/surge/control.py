@@ -46,8 +46,8 @@ def read_control(text: str) -> Control:
     found = FORM.fullmatch(text.strip())
     if found is None or found["kind"] not in {*TURNED, *ROTORS}:
         raise InputError("when", "not a control", EXPECTED, f"'{text}'")
-    what, plus, takes = found["what"].partition("+")
-    event = read_event(found["kind"], f"{what.strip()}@0s{plus}{takes.strip()}")
+    name, mark, rest = found["what"].rpartition(":") if found["what"].endswith(".csv") else found["what"].partition("+")
+    event = read_event(found["kind"], f"{name.strip()}@0s{mark}{rest.strip()}")
     value = found["value"].strip()
     level = re.fullmatch(r".*\d\s*m", value) is not None
     pressure = with_unit(value, "m", "when") * WATER * GRAVITY if level else with_unit(value, "Pa", "when")

@@ -1,6 +1,6 @@
 """Which elements an operation means: one by its name, several by a list, or by a pattern such as "*" or "north*"."""
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from fnmatch import fnmatchcase
 
 from tline.errors import InputError
@@ -27,7 +27,18 @@ def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterat
     if event.name in {*scene.lines, *scene.links, *scene.loads, *_nodes(scene)} or not {*event.name} & {*"*?,"}:
         yield event
         return
-    known, found = _candidates(scene, event.kind, tripped), dict[str, None]()
+    yield from matching(_candidates(scene, event.kind, tripped), event)
+
+
+def matching(names: Iterable[str], event: Event) -> Iterator[Event]:
+    """The event for each of some names that the list, or the pattern, of its own name means.
+
+    Examples
+    --------
+    >>> [event.name for event in matching(["north 1", "south", "north 2"], Event("close", "north*", 1.0))]
+    ['north 1', 'north 2']
+    """
+    known, found = [*names], dict[str, None]()
     for part in (part.strip() for part in event.name.split(",")):
         fits = {name: None for name in known if fnmatchcase(name, part)} if {*part} & {*"*?"} else {part: None}
         if not fits:

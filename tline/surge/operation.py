@@ -5,17 +5,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tline.errors import InputError, import_extra
 from tline.interchange.any_file import refuse_water
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_scene import read_with_controls
+from tline.presentation import Presentation
 from tline.scene.file import EPANET, as_scene
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
+from tline.solver.description.description import describe
 from tline.solver.result.result import Result
-from tline.solver.simulate import UnresolvedWarning, as_seconds, simulate
+from tline.solver.simulate import UnresolvedWarning, as_seconds, simulated
 from tline.solver.tolerance.budget import Budget
 from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated
@@ -30,21 +32,32 @@ from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst
 from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
 SHOWN = 5  # nodes in tables
-SECONDS, LEAST_SECONDS = 20.0, 1e-3  # computing time for all runs, and for one, in which there are two all the same
-FIRST_SHARE, WAITING_SHARE = 0.5, 0.2  # of what is left: for the run without cavities, and for one that finds instants
+SECONDS = 20.0  # computing time for all runs
+KEPT, WAITING_SHARE = 0.5, 0.2  # of what is left: for further runs where some follow, and for one that finds instants
 LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
 SMALL = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
+
+
+class Network(NamedTuple):
+    """A network that was read."""
+
+    scene: Scene
+    notes: tuple[str, ...] = ()  # on what is left out of its file
+    controls: tuple[WaterControl, ...] = ()  # of its file, that act within a run
+
+
 Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guessed for it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Operation:
+class Operation(Presentation):
     """An operated network and what came of it; printed, it is the report of ``tline surge``.
 
     Attributes
@@ -61,9 +74,13 @@ class Operation:
     guesses: tuple[str, ...]
     columns: Columns | None = None
 
-    def __repr__(self) -> str:
+    def text_lines(self) -> list[str]:
+        """The report, and notes."""
         text = as_text(self.result, self.result.accuracy, self.worst, self.columns)
-        return "\n".join([text, *(f"note: {n}" for n in self.notes)])
+        return [*text.splitlines(), *(f"note: {n}" for n in self.notes)]
+
+    def __str__(self) -> str:
+        return "\n".join(self.text_lines())  # all of it, for what it ends with counts
 
     @property
     def scene(self) -> Scene:
@@ -95,7 +112,7 @@ class Operation:
             None if there is nothing to vary.
         """
         budget = Budget(as_seconds(seconds))
-        return band_of(self.result, lambda scene: run(scene, (), progress, budget.left), budget, tuple(known))
+        return band_of(self.result, lambda scene: run(scene, (), progress, budget), budget, tuple(known))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -127,9 +144,9 @@ class Operation:
         """
         save_tables(self.result, path)
 
-    def plot(self) -> "Figure":
-        """Draw pressure and flow over time at the probes."""
-        return self.result.plot()
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw pressure and flow over time at the probes; on `ax` the pressure."""
+        return self.result.plot() if ax is None else self.result.plot(ax)
 
     def plot_map(self) -> "Figure":
         """Draw maps of the network, coloured by how far the head rose and fell."""
@@ -141,7 +158,7 @@ class Operation:
 
 
 def operate(
-    network: Scene | str | Path | Mapping[str, Any],
+    network: Network | Scene | str | Path | Mapping[str, Any],
     *,
     trip: Texts = (),
     start: Texts = (),
@@ -281,23 +298,23 @@ def operate(
 
 
 def read_network(
-    network: Scene | str | Path | Mapping[str, Any],
+    network: Network | Scene | str | Path | Mapping[str, Any],
     *,
     wave_speed: float | str | None = None,
     material: str | None = None,
     hour: float | None = None,
     moving_tanks: bool = False,
-) -> tuple[Scene, tuple[str, ...], tuple[WaterControl, ...]]:
+) -> Network:
     """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`."""
     water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
     if isinstance(network, str | Path):
         suffix = Path(network).suffix.lower()
         if suffix in EPANET:
-            return read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks)
+            return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks))
         if suffix != ".toml":
             raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
     refuse_water(water)
-    return as_scene(network), (), ()
+    return network if isinstance(network, Network) else Network(as_scene(network))
 
 
 def plan(
@@ -338,19 +355,19 @@ def plan(
 
     if waiting:
         left = budget or Budget(SECONDS)
-        found = {"run": lambda each: run(each, (), progress, WAITING_SHARE * left.left)}
+        found = {"run": lambda each: run(each, (), progress, Budget(WAITING_SHARE * max(left.left, 0.0)))}
         events, told = triggered(waiting, events, lambda done: build(done)[0], **found)
         notes += told
     planned, guesses = build(events)
     return planned, (*notes, *guesses)
 
 
-def run(scene: Scene, record: Iterable[str], progress: bool, seconds: float) -> Result:
+def run(scene: Scene, record: Iterable[str], progress: bool, budget: Budget) -> Result:
     """Simulate with an envelope; what is not resolved is among the notes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
-        seconds = max(seconds, LEAST_SECONDS)
-        return simulate(scene, record=record, envelope=True, ledger=False, progress=progress, seconds=seconds)
+        shown = {"progress": progress, "budget": budget}
+        return simulated(describe(scene), record=record, envelope=True, ledger=False, **shown)
 
 
 def carried_out(
@@ -364,10 +381,15 @@ def carried_out(
     progress: bool = False,
 ) -> Operation:
     """Run an operated scene, with cavities where columns separate, and until no extreme lies at its end, if wanted."""
-    share = FIRST_SHARE if cavities or until_settled else 1.0
-    result, columns, notes = run(scene, record, progress, share * budget.left), None, ()
+    half = KEPT * budget.left
+
+    def kept(last: Result) -> float:
+        found = worst(last)
+        return half if (cavities and found.boiling) or (until_settled and found.unfinished) else 0.0
+
+    result, columns, notes = run(scene, record, progress, budget.keeping(kept)), None, ()
     if cavities:
-        result, columns, notes = separated(result, lambda laid: run(laid, record, progress, budget.left), budget)
+        result, columns, notes = separated(result, lambda laid: run(laid, record, progress, budget), budget)
     found = Operation(result, (*guesses, *notes), columns)
     now, longer = float(scene.t_end), 2 * float(scene.t_end)
     if not until_settled or not found.worst.unfinished or longer > LONGEST or budget.left < 0.5 * budget.seconds:

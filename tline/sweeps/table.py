@@ -1,6 +1,6 @@
 """What a sweep gives back: the values that varied and what was kept of every run, as arrays."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError, import_extra
+from tline.presentation import Presentation, plain
 from tline.scene.heights import words
 from tline.solver.description.given import Scene
 from tline.solver.result.quantities import Quantity, in_sweeps
@@ -16,15 +17,14 @@ from tline.sweeps.keep import ESTIMATE, EXTREMES
 from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from pandas import DataFrame
     from xarray import Dataset
 
 NOT_RUN = "not run"
 
 
-@dataclass(eq=False)
-class Sweep:
+@dataclass(eq=False, repr=False)
+class Sweep(Presentation):
     """Finished runs of a sweep; ``sweep["highest"]`` and ``sweep["lines.cable.z0"]`` are arrays over the runs.
 
     Attributes
@@ -74,6 +74,7 @@ class Sweep:
     method: str = ""
     seconds: float = 0.0
     origin: dict[str, Any] = field(default_factory=dict)
+    picture = "tline.pictures.sweep:plot_sweep"
 
     def __post_init__(self) -> None:
         if not len(self.done):
@@ -88,9 +89,19 @@ class Sweep:
             raise InputError("sweep", "holds no such array", nearest(name, [*arrays]), shown(name))
         return arrays[name]
 
-    def __repr__(self) -> str:
-        varied = ", ".join(self.inputs)
-        return f"<Sweep of {self.told} over {varied}; kept: {', '.join(self.kept)}>"
+    def text_lines(self) -> Iterator[str]:
+        """What varied and what was kept, and the extremes: run by run if there are few, else quantiles."""
+        from tline.sweeps.report import as_text
+
+        yield f"{', '.join(self.inputs)}; kept: {', '.join(self.kept)}"
+        yield from as_text(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """What was done, quantiles of the extremes, and a row for each run, in SI."""
+        from tline.sweeps.report import summary
+
+        head, rows = self.table()
+        return plain(summary(self) | {"columns": head, "rows": rows})
 
     @property
     def told(self) -> str:
@@ -182,18 +193,6 @@ class Sweep:
         """
         head, rows = self.table()
         return import_extra("pandas", "pandas", "data", "to_dataframe").DataFrame(rows, columns=head)
-
-    def plot(self) -> "Figure":
-        """Draw the extremes: over one path as curves, over two as maps, drawn at random as histograms.
-
-        Raises
-        ------
-        InputError
-            No extremes were kept, there are no probes, or all runs failed.
-        """
-        import tline as tl
-
-        return tl.pictures.plot_sweep(self)
 
     def save(self, path: str | Path) -> None:
         """Write a file by its suffix: ``.npz``, which a sweep goes on from, ``.nc`` (NetCDF), or ``.csv``.

@@ -9,7 +9,7 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from passivity import Chain, Margins, RationalFunction, Verdict
+    from passivity import Margins, RationalFunction, Verdict
 
 
 def answer(function: "RationalFunction", asked: Asked) -> Answer:
@@ -32,7 +32,7 @@ def answer(function: "RationalFunction", asked: Asked) -> Answer:
     tolerance = None if asked.within is None else _tolerance(asked.within)
     robust = None if tolerance is None or verdict.status is Status.UNDECIDED else robustness(verdict, tolerance)
     chain = None if asked.delay is None else check_line(function, z0, asked.delay)
-    lines = in_lines(verdict, found, robust, z0) + missing + ([] if chain is None else _derivation(chain))
+    lines = in_lines(verdict, found, robust, z0) + missing + ([] if chain is None else ["", *chain.text_lines()])
     status = verdict.status if chain is None else chain.status
     draw = None if chain is not None else lambda: _draw(verdict, found, z0)
     told = as_dict(verdict, found, robust) | ({} if chain is None else {"line": chain.to_dict()})
@@ -53,12 +53,3 @@ def _draw(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
     from passivity.rational.evaluate import exact
 
     return draw_verdict(verdict, margins, double(exact(z0, "z0")))
-
-
-def _derivation(chain: "Chain") -> list[str]:
-    from passivity import admittance_identity, reflection_identity
-
-    lines = ["", *chain.text_lines()]
-    used = [identity for steps in (reflection_identity(), admittance_identity()) for identity in steps[-1:]]
-    lines += ["  with the identities, checked as polynomials:"]
-    return [*lines, *(f"    {identity.text}" for identity in used if identity.holds)]

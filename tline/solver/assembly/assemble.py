@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.diamonds import diamonds_of
+from tline.solver.assembly.diamonds import begin_steady, diamonds_of
 from tline.solver.assembly.layout import Excitation, Layout, layout_of
 from tline.solver.assembly.node_maps import Event, maps_of
-from tline.solver.assembly.start import fill_diamonds, fill_losses
+from tline.solver.assembly.start import fill_diamonds
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
@@ -168,7 +168,7 @@ def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
         side=np.empty(lines, np.int64),
         before=np.empty((2 * lines, s)),
         load=np.empty(loads),
-        loss_states=np.empty(grid.memory),
+        memory=np.empty(network.diamonds.memory.states),
         halves=np.empty((len(network.ends) if network.diamonds.at_group.any() else 0, len(network.diamonds.values))),
         since=np.empty(len(network.diamonds.line), np.int64),
     )
@@ -177,15 +177,15 @@ def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
 def _begin(assembly: Assembly, layout: Layout) -> None:
     """Put in place what there is before t = 0."""
     state, network, grid, order = assembly.state, assembly.network, layout.grid, assembly.basis
-    for part in (state.slot, state.side, state.loss_states, state.halves, state.since):
+    for part in (state.slot, state.side, state.memory, state.halves, state.since):
         part.fill(0)
-    state.waves[:] = np.repeat(layout.arriving, np.repeat(grid.delay * order.s, 2))
-    state.before[:] = layout.arriving[:, None]
+    sent = (layout.arriving - layout.moved) / np.repeat(grid.passed, 2)
+    state.waves[:] = np.repeat(sent, np.repeat(grid.delay * order.s, 2))
+    state.before[:] = sent[:, None]
     state.load[:] = assembly.loads_before
-    if assembly.description.steady and grid.circuits:
+    if assembly.description.steady and grid.diamonds and not grid.cell:
         ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
-        fill_losses(network, state, flows, order)
         fill_diamonds(network, state, flows, order)
 
 
@@ -201,6 +201,7 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], 
         (network.step_whole, np.array(systems.whole, bool)),
         (network.step, maps[0]),
         (network.step_at, maps[1]),
+        (network.moved, layout.moved),
         (assembly.state.load, load),
         *(zip(laws, layout.laws[: len(OF_LAWS)], strict=False) if len(laws.kind) else ()),
     ]
@@ -212,6 +213,8 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], 
         if old.shape != new.shape:
             return False
         old[...] = new
+    if layout.grid.cell:
+        begin_steady(network.diamonds, layout.sent, layout.y, layout.grid.z0)
     return True
 
 
@@ -246,8 +249,9 @@ def _network(
         record_row=record_row,
         effort_row=np.array([recorded[2].get(node, -1) for node in layout.nodes], int),
         laws=with_basis(laws, order, grid.h, np.array([of_laws.get(where, -1) for where in places], int)),
-        losses=grid.losses,
-        diamonds=diamonds_of(grid, order, layout.junctions, same),
+        passed=grid.passed,
+        moved=layout.moved.copy(),
+        diamonds=diamonds_of(grid, order, layout.junctions, same, layout.sent, layout.y),
         blocks=layout.junctions.blocks,
     )
 

@@ -1,8 +1,7 @@
 """How far the nodes of a network are advanced at once: those that meet only long lines farther than the others.
 
-What leaves a node is not seen elsewhere before the shortest of its lines has passed, or of the gaps between places that
-take of the waves there. All nodes for which that takes a stride or longer go a stride at once, the others meanwhile in
-short steps.
+What leaves a node is not seen elsewhere before the shortest of its lines has passed, or half a cell of friction. All
+nodes for which that takes a stride or longer go a stride at once, the others meanwhile in short steps.
 """
 
 from collections.abc import Collection
@@ -10,20 +9,18 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.kernel.network import Blocks, LossElements
+from tline.solver.kernel.network import Blocks
 
 LONGEST = 512  # slabs; more at once save nothing
 
 
-def blocks_of(
-    reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, losses: LossElements, diamonds: Collection[int] = ()
-) -> Blocks:
+def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, diamonds: Collection[int] = ()) -> Blocks:
     """The blocks of a network whose lines each reach so many slabs; for the other arrays see `Network`."""
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])
     stride = _stride(of_group, np.add.reduceat(degree, group[:-1]))
-    groups, lines, rows = of_group >= stride, reach >= stride, reach[losses.line] >= stride
+    groups, lines = of_group >= stride, reach >= stride
     cells = lines[list(diamonds)]
     return Blocks(
         stride,
@@ -32,8 +29,6 @@ def blocks_of(
         near_groups=np.flatnonzero(~groups),
         far_lines=np.flatnonzero(lines),
         near_lines=np.flatnonzero(~lines),
-        far_rows=np.flatnonzero(rows),
-        near_rows=np.flatnonzero(~rows),
         far_cells=np.flatnonzero(cells),
         near_cells=np.flatnonzero(~cells),
         waits=lines,

@@ -6,19 +6,24 @@ interpolated at Radau's points: accurate at slab ends. Where that would make ene
 of a slab: the transposed matrices do that, so energy is lost whatever the law (docs/theory.md).
 """
 
+from collections.abc import Iterator
 from functools import lru_cache
+from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from tline.loss import Foster
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
+from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.laws import tools_of
 from tline.solver.description.lines import Line
+from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.diamonds.cells import CELL_ORDER
-from tline.solver.kernel.diamonds.friction import PLACES, TERMS
-from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds
+from tline.solver.kernel.diamonds.friction import PLACES, TERMS, lost
+from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds, Memory
 from tline.solver.radau import Basis, basis, gauss
 
 if TYPE_CHECKING:
@@ -85,10 +90,13 @@ def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
     return np.stack([across[:, m] * along[:, n] for m in range(s + 1) for n in range(s + 1 - m)], axis=1)
 
 
-def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float) -> Diamonds:
+def diamonds_of(
+    grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float, sent: NDArray, y: NDArray
+) -> Diamonds:
     """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint.
 
-    Friction is in cells of so many slabs if these are some, and else in diamonds of one.
+    Friction is in cells of so many slabs if these are some, and else in diamonds of one. `sent` are waves as sent and y
+    flows, both at the ends of lines before t = 0; cells know what has changed since.
     """
     here, rests, ends = list(grid.diamonds), grid.rests, junctions.ends
     lines = list(grid.lines.values())
@@ -102,8 +110,12 @@ def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: fl
     tables, table_at = _tables(each)
     at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
     matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here and not cell]
-    friction = [_friction(line, grid.h) for line in each]
-    return Diamonds(
+    names = list(grid.lines)
+    friction = [
+        _friction(grid.lines[name], grid.circuits[name].series.loss, grid.h) for name in map(names.__getitem__, here)
+    ]
+    long = grid.delay[here] + np.array(rest)
+    found = Diamonds(
         np.array(here, int),
         row,
         np.diff(at_end[junctions.first[junctions.group]]) > 0,
@@ -120,25 +132,70 @@ def diamonds_of(grid: "SlabGrid", order: Basis, junctions: "Junctions", same: fl
         cell=np.array([k for k, _ in cells], int),
         over=np.array([over for _, over in cells]),
         begin=order.evaluation([0.0])[0],
-        jump=max(STEP, WEAK * same),
+        jump=max(STEP, WEAK * same) if order.s > 1 else inf,  # constants jump everywhere
+        steady=np.zeros((len(here), 4)),
+        memory=_memory(grid, here, cells, long, basis(min(order.s, CELL_ORDER))),
     )
+    if cell:
+        begin_steady(found, sent, y, grid.z0)
+    return found
+
+
+def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> None:
+    """Write down what there is before t = 0, shape (L, 2) each, for cells to see what changes."""
+    a1, b2 = sent[diamonds.line].T
+    d = 2 * z0[diamonds.line] * y[diamonds.line].mean(axis=1)
+    taken = [lost(diamonds, row, each)[0] for row, each in enumerate(d.tolist())]
+    diamonds.steady[:] = np.stack([a1 - b2, a1 + b2, d, np.array(taken)], axis=1).reshape(-1, 4)
+
+
+def _memory(grid: "SlabGrid", here: list[int], cells: list[tuple[int, float]], long: NDArray, order: Basis) -> Memory:
+    """Circuits of the columns of cells, half a cell apart; the outermost stand for what lies before them, too."""
+    first, signs, modes, at, maps, states, size, held = [0], [], [], [], [np.empty(0)], [], 0, 0
+    rest = np.ones((len(here), 2))
+    lines = list(grid.lines.items())
+    for row, ((name, line), (k, over), slabs) in enumerate(
+        zip(map(lines.__getitem__, here), cells, long.tolist(), strict=True)
+    ):
+        for sign, law, per in _laws(line, grid.circuits[name]) if k else ():
+            number, half = 2 * int(slabs // k) - 1, k / (2 * slabs)
+            ends = (1.5 + over / k) * half if number > 1 else 1.0
+            each = [one_step(law, share * per, order, k * grid.h) for share in (half, ends)]
+            rest[row] /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
+            at.append([size, size + each[0].size])
+            signs, modes, states = [*signs, sign], [*modes, law.rates.size], [*states, held]
+            maps, size, held = [*maps, *each], size + 2 * each[0].size, held + number * law.rates.size
+        first.append(len(signs))
+    places = np.array(at, int).reshape(-1, 2)
+    each = np.array(first), np.array(signs), np.array(modes, int), places, np.concatenate(maps), np.array(states, int)
+    return Memory(*each, rest, held)
+
+
+def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float]]:
+    """Sign, circuit, and what it is to be multiplied by, of what a line remembers in series and loses across."""
+    assert line.losses is not None
+    length, series, shunt = line.losses.exact.length, circuits.series, circuits.shunt
+    if series.strengths.size:
+        yield -1.0, Foster(0.0, 0.0, series.strengths, series.rates), length / line.z0
+    if shunt.strengths.size or shunt.loss:
+        yield 1.0, shunt, length * line.z0
 
 
 def _cell(D: int, f: float, step: int, wanted: float) -> tuple[int, float]:
     """Slabs in a cell of a line D + f slabs long, whole steps, that leave least of it, and what they leave."""
     if not wanted:
         return 0, 0.0
-    most = min(int(wanted), D)
+    most = min(int(wanted * (1 + WHOLE)), D)
     k = min(range(most - most % step, most // 2, -step), key=lambda k: (D % k + f) / k)
     return k, D % k + f
 
 
-def _friction(line: Line, h: float) -> tuple[int, list[float]]:
-    """Kind and constants of the friction of half a slab of a line."""
+def _friction(line: Line, resistance: float, h: float) -> tuple[int, list[float]]:
+    """Kind and constants of the friction of half a slab of a line, with its resistance per metre."""
     losses, y = line.losses, 1 / (2 * line.z0)  # flow over d
     assert losses is not None
     law, length = losses.flow_law, losses.exact.length * h / (2 * line.delay)
-    r = losses.exact.series.loss * length * y
+    r = resistance * length * y
     if law is None:
         return SQUARE, [r, 0.0, 0.0, 0.0, 0.0]
     k = law.square * length * y**2

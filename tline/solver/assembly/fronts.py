@@ -75,7 +75,7 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
     """
     network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
     s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
-    most = int(min(max(WORK / (ends * n), 1), MOST))
+    most = 1 if assembly.description.crowded else int(min(max(WORK / (ends * n), 1), MOST))
     rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
     group = np.array([event.group for event in events], int)
     order = np.argsort(group, kind="stable")

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.blocks import blocks_of
-from tline.solver.assembly.loss_elements import loss_elements_of
 from tline.solver.assembly.node_maps import GroupSystems, systems_of
-from tline.solver.assembly.start import tables_of
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, just_before
@@ -20,11 +18,9 @@ from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of
 from tline.solver.description.lines import Line
 from tline.solver.description.nodes import NONE, Node
-from tline.solver.description.resolution import Resolution
+from tline.solver.description.resolution import Resolution, cell_in
 from tline.solver.description.slab import WHOLE
-from tline.solver.kernel.network import Blocks, Laws, LossElements
-from tline.solver.radau import basis
-from tline.solver.steady.lossy_lines import FrictionTable
+from tline.solver.kernel.network import Blocks, Laws
 from tline.solver.steady.steady_state import Before, above_level, rest
 from tline.words.progress import Progress
 
@@ -47,7 +43,7 @@ class Junctions(NamedTuple):
 
 @dataclass
 class SlabGrid:
-    """The lines of a scene cut in slabs of one width; with losses, of one order too. L lines."""
+    """The lines of a scene cut in slabs of one width. L lines."""
 
     h: float
     lines: dict[str, Line]  # those that are not lumped
@@ -56,18 +52,16 @@ class SlabGrid:
     shift_row: NDArray  # (L,) row of the fractional rest of the delay, -1 if there is none
     rests: list[float]  # those that differ, in slabs
     circuits: dict[str, Circuits]  # of lossy lines
-    losses: LossElements
+    passed: NDArray  # (L,) share of a wave that arrives, of lines that only delay and attenuate; else 1
     diamonds: Collection[int]  # numbers of lines that lose all along
     cell: float  # slabs of the cells in which they do, at most; 0 for diamonds of one
-    memory: int  # states of the loss elements
     junctions: dict[Hashable, Junctions] = field(default_factory=dict)  # by the order of nodes, and nodes of a group
     spare: dict[Hashable, Any] = field(default_factory=dict)  # assemblies whose run is over
 
     @property
     def reach(self) -> NDArray:
         """Slabs in which nothing passes along a line from one place that takes of it to another, or an end."""
-        reach = self.losses.gap if len(self.losses.gap) else self.delay.copy()
-        here = list(self.diamonds)
+        reach, here = self.delay.copy(), list(self.diamonds)
         reach[here] = np.minimum(reach[here], max(int(self.cell / CELLS_AHEAD), 1))
         return reach
 
@@ -78,7 +72,7 @@ class SlabGrid:
             ends = np.array([end for node in nodes.values() for end in node.ends])
             degree = np.array([len(node.ends) for node in nodes.values()])
             first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
-            blocks = blocks_of(self.reach, first, ends, group, self.losses, self.diamonds)
+            blocks = blocks_of(self.reach, first, ends, group, self.diamonds)
             self.junctions[key] = Junctions(ends, degree, first, group, blocks)
         return self.junctions[key]
 
@@ -105,6 +99,19 @@ class Layout:
     def arriving(self) -> NDArray:
         """Waves before t = 0 that arrive at line ends, b at end 1 and a at end 2, shape (2 L,)."""
         return (self.u + [-1, 1] * (self.grid.z0[:, None] * self.y)).ravel()
+
+    @cached_property
+    def sent(self) -> NDArray:
+        """The same as they were sent, a from end 1 and b from end 2, which arrive at the other one, shape (L, 2)."""
+        q = self.grid.z0[:, None] * self.y
+        return self.u + [1, -1] * q
+
+    @cached_property
+    def moved(self) -> NDArray:
+        """What waves lose or win on their way through cells before t = 0, shape (2 L,)."""
+        here, found = list(self.grid.diamonds) if self.grid.cell else [], np.zeros((len(self.u), 2))
+        found[here] = (self.arriving.reshape(-1, 2) - self.sent[:, ::-1])[here]
+        return found.ravel()
 
     @cached_property
     def start(self) -> dict[str, NDArray]:
@@ -136,12 +143,12 @@ def layout_of(description: Description, chosen: Resolution, *, progress: bool = 
 
 
 def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
-    """What of a resolution matters to lossy lines: order, fit of their circuits, what stands for losses."""
+    """What of a resolution matters to lossy lines: fit of their circuits, and cells."""
     if not description.lossy:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)
     fit = fit_of(description.t_end, chosen.h, chosen.fit, fastest)
-    return chosen.s, fit, chosen.loss_elements, chosen.cell, chosen.diamonds and description.diamonds
+    return fit, cell_in(description, chosen)
 
 
 def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], most: int = LAYOUTS) -> Any:
@@ -156,22 +163,23 @@ def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], m
 
 
 def _grid(description: Description, chosen: Resolution) -> SlabGrid:
-    order, h = basis(chosen.s), chosen.h
+    h = chosen.h
     lines = {name: line for name, line in description.lines.items() if name not in chosen.sections}
     if chosen.rounded:
         lines = {name: line._replace(delay=max(round(line.delay / h), 1) * h) for name, line in lines.items()}
     delay, shift_row, rests = _delays(lines, h)
     losses = _losses(description, chosen)
-    circuits = circuits_of(lines, losses[1]) if losses else {}
-    diamonds = [k for k, line in enumerate(lines.values()) if losses and losses[-1] and line.in_diamonds]
-    elements, memory = loss_elements_of(lines, circuits, delay, order, h, chosen.loss_elements, diamonds)
+    circuits = circuits_of(lines, losses[0]) if losses else {}
+    diamonds = [k for k, line in enumerate(lines.values()) if line.dispersive]
     z0 = np.array([line.z0 for line in lines.values()])
-    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, elements, diamonds, chosen.cell / h, memory)
+    passed = np.array([line.passed for line in lines.values()])
+    cell = losses[1] / h if losses else 0.0
+    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, passed, diamonds, cell)
 
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:
     lines, z0 = grid.lines, grid.z0
-    effort, y, through, openings, _ = _before_start(description, tables_of(grid.losses, list(lines)))
+    effort, y, through, openings, _ = _before_start(description)
     u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
     bar.update()
     begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True)) if chosen.sections else NONE
@@ -217,10 +225,10 @@ def _thevenin(u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, exc
     return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
 
 
-def _before_start(description: Description, tables: Mapping[str, FrictionTable]) -> Before:
-    """Efforts of nodes, and flows at the ends of lines, before t = 0; without friction slabs do not matter."""
-    if tables or Before not in description.known:
-        description.known[Before] = above_level(description, tables) if description.steady else rest(description)
+def _before_start(description: Description) -> Before:
+    """Efforts of nodes, and flows at the ends of lines, before t = 0."""
+    if Before not in description.known:
+        description.known[Before] = above_level(description) if description.steady else rest(description)
     return description.known[Before]
 
 

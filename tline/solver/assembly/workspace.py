@@ -9,7 +9,6 @@ from tline.compiled.structure import pack
 from tline.solver.assembly.settling import SUBSTEPS
 from tline.solver.kernel.diamonds.cells import CELL_ORDER, PARTS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
-from tline.solver.kernel.losses.passing import ABREAST
 from tline.solver.kernel.network import (
     CircuitWork,
     Crossing,
@@ -72,8 +71,6 @@ def work_for(network: Network, state: State) -> Work:
         circuit=circuit,
         govern=_of_governors(laws, elements * s if laws.governed.any() else 0, nodes * s, states, elements),
         map=np.empty((ports * s + states) ** 2 if elements and states else 0),
-        pair=np.empty(s * ABREAST),
-        out=np.empty(s * ABREAST),
         diamonds=_of_diamonds(network, s, states, elements),
     )
 
@@ -108,6 +105,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         edges=np.empty((2, PARTS + 1)),
         parts=np.empty((4, PARTS, r)),
         slabs=np.empty((2, widest * s)),
+        rest=np.ones(1),
         shape=np.empty((r, widest * s)),
         shaped=np.zeros(1, np.int64),
         tangent=np.empty((3, ends, len(network.diamonds.values))),

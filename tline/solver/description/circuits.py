@@ -96,7 +96,7 @@ def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
 
 
 def one_step(law: Foster, scale: float, order: Basis, h: float) -> NDArray:
-    """What a loss element of ζ = scale (loss + Σ r s/(s + p)) does in a slab of width h, by Radau IIA.
+    """What a circuit of ζ = scale (loss + Σ r s/(s + p)) does in a slab of width h, by Radau IIA.
 
     With 2 q + ζ q = w and e = w - 2 q, in the coordinates in which its states do not see each other: ξ' = -p ξ + v q,
     v² = r p, and q = (w + v·ξ)/(2 + loss + Σ r). That matrix is symmetric.

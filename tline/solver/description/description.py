@@ -34,7 +34,7 @@ from tline.words.wording import place
 BESIDE = "description"  # what it is called among a scene's attributes
 FEW = 1000  # lines of a scene that keeps it
 LawsByPlace = dict[tuple[str, str], ElementLaw]
-MOST_DIAMONDS = 5e7  # of a run in slabs as wide as the shortest delay, beyond which fronts are not followed past valves
+MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest delay, with which fronts are followed
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,23 +125,21 @@ class Description:
 
     @cached_property
     def dispersive(self) -> bool:
-        """Whether a line does more to waves than to delay and attenuate them, and than diamonds do."""
+        """Whether a line does more to waves than to delay and attenuate them, and lines are not all in diamonds."""
         return not self.diamonds and any(line.dispersive for line in self.lines.values())
 
     @cached_property
     def diamonds(self) -> bool:
-        """Whether lines lose all along, in diamonds: what all of them lose depends on their flow alone, at once.
+        """Whether lines lose something, and what each of them loses depends on its flow alone, at once."""
+        lossy = [line for line in self.lines.values() if line.losses is not None]
+        return bool(lossy) and all(line.in_diamonds for line in lossy)
 
-        Not with order 1 by hand: constants do not hold what a steady flow loses along a line. And not where valves move
-        beside lines so short that diamonds would be too many: fronts multiply there, and are dropped at loss elements.
-        """
-        given = self.scene.solver
-        lossy = [line for line in self.lines.values() if line.dispersive and given.order != 1 and not given.rounded]
-        if not lossy or not all(line.in_diamonds for line in lossy):
-            return False
-        shortest, whole = min(line.delay for line in lossy), sum(line.delay for line in lossy)
+    @cached_property
+    def crowded(self) -> bool:
+        """Whether fronts are not followed: those of valves that move multiply beside very short lines that lose."""
+        lossy = [line.delay for line in self.lines.values() if line.dispersive]
         moving = (getattr(self.scene, part)[name].kind for part, name, _ in self.scene.waveforms)
-        return (self.t_end / shortest) * (whole / shortest) <= MOST_DIAMONDS or "orifice" not in moving
+        return bool(lossy) and self.t_end * sum(lossy) > MOST_BESIDE_VALVES * min(lossy) ** 2 and "orifice" in moving
 
     @cached_property
     def laws(self) -> LawsByPlace:

@@ -1,5 +1,6 @@
 """Lines in numbers: single ones, and one for each mode of coupled conductors."""
 
+from math import exp
 from typing import NamedTuple
 
 from tline.loss import ConstantLoss
@@ -19,6 +20,11 @@ class Line(NamedTuple):
     def dispersive(self) -> bool:
         """Whether it does more to waves than to delay and attenuate them."""
         return self.losses is not None and not self.losses.distortionless
+
+    @property
+    def passed(self) -> float:
+        """Share of a wave that arrives if all it does is to attenuate; else 1."""
+        return exp(-self.losses.attenuation) if self.losses and self.losses.distortionless else 1.0
 
     @property
     def in_diamonds(self) -> bool:

@@ -1,17 +1,16 @@
 """Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds."""
 
 from collections.abc import Mapping
-from math import ceil, floor, log2, sqrt
+from math import floor, log2, sqrt
 from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
-from tline.solver.description.slab import ORDER, WHOLE, breaks_of, relative_work, slab_of, whole_slabs
+from tline.solver.description.slab import ORDER, WHOLE, breaks_of, cell_of, relative_work, slab_of, whole_slabs
 from tline.words.wording import place
 
 FIT = 1e-7
-LOSS_ELEMENTS, ALL_LOSS_ELEMENTS = 64, 2**31
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 3e4, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
 LARGEST = 4e8  # samples on the lines at once
@@ -29,11 +28,10 @@ class Resolution(NamedTuple):
     settle: float = 0.0  # time in which these settle after a front, or that a convolution blurs beside a jump, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
     layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
-    loss_elements: int = ALL_LOSS_ELEMENTS  # of one law in the longest line, at most, and in others by their delay
     same: float = 0.0  # of the largest wave: pieces that continue each other so well are one, and always by rounding
-    diamonds: bool = True  # whether lines lose all along where all friction of a scene is a law of the flow
-    cell: float = 0.0  # width of the cells in which it is found, s; 0 for slabs
-    exact: bool = True  # whether waves are convolutions, where a scene is one for that; else lines have loss elements
+    exact: bool = True  # whether waves are convolutions, where a scene is one for that; else lines have cells
+    diamonds: bool = True  # whether friction is in diamonds where lines neither remember nor leak; else in cells
+    cell: float = 0.0  # width of these cells, s; 0 for diamonds, and for cells as wide as slabs
     convolved: bool = False  # whether slabs are chosen for convolutions; by hand they may be any
     near: int = 8  # slabs of a convolution behind a front, from where on they may be twice as wide
     plain: bool = False  # whether switches move at the nearest edges and sources are means over slabs: no fronts
@@ -66,15 +64,14 @@ def resolution(
     delays = {name: line.delay for name, line in lines.items() if name not in sections}
     s = 1 if fixed.rounded else s or fixed.order or ORDER
     by_hand = h is None and fixed.slab is not None
-    loss_elements = LOSS_ELEMENTS if h is None and not by_hand else ALL_LOSS_ELEMENTS
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0)
     h = h or (_first_rounded(delays, t_end) if fixed.rounded else slab_of(description, delays, scales, settle))
     _check(t_end, delays, s, h, by_hand)
-    chosen = Resolution(s, h, sections=sections, settle=settle, loss_elements=loss_elements)
-    if fixed.rounded:
-        places = ceil(sqrt(max(delays.values()) / h))  # of second order in these, so of first order in the slab
-        chosen = chosen._replace(loss_elements=places, plain=True, rounded=True)
+    cell = 0.0 if by_hand or (description.diamonds and s > 1) else cell_of(description, s, h)
+    chosen = Resolution(s, h, sections=sections, settle=settle, cell=cell)
+    if fixed.rounded:  # cells are of second order in their width, so of first order in the slab
+        chosen = chosen._replace(cell=sqrt(max(delays.values()) * h), plain=True, rounded=True)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
@@ -83,6 +80,12 @@ def resolution(
     ]
     blind = any(period < chosen.resolved for _, period in scales.values())
     return chosen._replace(notes=tuple(notes), blind=blind)
+
+
+def cell_in(description: Description, chosen: Resolution) -> float:
+    """Width of the cells of friction of a run, s; 0 for diamonds."""
+    in_diamonds = chosen.diamonds and description.diamonds and chosen.s > 1 and not chosen.cell
+    return 0.0 if in_diamonds else max(chosen.cell, chosen.h)
 
 
 def _first_rounded(delays: Mapping[str, float], t_end: float) -> float:

@@ -66,11 +66,17 @@ def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wante
     return shortest / (parts * 2 ** max(floor(log2(shortest / parts / wanted)), 0))
 
 
-def cell_of(description: Description, h: float) -> float:
-    """Width of cells of friction beside slabs of width h, s; 0 where diamonds are not too many."""
-    delays = [line.delay for line in description.lines.values() if line.in_diamonds] if description.diamonds else []
-    area = 2 * sum(delays) * description.t_end
-    return sqrt(area / DIAMONDS) if area > MOST_DIAMONDS * h * h else 0.0
+def cell_of(description: Description, s: int, h: float) -> float:
+    """Width of cells beside slabs of order s and width h, s; 0 for diamonds or cells of slabs if these are not many."""
+    number = cells_in(description, h)
+    few = number <= (MOST_DIAMONDS if description.diamonds and s > 1 else DIAMONDS)
+    return 0.0 if few else sqrt(number / DIAMONDS) * h
+
+
+def cells_in(description: Description, width: float) -> float:
+    """Cells, or diamonds, of so many seconds in a run."""
+    delays = [line.delay for line in description.lines.values() if line.dispersive]
+    return 2 * sum(delays) * description.t_end / width**2
 
 
 @lru_cache(maxsize=8)  # runs with other values ask the same
@@ -119,7 +125,7 @@ def _divided(shortest: float, parts: int, wanted: float) -> float:
 def _slab_beside_losses(
     description: Description, delays: list[float], lossy: list[float], resolved: float, least: float
 ) -> float:
-    """A slab for loss elements, or for convolutions."""
+    """A slab beside lines that remember or leak."""
     cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, breaks_of(description)
     few = len(breaks) <= MOST_MARKS
     fronts = [max(gap, t_end / SLABS_FOR_FRONTS) for gap in _gaps(description)]
@@ -156,7 +162,7 @@ def breaks_of(description: Description) -> NDArray:
 def _dividing(delays: list[float], lossy: list[float], marks: list[float], wanted: float, affordable: float) -> int:
     """The fewest parts of the shortest delay that divide all delays and marks, or else some of them; 0 for too many.
 
-    Rather those of lossy lines than others: fronts are not followed past loss elements inside slabs.
+    Rather those of lossy lines than others.
     """
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1

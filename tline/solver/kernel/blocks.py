@@ -23,13 +23,6 @@ def rotate(network, state, lines, count):
 
 
 @function
-def lose(run, rows, m):
-    """Let rows of loss elements take what they dissipate of m slabs, no more than the gaps between them."""
-    for r in rows:
-        invoke(run.units.loss[r], (run, np.int64(r), m))
-
-
-@function
 def until_due(run, rows, most):
     """Slabs until friction is due in the cells of some lines, at most so many."""
     for r in rows:
@@ -68,14 +61,12 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
             if node >= 0:
                 return node
             if not far:
-                lose(run, blocks.near_rows, count)
                 rotate(network, state, blocks.near_lines, count)
                 line = invoke(units.diamonds, (run, np.int64(NEAR), count)) if blocks.near_cells.size else -1
                 if line >= 0:
                     return node_at(network, 2 * line)
                 begun += count
             far = False
-        lose(run, blocks.far_rows, block)
         rotate(network, state, blocks.far_lines, block)
         line = invoke(units.diamonds, (run, np.int64(FAR), block)) if blocks.far_cells.size else -1
         if line >= 0:

@@ -8,17 +8,13 @@ delay, and nothing is ever copied along a line.
 Nodes that see each other without delay, through a state space of their own, form a group. A node alone is one too.
 
 The two buffers of a line are one ring of twice its delay D: in slab t end 1 works at place t, end 2 at t + D. What
-passes p slabs from end 1 in slab t is found at t - p (from end 1) and t + p (from end 2). Losses act there, in place,
-also half-way between: what is at t - p and t + p + 1 meets half a slab later and farther.
+passes p slabs from end 1 in slab t is found at t - p (from end 1) and t + p (from end 2). Losses act there, in place.
 """
 
 from typing import NamedTuple
 
-import numpy as np
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers, Integers2
 
-from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers, empty
-
-CONSTANT, SQUARED, TABLED, REMEMBERED = range(4)  # kinds of loss elements
 SQUARE, POWER, SWAMEE_JAIN, COLEBROOK = range(4)  # kinds of friction along a line
 
 
@@ -56,28 +52,23 @@ class Laws(NamedTuple):
     step: float  # slab width, s
 
 
-class LossElements(NamedTuple):
-    """Loss elements at places inside lines; a row is those of one line and one kind.
+class Memory(NamedTuple):
+    """What lines in cells remember or leak: in each column of cells, one above the other in time, the same circuit.
 
-    A loss element sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt
-    admittance. It takes away e(w): a becomes a - e, b becomes b - sign e.
+    It sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt admittance.
+    It takes away e: a becomes a - e, b becomes b - sign e.
     """
 
-    gap: Integers  # (L,) slabs, <= delay, from one loss element, or end, to the next; (0,) if there are none
-    line: Integers  # (rows,)
-    kind: Integers  # (rows,)
-    sign: Floats  # (rows,) -1 in series, 1 across
-    first: Integers  # (rows + 1,) the loss elements of row r are first[r] to first[r + 1]
-    place: Integers  # half slabs from end 1
-    passed: Floats  # (rows,) share of waves that passes a row and does not depend on what comes the other way, or 0
-    strength: Floats  # constant: e/w; quadratic: c, e = c|w| w/(1 + sqrt(1 + c|w|))²; table: c, looked up at c|w|
-    at: Integers  # (rows,) place of the row's entries: of a table, or of its maps
-    modes: Integers  # (rows,) of a circuit
-    entries: (
-        Floats  # table: log2 of the first c|w|, points per octave, number of points n, then log2 of e/w at n points;
+    first: Integers  # (rows of diamonds + 1,) those of row r are first[r] to first[r + 1]
+    sign: Floats  # (circuits,) -1 in series, 1 across
+    modes: Integers  # (circuits,)
+    at: Integers2  # (circuits, 2) place of a circuit's maps: inside, and for the first and the last column
+    maps: Floats  # D (r, r), C (r, modes), B (modes, r), decay (modes,) of e = D w + C x, x' = B w + decay x
+    state_at: Integers  # (circuits,) place of its states, shape (columns, modes)
+    rest: (
+        Floats2  # (rows of diamonds, 2) share that cells, as in `at`, leave of what lies between waves and polynomials
     )
-    # circuit: D (s, s), C (s, modes), B (modes, s), decay (modes,) of e = D w + C x, x' = B w + decay x
-    memory: Integers  # (rows,) place of the row's states, shape (modes, loss elements)
+    states: int  # of all
 
 
 class Diamonds(NamedTuple):
@@ -108,10 +99,12 @@ class Diamonds(NamedTuple):
     over: Floats  # (rows,) slabs of the delay that whole cells leave
     begin: Floats  # (s,) of a polynomial's values at the points, its value where its slab begins
     jump: float  # of the largest wave of a cell: jumps between slabs that are to part it
+    steady: Floats2  # (rows, 4) beside cells, before t = 0: a - b and a + b as sent, then d, and what friction takes
+    memory: Memory
 
 
 class Blocks(NamedTuple):
-    """How many slabs groups, lines and rows of loss elements are advanced at once."""
+    """How many slabs groups and lines are advanced at once."""
 
     stride: int  # of those that are far from short lines
     step: int  # of the others, meanwhile
@@ -119,8 +112,6 @@ class Blocks(NamedTuple):
     near_groups: Integers
     far_lines: Integers  # in which nothing arrives within a stride
     near_lines: Integers
-    far_rows: Integers
-    near_rows: Integers
     far_cells: Integers  # rows of diamonds
     near_cells: Integers
     waits: Flags  # (L,) whether a line is far
@@ -147,7 +138,8 @@ class Network(NamedTuple):
     record_row: Integers  # (2 L,) row in the record of an end, -1 if it is not recorded
     effort_row: Integers  # (N,) row in the record of a node's effort, or -1
     laws: Laws
-    losses: LossElements
+    passed: Floats  # (L,) share of a wave that arrives, of lines that only delay and attenuate; else 1
+    moved: Floats  # (2 L,) what a steady flow adds to a wave on its way to an end: beside cells only its changes count
     diamonds: Diamonds
     blocks: Blocks
 
@@ -160,7 +152,7 @@ class State(NamedTuple):
     side: Integers  # (L,) 0: end 1 uses the first buffer and end 2 the second; 1: the other way round
     before: Floats2  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
-    loss_states: Floats  # of all circuits in loss elements
+    memory: Floats  # of all circuits in cells
     halves: Floats2  # (2 L, M) what friction takes at the points of the half diamonds at line ends
     since: Integers  # (rows of diamonds,) slabs since the cells of a line were advanced
 
@@ -176,18 +168,17 @@ class Units(NamedTuple):
     circuit: int  # other groups with laws
     govern: int  # groups whose elements move their openings themselves
     law: Integers  # (E,) of each element: its law, or its store
-    loss: Integers  # (rows,) of each row of loss elements
     diamonds: int  # lines that lose all along
     halves: int  # groups at which such lines end
     diamonds_in_pieces: int  # the same where slabs are in pieces
     halves_in_pieces: int
     rectangle: int  # a part of a diamond
+    remember: int  # the circuits of a cell
     pieces: int  # a group in a slab in pieces
     arrive: int  # what arrives there
     depart: int  # what leaves it
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both
-    collapse_at_losses: int  # slabs in pieces that pass loss elements
 
 
 class Crossing(NamedTuple):
@@ -278,6 +269,7 @@ class DiamondWork(NamedTuple):
     edges: Floats2  # (2, PARTS + 1) of the parts of two waves in a cell
     parts: Floats3  # (4, PARTS, r) of these, and their coefficients before they meet
     slabs: Floats2  # (2, k s) of these waves
+    rest: Floats  # (1,) share of a wave in a cell that is left beside its polynomial
     shape: Floats2  # (r, k s) Legendre polynomials over a part
     shaped: Integers  # (1,) slabs of that
     tangent: Floats3  # (3, E, M) the same three of half diamonds
@@ -309,8 +301,6 @@ class Work(NamedTuple):
     circuit: CircuitWork
     govern: GovernWork
     map: Floats  # of a circuit over a piece of a slab
-    pair: Floats  # (s * ABREAST,) waves at neighbouring loss elements
-    out: Floats  # (s * ABREAST,)
     diamonds: DiamondWork
 
 
@@ -323,6 +313,3 @@ class Run(NamedTuple):
     work: Work
     excitation: Floats2  # (rows, samples) shares of the sources in Thévenin waves, and control signals
     record: Floats3  # (rows, 2, samples) what arrived at recorded ends, and what left
-
-
-NO_LOSSES = empty(LossElements)._replace(first=np.zeros(1, int))

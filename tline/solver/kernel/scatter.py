@@ -28,6 +28,15 @@ def begin(u, q, n, excitation, row, start):
 
 
 @function
+def arrived(network, e, waves, o, n):
+    """Let a wave be what it is where it arrives: attenuated, or less what a steady flow loses on its way."""
+    share, more = network.passed[e >> 1], network.moved[e]
+    if share != 1.0 or more != 0.0:
+        for i in range(n):
+            waves[o + np.uint64(i)] = share * waves[o + np.uint64(i)] + more
+
+
+@function
 def gather(u, q, n, waves, o, share):
     """Add an end's share of its arriving wave."""
     for i in range(n):
@@ -92,6 +101,7 @@ def scatter_group(run, g, here, m, column):
             e = ends[i]
             if shift_row[e >> 1] >= 0:
                 invoke(units.delay, (run, e, position[e], m))
+            arrived(network, e, waves, np.uint64(position[e]), n)
             gather(u, q, n, waves, np.uint64(position[e]), weight[i])
     if network.laws.first[g] < network.laws.first[g + 1]:
         invoke(units.laws, (run, g, here, n, column))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.kernel.blocks import advance
-from tline.solver.kernel.network import REMEMBERED, Network, Units
+from tline.solver.kernel.network import Network, Units
 from tline.solver.kernel.scatter import scatter_block
 
 KERNEL = "tline.solver.kernel"
@@ -33,12 +33,10 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
     def address(path: str, needed: Any) -> int:
         return unit_at(path).address if needed else 0
 
-    losses, diamonds = network.losses.kind, len(network.diamonds.line)
+    diamonds = len(network.diamonds.line)
     whole = diamonds and network.diamonds.cell.any()  # cells, which nodes do not see
     in_pieces = "cells_in_pieces.pass_cells_in_pieces" if whole else "pieces.pass_diamonds_in_pieces"
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
-    constant = address("losses.dissipation.dissipation", len(losses) and (losses < REMEMBERED).any())
-    remembered = address("losses.memory.memory", len(losses) and (losses == REMEMBERED).any())
     return Units(
         advance=advance.address,
         scatter=scatter_block.address,
@@ -48,16 +46,15 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),
         govern=address("laws.govern.govern", network.laws.governed.any()),
         law=law_addresses(kinds),
-        loss=np.where(losses == REMEMBERED, remembered, constant),
         diamonds=address("diamonds.cells.pass_cells" if whole else "diamonds.full.pass_diamonds", diamonds),
         halves=address("diamonds.half.pass_halves", diamonds and not whole),
         diamonds_in_pieces=address(f"diamonds.{in_pieces}", fronts and diamonds),
         halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds and not whole),
         rectangle=address("diamonds.full.pass_rectangle", diamonds),
+        remember=address("diamonds.memory.remember", len(network.diamonds.memory.sign)),
         pieces=address("fronts.pieces.scatter_pieces", fronts),
         arrive=address("fronts.pieces.arrive", fronts),
         depart=address("fronts.pieces.depart", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
-        collapse_at_losses=address("fronts.collapse.collapse_at_losses", fronts and len(losses)),
     )

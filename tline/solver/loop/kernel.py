@@ -11,10 +11,9 @@ from tline.solver.assembly.workspace import renew, work_for
 from tline.solver.description.laws import units_of_laws
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import DONE, FrontRun, Fronts, Sources
-from tline.solver.kernel.network import NO_LOSSES, Network, Run, State
+from tline.solver.kernel.network import Network, Run, State
 from tline.solver.kernel.units import units_of
 
-PACKED_NO_LOSSES = pack(NO_LOSSES)
 NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))
 
 
@@ -34,7 +33,7 @@ class Kernel:
         self.network, self.state = network, state
         units = units_of(network, units_of_laws(network.laws), fronts=fronts is not None)
         self._work = work_for(network, state)
-        self._run = pack(Run(_packed(network), state, units, pack(self._work), *NOTHING))
+        self._run = pack(Run(network, state, units, pack(self._work), *NOTHING))
         self._fronts: Any = None if fronts is None else pack(fronts)
 
     def takes(self, network: Network, state: State, fronts: Fronts | None) -> bool:
@@ -90,10 +89,6 @@ class Kernel:
         job = pack(FrontRun(self.run(excitation, record), self._fronts, sources))
         node = self._advance_fronts(job, first_slab, n_slabs)
         return node, int(self._fronts.values.counts[DONE])
-
-
-def _packed(network: Network) -> Network:
-    return network._replace(losses=PACKED_NO_LOSSES) if network.losses is NO_LOSSES else network
 
 
 def advance(network: Network, state: State, n_slabs: int, excitation: NDArray, record: NDArray, column: int) -> int:

@@ -31,8 +31,8 @@ class Envelope:
     lowest_at, highest_at : ndarray, shape (nodes,)
         When they are first reached, s.
     lowest_error, highest_error : ndarray, shape (nodes,)
-        Estimated, Pa or V: 1.5 to 3 times their difference to those of the next finer run (of scenes with loss elements
-        that difference); not a number if there is none.
+        Estimated, Pa or V: 1.5 to 3 times their difference to those of the next finer run; not a number if there is
+        none.
     weight, per_metre : ndarray, shape (nodes,)
         Density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure, and density·g, Pa/m.
     """

@@ -89,18 +89,25 @@ class Inside:
     def _searched(self, t_end: float) -> NDArray:
         """Extremes of waves without losses, between the instants of the lattice, too."""
         t = self.t[self.t <= t_end * (1 + NOISE)]
-        u = np.mean(_entered(self.record, self.cells, len(t), self.t[1]), axis=0)
-        peaks, found, way = min(PEAKS, len(t)), [u[:, 0]], self.record.delay * self.places[:, None, None]
+        best = np.empty((2, self.cells + 1, min(PEAKS, len(t))), int)
+        start, tops = np.empty(self.cells + 1), np.empty(best.shape)
+        for j, (a, b) in enumerate(zip(*_entered(self.record, self.cells, len(t), self.t[1]), strict=True)):
+            u = (a + b) / 2
+            start[j] = u[0]
+            for row, rising in enumerate((-u, u)):
+                for k in range(best.shape[2]):
+                    best[row, j, k] = top = rising.argmax()
+                    tops[row, j, k], rising[top] = rising[top], -np.inf
+        way, noise = self.record.delay * self.places[:, None, None], NOISE * np.abs(tops[:, :, 0]).max()
         (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
 
         def effort(at: NDArray) -> NDArray:
             return (entered1(at - way) + entered2(at - (self.record.delay - way))) / 2
 
-        for sign in (-1, 1):
-            best = t[np.argpartition(-sign * u, peaks - 1, axis=1)[:, :peaks]]
-            reached = zoomed(effort, best, self.t[1], (0.0, t_end), sign)[1]
-            top, higher = (sign * u).max(axis=1), reached.max(axis=1)
-            found.append(sign * np.where(higher > top + NOISE * np.abs(u).max(), higher, top))
+        found = [start]
+        for sign, near, top in zip((-1, 1), t[best], tops[:, :, 0], strict=True):
+            higher = zoomed(effort, near, self.t[1], (0.0, t_end), sign)[1].max(axis=1)
+            found.append(sign * np.where(higher > top + noise, higher, top))
         return np.array(found)
 
 
@@ -196,7 +203,7 @@ def _inside(result: Result, line: str, cells: int) -> Inside:
     return Inside(record, t, None if lossless else _lost(result, line, record, cells, t), cells)
 
 
-def _entered(record: LineRecord, cells: int, n: int, step: float) -> tuple[NDArray, NDArray]:
+def _entered(record: LineRecord, cells: int, n: int, step: float) -> tuple[list[NDArray], list[NDArray]]:
     """The waves a and b without what losses do to them, at the places and the first n instants of a lattice."""
     (entered1, _), (_, entered2) = record.at_end1, record.at_end2
     way = round(record.delay / cells / step)  # of a cell, in steps
@@ -204,7 +211,7 @@ def _entered(record: LineRecord, cells: int, n: int, step: float) -> tuple[NDArr
     early = step * np.arange(-before, n)
     a, b = entered1(early), entered2(early)
     late = [way * j for j in range(cells + 1)]
-    return np.stack([a[before - k :][:n] for k in late]), np.stack([b[k:][:n] for k in late])
+    return [a[before - k :][:n] for k in late], [b[k:][:n] for k in late]
 
 
 def _circuits(result: Result, line: str, step: float) -> Circuits:
@@ -218,7 +225,7 @@ def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray)
     assert losses is not None
     cell = losses.exact.length / cells
     circuits = result.circuits.get(line) or _circuits(result, line, t[1])
-    a0, b0 = _entered(record, cells, len(t), t[1])
+    a0, b0 = map(np.stack, _entered(record, cells, len(t), t[1]))
     size = max(np.abs(a0).max(), np.abs(b0).max())
     A = B = np.zeros_like(a0)
     for _ in range(MOST_ROUNDS):

@@ -84,7 +84,9 @@ def states_of(result: Result) -> list[StateTrace]:
 def emptied(result: Result) -> dict[str, tuple[float, float]]:
     """Vessels, by place, that run empty of liquid, with the instant, s, and the volume that gas fills then, m³."""
     vessels = {
-        place(*at): element.total_volume for at, element in result.scene.placed if isinstance(element, AirVessel)
+        place(*at): element.total_volume
+        for at, element in result.scene.placed
+        if isinstance(element, AirVessel) and not element.bladder
     }
     if all(total is None for total in vessels.values()):
         return {}

@@ -14,7 +14,7 @@ from tline.solver.description.laws import laws_of, opened
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.flows import Flows
-from tline.solver.steady.lossy_lines import Falls, FrictionTable
+from tline.solver.steady.lossy_lines import Falls
 from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
 
@@ -38,13 +38,12 @@ class Edges:
         self,
         description: Description,
         number: Mapping[str, int],
-        tables: Mapping[str, FrictionTable],
         openings: Mapping[str, float],
         falls: NDArray,
     ):
         each = zip(description.lines.items(), falls.tolist(), strict=True)
         lines = {name: line for (name, line), kept in each if kept}
-        self.falls = Falls(lines, tables)
+        self.falls = Falls(lines)
         self.elements = _standing(description)
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
         pairs = [line.nodes for line in lines.values()] + [

@@ -4,7 +4,7 @@ Of its resistance r and conductance g per metre such a line of length l makes a 
 G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that depends on the flow adds its fall to R's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -13,18 +13,7 @@ from numpy.typing import NDArray
 from tline.loss.flow_law import side_by_side
 from tline.solver.description.lines import Line
 
-FAINTEST = 1e-150  # wave that a table knows
-
 Slopes = tuple[NDArray, NDArray, NDArray, NDArray]
-
-
-class FrictionTable(NamedTuple):
-    """Friction of a line as its loss elements have it."""
-
-    elements: int
-    scale: float  # c: looked up at c |w|
-    entries: NDArray  # as in `LossElements`, of all lines
-    at: int  # place of its own
 
 
 def pi(line: Line) -> tuple[float, float]:
@@ -43,22 +32,19 @@ def falling(line: Line) -> bool:
 
 
 class Falls:
-    """What falls along lines, over one unknown each: z0·y, or the wave that a tabled loss element sees.
+    """What falls along lines, over one unknown each: z0·y.
 
     Attributes
     ----------
     z0 : ndarray, shape (lines,)
     """
 
-    def __init__(self, lines: Mapping[str, Line], tables: Mapping[str, FrictionTable]):
+    def __init__(self, lines: Mapping[str, Line]):
         self.z0 = np.array([line.z0 for line in lines.values()])
         self._resistance = np.array([pi(line)[0] for line in lines.values()])
         laws = [line.losses.flow_law if line.losses else None for line in lines.values()]
         self._length = np.array([line.losses.exact.length if line.losses else 0.0 for line in lines.values()])
-        names = [*lines]
-        self._tabled = np.array([k for k, name in enumerate(names) if name in tables], int)
-        self._tables = [tables[names[k]] for k in self._tabled]
-        self._laws = side_by_side(None if name in tables else law for name, law in zip(names, laws, strict=True))
+        self._laws = side_by_side(laws)
 
     def solved(self, a: NDArray) -> Slopes:
         """Falls and flows, and their slopes over a."""
@@ -70,26 +56,7 @@ class Falls:
             drop, steep = law(np.abs(y[here]))
             fall[here] += np.sign(y[here]) * drop * self._length[here]
             slope[here] += steep * self._length[here] * dy[here]
-        if self._tables:
-            k = self._tabled
-            share, steep = _looked_up(self._tables, a[k])
-            elements = np.array([table.elements for table in self._tables])
-            y[k], dy[k] = (1 - share) * a[k] / (2 * self.z0[k]), (1 - steep) / (2 * self.z0[k])
-            fall[k] = elements * share * a[k] + self._resistance[k] * y[k]
-            slope[k] = elements * steep + self._resistance[k] * dy[k]
         return fall, y, slope, dy
-
-
-def _looked_up(tables: Sequence[FrictionTable], w: NDArray) -> tuple[NDArray, NDArray]:
-    """Shares e/w as the kernel looks them up, and slopes of e."""
-    entries, at = tables[0].entries, np.array([table.at for table in tables])
-    first, points, n = entries[at], entries[at + 1], entries[at + 2]
-    size = np.array([table.scale for table in tables]) * np.abs(w)
-    x = np.minimum((np.log2(np.maximum(size, FAINTEST)) - first) * points, n - 1.0)
-    k = np.clip(x.astype(int), 0, n.astype(int) - 2)
-    below, above = entries[at + 3 + k], entries[at + 4 + k]
-    share = np.exp2((1 - (x - k)) * below + (x - k) * above)
-    return share, share * np.where(x < n - 1, 1 + (above - below) * points, 1.0)
 
 
 class Ends(NamedTuple):

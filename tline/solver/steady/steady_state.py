@@ -6,7 +6,6 @@ several ideal efforts share a part, the flows are not unique; taken is the one t
 net inertia round any loop, so that flow = difference of a potential over z0·T of the line.
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +15,9 @@ from tline.errors import InputError
 from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.description.nodes import NONE
 from tline.solver.steady.at_nodes import AtNodes, Joins, Lines, at_nodes, joins_of, lines_of
 from tline.solver.steady.balance import CLOSE, Balance, EdgeLaws, Linear, balanced, symmetric
 from tline.solver.steady.edges import Edges
-from tline.solver.steady.lossy_lines import FrictionTable
 from tline.solver.steady.openings import openings_at_rest, still
 from tline.solver.steady.pockets import settled
 from tline.solver.steady.ports import branches_with_ports, check_limit, ported
@@ -49,30 +46,23 @@ def rest(description: Description) -> Before:
     return Before(dict.fromkeys(description.nodes, 0.0), flows, {}, openings_at_rest(description.elements))
 
 
-def steady_state(
-    description: Description, tables: Mapping[str, FrictionTable] = NONE
-) -> tuple[dict[str, float], NDArray]:
+def steady_state(description: Description) -> tuple[dict[str, float], NDArray]:
     """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
-
-    Parameters
-    ----------
-    tables : mapping of str to Table
-        Of lines whose friction is to be the one that their loss elements have.
 
     Raises
     ------
     InputError
         If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
     """
-    effort, flows, *_ = above_level(description, tables)
+    effort, flows, *_ = above_level(description)
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
 
-def above_level(description: Description, tables: Mapping[str, FrictionTable] = NONE) -> Before:
+def above_level(description: Description) -> Before:
     """Efforts that count from the level, flows through elements, and openings that hold still, before t = 0."""
     if description.mixing:
         description.refuse_coupled("a steady state in stretches")
-    return still(description.elements, lambda openings: _under(description, tables, openings))
+    return still(description.elements, lambda openings: _under(description, openings))
 
 
 class _Parts(NamedTuple):
@@ -86,7 +76,7 @@ class _Parts(NamedTuple):
     at: AtNodes
 
 
-def _under(description: Description, tables: Mapping[str, FrictionTable], openings: dict[str, float]) -> Before:
+def _under(description: Description, openings: dict[str, float]) -> Before:
     """The steady state with these openings of the elements that move them."""
     like = description.origin and not description.anew and not description.tanks
     known = description.origin.description.known if description.origin and like else description.known
@@ -94,10 +84,9 @@ def _under(description: Description, tables: Mapping[str, FrictionTable], openin
         known[_Parts] = _parted(description)
     parted = known[_Parts]._replace(description=description)
     number, lines, joins = parted.number, parted.lines, parted.joins
-    edges = known[Edges].like(description, openings) if Edges in known and not tables else None
+    edges = known[Edges].like(description, openings) if Edges in known else None
     if edges is None:
-        edges = Edges(description, number, tables, openings, lines.falls)
-        known.update({} if tables else {Edges: edges})
+        edges = known[Edges] = Edges(description, number, openings, lines.falls)
     coupled = description.coupled or description.multiports
     effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
     lossy = int(lines.falls.sum())

@@ -2,10 +2,13 @@
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from copy import copy
 from itertools import pairwise
 from math import ceil, log
+from typing import Any
 
+from tline.compiled.announce import compiling_seconds
 from tline.solver.result.accuracy import Attempt
 from tline.words.progress import DELAY
 
@@ -15,7 +18,7 @@ SAMPLES = 2.0  # times as many in the next run, at least
 
 
 class Budget:
-    """Computing time from now on for all runs of a search.
+    """Computing time from now on for all runs of a search, without what compiling takes.
 
     Parameters
     ----------
@@ -27,29 +30,40 @@ class Budget:
 
     def __init__(self, seconds: float | None = None, shown: bool = False):
         self.asked, self.seconds, self._shown = seconds is not None, seconds or MOST_SECONDS, shown
-        self._started = time.process_time()
+        self._started = self._begun = _passed()
+        self._keeps: Callable[[Any], float] = lambda last: 0.0
 
     @property
     def left(self) -> float:
         """Seconds that are left; below zero if they are over."""
-        return self.seconds - (time.process_time() - self._started)
+        return self.seconds - (_passed() - self._started)
 
-    def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0) -> str:
+    def keeping(self, keeps: Callable[[Any], float]) -> "Budget":
+        """The same for a search from now on that leaves so many seconds to others, by its last result."""
+        other = copy(self)
+        other._begun, other._keeps = _passed(), keeps
+        return other
+
+    def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0, last: Any = None) -> str:
         """What forbids one more run beside these, each with the time of its comparison; empty if nothing does.
 
-        No run is of use that has not `least` times as many samples as the last one.
+        No run is of use that has not `least` times as many samples as the last one, whose result is `last`.
         """
-        passed = self.seconds - self.left
+        passed, seconds = self.seconds - self.left, self.seconds - self._keeps(last)
         stepping = sum(attempt.seconds for attempt in attempts)
-        last = passed * attempts[-1].seconds / stepping if stepping else 0.0
+        takes = (_passed() - self._begun) * attempts[-1].seconds / stepping if stepping else 0.0
         growth = max([SAMPLES, *(fine.samples / rough.samples for rough, fine in pairwise(attempts[-2:]))])
         if self._shown and passed > DELAY:
             self._shown = False
-            sys.stderr.write(f"some {_expected(attempts, tol, last, growth):.2g} s more are expected\n")
-        if passed + max(growth, least) * last <= self.seconds:
+            sys.stderr.write(f"some {_expected(attempts, tol, takes, growth):.2g} s more are expected\n")
+        if passed + max(growth, least) * takes <= seconds:
             return ""
         wanted = "a finer run" if least <= growth else "a run in which no oscillation passes unseen"
-        return f"{wanted} would take the total beyond {self.seconds:g} s"
+        return f"{wanted} would take the total beyond {seconds:g} s"
+
+
+def _passed() -> float:
+    return time.process_time() - compiling_seconds()
 
 
 def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: float) -> float:

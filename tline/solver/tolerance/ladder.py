@@ -204,7 +204,8 @@ def refined(grids: Grids) -> Result:
         else:
             if grids.is_enough(ladder):
                 break
-            limit = grids.search.budget.limit(ladder.attempts, grids.search.tol, ladder.least) or grids.limit(ladder)
+            asked = ladder.attempts, grids.search.tol, ladder.least, ladder.last
+            limit = grids.search.budget.limit(*asked) or grids.limit(ladder)
     return ladder.result(limit)
 
 

@@ -2,15 +2,15 @@
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
-from math import inf, log10
+from math import inf, log, log10
 from typing import NamedTuple
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
-from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.resolution import Resolution, cell_in, resolution
 from tline.solver.description.short_lines import short_lines
-from tline.solver.description.slab import cell_of
+from tline.solver.description.slab import cell_of, cells_in
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.tolerance.kinks import Cuts
@@ -23,6 +23,8 @@ FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front,
 MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
 CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: an error told by two runs alone is to be below; if laws kink
 LEAST_CELL = 4.0  # slabs of a cell of friction that is halved; narrower ones give way to diamonds
+FITTED = 0.1, 1e-9  # tolerance of circuits over the run's, and the least
+STEPS, SOON, MOST_CELLS = 3, 5e5, 1e7  # steps that tell a pace; cells of one run: a second, and half a minute
 HALVED = 4  # times that a slab is halved at most to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
@@ -137,6 +139,22 @@ class Orders(Grids):
         sure = ladder.told.worst <= room * self.search.tol
         return (ladder.compared > 1 or sure) and ladder.told.met and not ladder.last.resolution.blind
 
+    def limit(self, ladder: Ladder) -> str:
+        """What forbids a finer run, or long ones: where lines remember none that is affordable might be enough."""
+        return ladder.limit() or self._too_slow(ladder)
+
+    def _too_slow(self, ladder: Ladder) -> str:
+        description, last = self.search.description, ladder.last.resolution
+        told = [attempt.estimate for attempt in ladder.attempts if attempt.estimate is not None]
+        cells = cells_in(description, cell_in(description, last)) if description.dispersive else 0.0
+        if told[-1] <= self.search.tol or len(told) <= STEPS or cells < SOON:
+            return ""
+        pace = max(1.0, *((told[-k] / told[-1]) ** (1 / (k - 1)) for k in (STEPS + 1, len(told))))
+        reached = told[-1] / pace ** log(max(MOST_CELLS / cells, 1.0), 4)  # each halving has four times as many
+        if reached <= self.search.tol:
+            return ""
+        return f"narrower slabs would reach {reached:.1g} in some minutes, at the pace so far"
+
     def _finer(self, halved: int) -> Generator[Resolution, State, None]:
         """Ever finer orders and slabs, from slabs so often halved on; see `next` for what is sent in.
 
@@ -151,11 +169,13 @@ class Orders(Grids):
         if halved and given.slab is None and not sections:
             chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)
         h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
-        cell = 0.0 if given.order or given.slab else cell_of(description, h)
+        cell = 0.0 if given.order or given.slab else cell_of(description, s, h)
+        fit, exact = max(FITTED[0] * tol, FITTED[1]), not description.dispersive
         crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
         same = JOINED * tol if crowded else 0.0
         while True:
-            helped, layered, met, stay = yield chosen._replace(same=same, cell=cell)
+            helped, layered, met, stay = yield chosen._replace(same=same, cell=cell, fit=fit, exact=exact)
+            narrow = description.dispersive and not cell  # no order makes up for cells
             cell = cell / 2 if cell >= LEAST_CELL * h else 0.0
             same *= FINER  # so that the difference of two runs tells what was joined in the first
             enough |= met
@@ -164,11 +184,11 @@ class Orders(Grids):
                 if max(sections.values(), default=0) > MOST_SECTIONS:
                     raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
             last = LAST_BEHIND if layered else LAST
-            if given.order is None and s < last and (helped or fixed):
+            if given.order is None and s < last and (helped or fixed) and not narrow:
                 s += 1
             elif not fixed:
                 h /= 2
-                s += stay and given.order is None and s < last
+                s += stay and given.order is None and s < last and not narrow
             else:
                 return
             chosen = resolution(description, s, h, sections, self.settle)

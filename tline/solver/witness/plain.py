@@ -32,7 +32,7 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
     if h is None:
         return
     try:
-        plain = [Resolution(1, h / k, fit=FAINT, diamonds=False, plain=True) for k in (1, 2)]
+        plain = [Resolution(1, h / k, fit=FAINT, plain=True) for k in (1, 2)]
         coarse, fine = (run(description, chosen) for chosen in plain)
     except (InputError, NoFlowError):  # a plain run may not be had, which says nothing of the other
         return

@@ -7,9 +7,11 @@ whatever that of the waves. Cells that touch a node would bind it for k slabs, s
 there is added to that of the cells beside them, to each part of a wave as much as it misses (`weigh`).
 """
 
+import numpy as np
+
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import copy, times
-from tline.solver.kernel.diamonds.full import flushed
+from tline.solver.kernel.diamonds.full import MIDDLE, flushed
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import FAR
 
@@ -26,11 +28,11 @@ def weigh(run, row, i, j, first, last):
     """
     diamonds, work, c = run.network.diamonds, run.work.diamonds, run.network.diamonds.tools.c
     k = diamonds.cell[row]
-    over, a, b = diamonds.over[row] / k, work.edges[0], work.edges[1]
+    over, a, b, inside = diamonds.over[row] / k, work.edges[0], work.edges[1], MIDDLE if c.size == 1 else 1.0
     for x in range(c.size):
-        p = (a[i] + c[x] * (a[i + 1] - a[i])) / k
+        p = (a[i] + inside * c[x] * (a[i + 1] - a[i])) / k
         for y in range(c.size):
-            q, total = (b[j] + c[y] * (b[j + 1] - b[j])) / k, 1.0
+            q, total = (b[j] + inside * c[y] * (b[j + 1] - b[j])) / k, 1.0
             if first:
                 total += (1.0 - p + over) * (q + over) / (0.5 + over)
             if last:
@@ -114,11 +116,11 @@ def take_up(run, side, n):
 
 @function
 def find_change(run, side, part):
-    """Put the coefficients of what has become of a part, less those of what it was, in the workspace."""
+    """Put the coefficients of what has become of a part, less what is left of what it was, in the workspace."""
     work = run.work.diamonds
     times(run.network.diamonds.tools.to_legendre, work.parts[side, part], 0, work.a)
     for k in range(work.a.size):
-        work.a[k] -= work.parts[side + 2, part, k]
+        work.a[k] -= work.rest[0] * work.parts[side + 2, part, k]
 
 
 @function
@@ -130,6 +132,8 @@ def put_back(run, row, o, at, ring, side, n):
         find_change(run, side, part)
         low, high = int(work.edges[side, part]), int(work.edges[side, part + 1])
         shape(run, high - low)
+        for i in range(low * s, high * s):
+            slabs[i] *= work.rest[0]
         for k in range(work.a.size):
             polynomial, factor = work.shape[k], work.a[k]
             for i in range((high - low) * s):
@@ -153,13 +157,38 @@ def due(run, row, count):
     return state.side[line] * network.delay[line] + state.slot[line] - k
 
 
+@function
+def as_one(run, row, side):
+    """Take a wave in a cell for one part. Returns their number."""
+    edges = run.work.diamonds.edges[side]
+    edges[0], edges[1] = 0.0, run.network.diamonds.cell[row]
+    return np.int64(1)
+
+
+@function
+def recall(run, row, o, a, b, ring, column):
+    """Let the circuits of a column take from the slabs of a cell."""
+    memory = run.network.diamonds.memory
+    if memory.first[row] == memory.first[row + 1]:
+        return
+    fetch(run, row, o, a, ring, 0)
+    fetch(run, row, o, b, ring, 1)
+    take_up(run, 0, as_one(run, row, 0))
+    take_up(run, 1, as_one(run, row, 1))
+    invoke(run.units.remember, (run, row, column))
+    put_back(run, row, o, a, ring, 0, np.int64(1))
+    put_back(run, row, o, b, ring, 1, np.int64(1))
+    run.work.diamonds.rest[0] = 1.0
+
+
 @unit
 def pass_cells(run: Run, chosen: int, count: int) -> int:
     """Advance the FAR or NEAR lines with losses by cells that are complete after so many slabs more.
 
     Returns as `pass_diamonds` does.
 
-    Cells half of whose time has passed come first, then those half a cell later.
+    Cells half of whose time has passed come first, then those half a cell later, with what they remember and friction
+    in reverse order.
     """
     network, diamonds, blocks = run.network, run.network.diamonds, run.network.blocks
     rows = blocks.far_cells if chosen == FAR else blocks.near_cells
@@ -174,6 +203,9 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
             for i in range(number - later):
                 rest = number - 1 - later - i
                 a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
+                column = 2 * i + later
+                if later == 1:
+                    recall(run, row, o, a, b, ring, column)
                 n, m = fetch(run, row, o, a, ring, 0), fetch(run, row, o, b, ring, 1)
                 take_up(run, 0, n)
                 take_up(run, 1, m)
@@ -181,4 +213,6 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
                     return line
                 put_back(run, row, o, a, ring, 0, n)
                 put_back(run, row, o, b, ring, 1, m)
+                if later == 0:
+                    recall(run, row, o, a, b, ring, column)
     return -1

@@ -1,8 +1,8 @@
 """Cells of friction where some of their slabs are in pieces: these are parts of a wave like whole slabs."""
 
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
-from tline.solver.kernel.diamonds.cells import PARTS, due, fetch, find_change, meet_in_cell, put_back, take_up
+from tline.solver.kernel.diamonds.cells import PARTS, as_one, due, fetch, find_change, meet_in_cell, put_back, take_up
 from tline.solver.kernel.diamonds.full import flushed
 from tline.solver.kernel.fronts.structures import FrontRun
 from tline.solver.kernel.polynomials import project, series
@@ -90,7 +90,7 @@ def put_back_pieces(job, k, o, at, ring, side, n):
                     clear(more)
                     project(work.a, low, high, i + start, i + stop, tools.gauss, more)
                     for x in range(s):
-                        coef[x] += more[x]
+                        coef[x] = work.rest[0] * coef[x] + more[x]
                     if row >= 0:
                         for x in range(s):
                             pieces.coef[row, j, x] = flushed(coef[x])
@@ -102,15 +102,17 @@ def put_back_pieces(job, k, o, at, ring, side, n):
 
 
 @function
-def take_up_wave(job, row, o, at, ring, side):
+def take_up_wave(job, row, o, at, ring, side, whole):
     """Divide and project a wave in a cell. Returns whether slabs of it are in pieces, and the number of parts."""
     run, k, s = job.run, job.run.network.diamonds.cell[row], job.fronts.tools.c.size
     for i in range(k):
         if job.fronts.pieces.of_slab[o // s + (at + i) % ring] >= 0:
-            n = divide_pieces(job, k, o, at, ring, side)
+            n = as_one(run, row, side) if whole else divide_pieces(job, k, o, at, ring, side)
             take_up_pieces(job, k, o, at, ring, side, n)
             return True, n
     n = fetch(run, row, o, at, ring, side)
+    if whole:
+        n = as_one(run, row, side)
     take_up(run, side, n)
     return False, n
 
@@ -122,6 +124,20 @@ def put_back_wave(job, row, o, at, ring, side, in_pieces, n):
         put_back_pieces(job, job.run.network.diamonds.cell[row], o, at, ring, side, n)
     else:
         put_back(job.run, row, o, at, ring, side, n)
+
+
+@function
+def recall_in_pieces(job, row, o, a, b, ring, column):
+    """Let the circuits of a column take from the slabs of a cell."""
+    memory = job.run.network.diamonds.memory
+    if memory.first[row] == memory.first[row + 1]:
+        return
+    of_a, n = take_up_wave(job, row, o, a, ring, 0, True)
+    of_b, m = take_up_wave(job, row, o, b, ring, 1, True)
+    invoke(job.run.units.remember, (job.run, row, column))
+    put_back_wave(job, row, o, a, ring, 0, of_a, n)
+    put_back_wave(job, row, o, b, ring, 1, of_b, m)
+    job.run.work.diamonds.rest[0] = 1.0
 
 
 @unit
@@ -138,10 +154,15 @@ def pass_cells_in_pieces(job: FrontRun, count: int) -> int:
             for i in range(number - later):
                 rest = number - 1 - later - i
                 a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
-                of_a, n = take_up_wave(job, row, o, a, ring, 0)
-                of_b, m = take_up_wave(job, row, o, b, ring, 1)
+                column = 2 * i + later
+                if later == 1:
+                    recall_in_pieces(job, row, o, a, b, ring, column)
+                of_a, n = take_up_wave(job, row, o, a, ring, 0, False)
+                of_b, m = take_up_wave(job, row, o, b, ring, 1, False)
                 if not meet_in_cell(run, row, n, m, later + i == 0, later + rest == 0):
                     return line
                 put_back_wave(job, row, o, a, ring, 0, of_a, n)
                 put_back_wave(job, row, o, b, ring, 1, of_b, m)
+                if later == 0:
+                    recall_in_pieces(job, row, o, a, b, ring, column)
     return -1

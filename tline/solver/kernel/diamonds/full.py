@@ -15,6 +15,7 @@ ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
 NEAR, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
 LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
 ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
+MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
 REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
 
 
@@ -39,12 +40,13 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
     the last one than the slope of friction. Where steps do not end, for friction bends, each is a single round.
     """
     s, taken, flow, base, value, slope = radau.shape[0], work.taken, work.along, work.base, work.value, work.slope
-    weight = work.weight
+    weight, steady, inside = work.weight, diamonds.steady[row], MIDDLE if s == 1 else 1.0
+    begun = steady[2] - steady[0]
     size, last, reach, done = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s), False
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
         for j in range(s):
-            flow[i, j] = a[p + i] - b[q + j]
+            flow[i, j] = a[p + i] - b[q + j] + begun
             taken[i, j] = 0.0
     for turn in range(ROUNDS):
         off, steep = 0.0, 0.0
@@ -52,7 +54,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
             for j in range(s):
                 base[i, j] = flow[i, j]
                 value[i, j], slope[i, j] = lost(diamonds, row, flow[i, j])
-                value[i, j], slope[i, j] = value[i, j] * weight[i, j], slope[i, j] * weight[i, j]
+                value[i, j], slope[i, j] = (value[i, j] - steady[3]) * weight[i, j], slope[i, j] * weight[i, j]
                 off, steep = max(off, abs(value[i, j] - taken[i, j])), max(steep, slope[i, j])
         weak = min(reach * steep, 1.0)
         if off * weak <= diamonds.exact * size or (off >= 0.5 * last and off * weak <= ROUNDED * size):
@@ -74,7 +76,7 @@ def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
                     for k in range(s):
                         x += radau[j, k] * taken[i, k]
                         y += radau[i, k] * taken[k, j]
-                    flow[i, j] = a[p + i] - b[q + j] - (high * x + wide * y)
+                    flow[i, j] = a[p + i] - b[q + j] + begun - inside * (high * x + wide * y)
                     rest = max(rest, bent(slope[i, j], flow[i, j], base[i, j]))
             if change * weak <= max(LINEAR * off, diamonds.exact * size):
                 done = max(rest, change * weak) <= diamonds.exact * size

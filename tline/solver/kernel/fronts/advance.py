@@ -3,7 +3,7 @@
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.blocks import lose, node_at, rotate
+from tline.solver.kernel.blocks import node_at, rotate
 from tline.solver.kernel.fronts.gather import drives_front
 from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
 
@@ -143,7 +143,7 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         for r in range(due.size):
             while due[r] < sources.first[r + 1] and sources.slab[due[r]] < slab:
                 due[r] += 1
-        if units.collapse_at_losses == 0 and (units.halves == 0 or counts[LIVE] == 0):
+        if units.halves == 0 or counts[LIVE] == 0:
             free = front_free_slabs(run, fronts, sources, slab, n_slabs - k)
             if free > 1:
                 node = advance_past(job, k, free, first_slab)
@@ -155,10 +155,6 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         node = scatter_all(job, slab, k)
         if node >= 0:
             return node
-        if units.collapse_at_losses != 0:
-            invoke(units.collapse_at_losses, (job,))
-            lose(run, network.blocks.far_rows, np.int64(1))
-            lose(run, network.blocks.near_rows, np.int64(1))
         rotate(network, state, network.blocks.far_lines, 1)
         rotate(network, state, network.blocks.near_lines, 1)
         line = invoke(units.diamonds_in_pieces, (job, np.int64(1))) if units.diamonds != 0 else -1

@@ -47,6 +47,7 @@ def arrive_in_pieces(job, g, slab, k, m):
                 release(pieces, now, fronts.counts)
             for j in range(m):
                 for p in range(s):
+                    arrived[i - low, j, p] = network.passed[e >> 1] * arrived[i - low, j, p] + network.moved[e]
                     mine[j, p] += network.weight[i] * arrived[i - low, j, p]
 
 

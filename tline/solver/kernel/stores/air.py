@@ -1,7 +1,8 @@
 """Air valve: lets air in where the pressure would fall below that outside, and out again.
 
 Its states are the volume of the air and, as the volume that it would have outside, its amount.
-Constants: effort beyond the element, pressure outside, flow of air in and out that chokes, as it is outside.
+Constants: effort beyond the element, pressure outside, flows of air in, out, and out beyond the pressure that switches,
+as it is outside, that choke; and that pressure over the one outside.
 """
 
 import numpy as np
@@ -13,21 +14,26 @@ from tline.solver.kernel.newton import CLOSE, SPARE, TRIES
 from tline.solver.kernel.polynomials import HALVINGS, after, fallen, project
 from tline.solver.kernel.stores.gas import expanded
 
+SWITCHES = 0.5  # of the pressure that switches: so much more it takes until the smaller orifice alone is open
 CHOKES, CHOKED = 1 - (5 / 6) ** 3.5, 1.4**0.5 * (5 / 6) ** 3  # 1 - ratio of pressures where air chokes; its flow then
 
 
 @function
-def blown(g, inlet, outlet):
+def blown(g, c, at):
     """Volume of air, as it is outside, that leaves per s where the pressure is 1 + g |g| atmospheres.
 
     Isentropic flow through an orifice, which chokes; its slope over g is finite where air turns.
     """
+    outlet = c[at + 3]
+    if g > 0.0 and g * g > c[at + 5]:
+        way = min((g * g / c[at + 5] - 1.0) / SWITCHES, 1.0)
+        outlet += (c[at + 4] - outlet) * way * way * (3.0 - 2.0 * way)
     x = g * g / (1.0 if g < 0.0 else 1.0 + g * g)  # 1 - ratio of the pressures
     rate = CHOKED
     if x <= CHOKES:
         low = np.log1p(-x)
         rate = np.sqrt(-7.0 * np.exp(10.0 / 7.0 * low) * np.expm1(2.0 / 7.0 * low))
-    return -inlet * rate if g < 0.0 else outlet * (1.0 + g * g) * rate
+    return -c[at + 2] * rate if g < 0.0 else outlet * (1.0 + g * g) * rate
 
 
 @function
@@ -44,7 +50,7 @@ def exchange(store, at, h, z, volume, air):
         worst, scale, least, v, m, work = 0.0, volume + air, np.inf, 0.0, 0.0, 0.0
         for j in range(s):
             flow[j] = (w[j] - outside * g[j] * abs(g[j])) / z
-            out[j] = blown(g[j], c[at + 2], c[at + 3])
+            out[j] = blown(g[j], c, at)
             scale = max(scale, h * abs(flow[j]), h * abs(out[j]))
             work += h * radau[s - 1, j] * flow[j] * outside * g[j] * abs(g[j])
         for j in range(s):
@@ -57,7 +63,7 @@ def exchange(store, at, h, z, volume, air):
             worst, scale = max(worst, abs(rest[j])), max(scale, abs(density * v))
             for k in range(s):
                 delta = 1e-7 * max(abs(g[k]), 1.0) * (1.0 if g[k] > 0.0 else -1.0)
-                more = (blown(g[k] + delta, c[at + 2], c[at + 3]) - out[k]) / delta
+                more = (blown(g[k] + delta, c, at) - out[k]) / delta
                 system[j, k] = h * radau[j, k] * (more + density * 2.0 * abs(g[k]) * outside / z)
             system[j, j] += 2.0 * abs(g[j]) * v
             system[j, s] = rest[j]

@@ -1,4 +1,4 @@
-"""What `tline sweep` prints of finished runs."""
+"""What is told of finished runs."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.pictures.handy import handy
 from tline.scene.heights import words
 from tline.sweeps import Sweep
+from tline.units import handy
 from tline.words.aligned import aligned
 
 QUANTILES = (0.05, 0.5, 0.95)

@@ -1,4 +1,4 @@
-"""The animation as a GIF: what stands still is drawn once, curve and clock over it for each frame."""
+"""The animation as GIF or MP4: what stands still is drawn once, curve and clock over it for each frame."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
+from tline.errors import import_extra
 from tline.pictures.animation import MovingQuantities
 from tline.pictures.profile import draw_bounds
 from tline.pictures.style import COLOURS, DASHES, figure, name_nodes, styled
@@ -14,6 +15,18 @@ from tline.pictures.style import COLOURS, DASHES, figure, name_nodes, styled
 FRAMES_PER_SECOND = 20
 PALETTE = 64  # colours
 LABELS = ("u = a/2 + b/2", "a/2, to the right", "b/2, to the left")
+
+
+@styled
+def write_mp4(motion: MovingQuantities, path: Path) -> None:
+    """Write a film."""
+    ffmpeg = import_extra("imageio_ffmpeg", "ffmpeg", "video", ".mp4")
+    frames = list(_frames(motion))
+    film = ffmpeg.write_frames(str(path), frames[0].size, fps=FRAMES_PER_SECOND, macro_block_size=2)
+    film.send(None)
+    for frame in frames:
+        film.send(frame.tobytes())
+    film.close()
 
 
 @styled

@@ -1,0 +1,291 @@
+"""Studies: many scenarios of a network, run on any executor, kept on disk as they end, and compared."""
+
+import json
+import os
+import time
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.presentation import Presentation, plain
+from tline.scene.file import scene_text
+from tline.scene.medium import readable
+from tline.solver.result.atomic import replacing, write_table
+from tline.surge.scenarios import AS_READ, Plan, Scenario, read_plan
+from tline.surge.worst import extremes
+from tline.sweeps.batches import Batch
+from tline.sweeps.design import whole
+from tline.sweeps.executors import NoWorkers, Queue, on_executor, on_processes, workers_of
+from tline.sweeps.runs import MOST_WORKERS
+from tline.words.aligned import aligned
+from tline.words.progress import Progress
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WRITTEN = ".html", ".csv"
+BAR = 1e5  # Pa
+
+
+class Outcome(NamedTuple):
+    """What came of a scenario."""
+
+    scenario: Scenario
+    # what `Operation.to_dict` has, with `nodes`: all that nodes saw, `estimate`: the estimated error, `seconds` of
+    # processor time and `scene`: what `tline.simulate` runs just so; or `mistake`: why there is none
+    told: Mapping[str, Any]
+
+    @property
+    def extremes(self) -> tuple[Mapping[str, Any], Mapping[str, Any]] | None:
+        """The nodes with the highest and with the lowest pressure of all; None if the scenario failed."""
+        nodes = self.told.get("nodes")
+        if not nodes:
+            return None
+        return max(nodes, key=lambda node: node["highest"]), min(nodes, key=lambda node: node["lowest"])
+
+    @property
+    def verdict(self) -> str:
+        """The class of pressure, or why there is none."""
+        told = self.told
+        if "mistake" in told:
+            return told["mistake"]
+        if told["no_pressure_class"]:
+            return f"none: {told['no_pressure_class']}"
+        return f"PN {told['pressure_class'] / BAR:g}" if told["pressure_class"] else "above PN 100"
+
+    @property
+    def signed(self) -> bool:
+        """Whether a class of pressure is named."""
+        return bool(self.told.get("pressure_class"))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SurgeStudy(Presentation):
+    """Scenarios of a network and what came of them; printed, the table of them all.
+
+    Attributes
+    ----------
+    plan : Plan
+        Title, variants of the network, paths and scenarios.
+    outcomes : tuple of Outcome
+        In the order of the scenarios.
+    """
+
+    plan: Plan
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def unsigned(self) -> list[Outcome]:
+        """Scenarios for which no class of pressure is named."""
+        return [outcome for outcome in self.outcomes if not outcome.signed]
+
+    @property
+    def unit(self) -> tuple[float, str]:
+        """Size, Pa, and name of the unit in which pressures are read."""
+        first = self.plan.scenarios[0]
+        scene, units = first.network.scene, first.options.get("units")
+        return readable(scene.with_changes(units=units) if units else scene).unit("effort")
+
+    def table(self) -> tuple[list[str], list[list[str]]]:
+        """Head and rows of the table of scenarios, in the units of the network."""
+        size, unit = self.unit
+        head = ["scenario", f"highest [{unit}]", "±", "at", "after [s]", "lowest", "at", "after [s]", "class"]
+        rows = []
+        for outcome in self.outcomes:
+            cells = ["", "", "", "", "", "", ""]
+            if outcome.extremes:
+                top, low = outcome.extremes
+                error = max(top["highest_error"] or 0.0, (outcome.told["columns"] or {}).get("spread", 0.0))
+                cells = [f"{top['highest'] / size:.4g}", f"{error / size:.1g}", top["node"], f"{top['highest_at']:.4g}"]
+                cells += [f"{low['lowest'] / size:.4g}", low["node"], f"{low['lowest_at']:.4g}"]
+            rows.append([outcome.scenario.name, *cells, outcome.verdict])
+        return head, rows
+
+    def text_lines(self) -> Iterator[str]:
+        """The worst first."""
+        head, rows = self.table()
+        yield self.plan.title or "a study of surges"
+        failed = sum("mistake" in outcome.told for outcome in self.outcomes)
+        told = f"{len(rows)} scenarios, {len(self.unsigned) - failed} without a class of pressure, {failed} failed"
+        yield f"{told}; gauge pressures"
+        order = sorted(range(len(rows)), key=lambda k: -_highest(self.outcomes[k]))
+        short = [
+            [*rows[k][:-1], "failed" if "mistake" in self.outcomes[k].told else rows[k][-1].partition(":")[0]]
+            for k in order
+        ]
+        yield from ["", *(line.rstrip() for line in aligned([head, *short], 1))]
+
+    def to_dict(self) -> dict[str, Any]:
+        """All that is known of all scenarios, in SI."""
+        rows = [{"name": each.scenario.name, "file": each.scenario.file, **each.told} for each in self.outcomes]
+        return {"title": self.plan.title, "scenarios": rows}
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Draw maps of how far pressures rose and fell in any scenario of the network as it is; on `ax` the first."""
+        from tline.surge.study_page import worst_map
+
+        return worst_map(self, AS_READ, ax)
+
+    def save(self, path: str | Path) -> None:
+        """Write the report, ``.html``, or the table of scenarios, ``.csv``.
+
+        Raises
+        ------
+        InputError
+            Another suffix, or the file cannot be written.
+        """
+        suffix = Path(path).suffix.lower()
+        if suffix not in WRITTEN:
+            raise InputError(str(path), "unknown kind of file", " or ".join(WRITTEN), f"'{suffix}'")
+        if suffix == ".csv":
+            write_table(path, *self.table())
+            return
+        from tline.surge.study_page import page
+
+        with replacing(path) as temporary:
+            temporary.write_text(page(self), encoding="utf-8")
+
+
+def surge_study(
+    study: str | Path | Mapping[str, Any],
+    *,
+    folder: str | Path | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    progress: bool = False,
+) -> SurgeStudy:
+    """Run all scenarios of a study.
+
+    Parameters
+    ----------
+    study : path or dict
+        A TOML file or its tables: ``network``, ``reading`` and ``run`` (arguments of `operate`), ``variants``,
+        ``events`` and ``paths``; see docs/networks.md.
+    folder : str or Path, optional
+        Where each scenario is kept as it ends, as NAME.json and the scene that it ran, NAME.toml. Those that are there
+        are not run again.
+    executor : concurrent.futures.Executor, optional
+        Where scenarios are run, as for `tline.sweep`.
+    workers : int, optional
+        Processes that are started in place of an executor, 1 for none; as many as there are processors if not given.
+    progress : bool
+        Show a progress bar on stderr if the study takes more than two seconds.
+
+    Returns
+    -------
+    SurgeStudy
+        What came of all scenarios; one that cannot be run has a sentence in place of numbers.
+
+    Raises
+    ------
+    InputError
+        The study is not as above, or its network cannot be read.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> pipe = {"nodes": ["lake", "c"], "length": 500, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    >>> network = {
+    ...     "medium": "hydraulic", "t_end": "1 s", "start": "steady", "lines": {"main": pipe},
+    ...     "loads": {
+    ...         "lake": {"at": "lake", "kind": "reservoir", "pressure": "6 bar"},
+    ...         "tap": {"at": "c", "kind": "orifice", "flow": "20 L/s", "pressure_drop": "6 bar"},
+    ...     },
+    ...     "probes": {"tap": {"at": "c"}},
+    ... }
+    >>> events = {"slow": {"close": "tap@0s+2s"}, "fast": {"close": "tap@0s"}}
+    >>> found = surge_study({"network": network, "run": {"t_end": "10 s"}, "events": events}, workers=1)
+    >>> [outcome.verdict for outcome in found.outcomes]
+    ['PN 10', 'PN 10']
+    """
+    workers = None if workers is None else whole("workers", workers, 1, MOST_WORKERS)
+    plan = read_plan(study)
+    kept = [_kept(folder, scenario) for scenario in plan.scenarios]
+    left = np.array([k for k, told in enumerate(kept) if told is None], int)
+    with Progress(len(kept), "scenario", progress) as bar:
+        bar.update(len(kept) - len(left))
+        for rows, batch in _batches(plan.scenarios, left, executor, workers):
+            for k, row in enumerate(rows.tolist()):
+                if k in batch.errors:
+                    kept[row] = {"mistake": batch.errors[k]}
+                else:
+                    kept[row] = json.loads(batch.kept["told"][k])
+                    _keep(folder, plan.scenarios[row], kept[row])
+            bar.update(len(rows))
+    outcomes = [Outcome(scenario, told) for scenario, told in zip(plan.scenarios, kept, strict=True) if told]
+    return SurgeStudy(plan, tuple(outcomes))
+
+
+def run_scenarios(scenarios: Sequence[Scenario]) -> Batch:
+    """Run some, in whatever process, and tell all that is kept of each as JSON."""
+    started = time.perf_counter()
+    told = [json.dumps(_told(scenario), ensure_ascii=False) for scenario in scenarios]
+    return Batch([*range(len(told))], {"told": np.array(told, object)}, {}, time.perf_counter() - started)
+
+
+def _told(scenario: Scenario) -> dict[str, Any]:
+    started = time.process_time()
+    try:
+        surge = scenario.carried_out()
+    except InputError as error:
+        return {"mistake": str(error)}
+    result = surge.result
+    accuracy, scene = result.accuracy, surge.scene
+    if result.resolution.rounded:  # in one run, as the last one was
+        scene = scene.with_changes(solver={"rounded": True, "slab": result.resolution.h})
+    found = surge.to_dict() | {"notes": surge.notes, "nodes": extremes(result), "scene": scene_text(scene)}
+    return plain(found | {"estimate": accuracy and accuracy.at_slab_ends, "seconds": time.process_time() - started})
+
+
+def _batches(
+    scenarios: Sequence[Scenario], left: NDArray, executor: Executor | None, workers: int | None
+) -> Iterator[tuple[NDArray, Batch]]:
+    def submit(executor: Executor, rows: NDArray) -> "Future[Batch]":
+        return executor.submit(run_scenarios, [scenarios[k] for k in rows])
+
+    if executor is not None:
+        workers = workers_of(executor, workers)
+        yield from on_executor(Queue(left, workers), executor, workers, submit)
+        return
+    workers = min(workers or os.cpu_count() or 1, len(left))
+    if workers > 1:
+        try:
+            yield from on_processes(Queue(left, workers), workers, submit)
+        except NoWorkers as error:
+            warnings.warn(f"{error}; the study goes on in this process alone", stacklevel=3)
+        else:
+            return
+    for k in left:
+        yield np.array([k]), run_scenarios([scenarios[k]])
+
+
+def _kept(folder: str | Path | None, scenario: Scenario) -> dict[str, Any] | None:
+    """What a folder has of a scenario, if it has it."""
+    path = folder and Path(folder) / f"{scenario.file}.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path and path.exists() else None
+
+
+def _keep(folder: str | Path | None, scenario: Scenario, told: Mapping[str, Any]) -> None:
+    if folder is None:
+        return
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(str(folder), "cannot be a folder", got=(error.strerror or "").lower()) from None
+    path = Path(folder) / scenario.file
+    texts = {".toml": told["scene"]} if "scene" in told else {}
+    for suffix, text in (texts | {".json": json.dumps(told, ensure_ascii=False)}).items():
+        with replacing(f"{path}{suffix}") as temporary:
+            temporary.write_text(text, encoding="utf-8")
+
+
+def _highest(outcome: Outcome) -> float:
+    return outcome.extremes[0]["highest"] if outcome.extremes else np.inf
