@@ -57,9 +57,11 @@ def waves() -> dict[str, Figure]:
 @styled
 def signals() -> dict[str, Figure]:
     """Of cables: crosstalk, reflections, eyes, load lines, a measured load; and a verdict."""
+    pulse = tl.signal.pulse_response(tl.examples["stripline_eye"], "receiver", "100 ps", "20 ps", tol=1e-4)
     found = {
         "tdr": tl.signal.reflectometry(tl.examples["tdr"], "near", "100 ps"),
         "eye": tl.signal.eye(tl.examples["tdr"], "far", "0.8 ns", "0.2 ns"),
+        "statistical_eye": tl.signal.statistical_eye(pulse, dfe=2, noise=2e-3),
         "load_lines": tl.signal.bergeron(tl.examples["load_lines"]),
         "skin_pair": crosstalk(tl.examples["skin_pair"]),
         "coax_fault": tl.signal.reflectometry(tl.examples["coax_fault"], "near", "5 ns"),

@@ -28,6 +28,7 @@ from passivity.status import Kind
 
 SAFETY = 10  # errors by which an eigenvalue may be off the axis and still counts as on it
 MAX_ROUNDS = 4
+WELL = 1e4  # condition of R, and its part of P, below which it is inverted: the pencil takes three times as long
 _NEAR = 2.0**-30  # between value and level, in parts of the value
 _SAME = 2.0**-20  # between the ends of bands found by both methods, in parts of the frequency
 _HALVINGS = 60
@@ -42,13 +43,8 @@ class Crossing(NamedTuple):
 
 def crossings(system: FloatSystem, level: float) -> list[Crossing]:
     """Where an eigenvalue of F may cross a level, in rising order; at poles on the axis too."""
-    from scipy.linalg import eig
-
     p, e = _pencil(system, level)
-    pairs: Any = eig(p, -e, left=True, right=True, homogeneous_eigvals=True)
-    (top, bottom), left, right = pairs
-    finite = abs(bottom) * (1 / np.finfo(float).eps) > abs(top)
-    s, left, right = top[finite] / bottom[finite], left[:, finite], right[:, finite]
+    s, left, right = _eigenpairs(p, e, 2 * len(system.a))
     turned = e @ right
     size = np.linalg.norm(right, axis=0)
     residual = np.linalg.norm(p @ right + turned * s, axis=0)
@@ -58,6 +54,26 @@ def crossings(system: FloatSystem, level: float) -> list[Crossing]:
         error = residual * np.linalg.norm(left, axis=0) / slope
     known = (s.imag >= 0) & (abs(s.real) <= SAFETY * error) & (error < abs(s))
     return sorted(Crossing(float(w), float(x)) for w, x in zip(s.imag[known], error[known], strict=True))
+
+
+def _eigenpairs(p: np.ndarray, e: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Finite s, and left and right vectors as columns, with P(s) singular; of n rows where R^-1 is harmless.
+
+    e = [[J, 0], [0, 0]] with J^-1 = -J, so P(s) (x, u) = 0 is s x = J (P11 - P12 R^-1 P21) x and u = -R^-1 P21 x.
+    """
+    from scipy.linalg import eig
+
+    j, r = e[:n, :n], p[n:, n:]
+    if np.linalg.cond(r) * np.linalg.norm(p) < WELL * np.linalg.norm(r):
+        below, beside = np.linalg.solve(r, p[n:, :n]), np.linalg.solve(r.T, p[:n, n:].T)
+        pairs: Any = eig(j @ (p[:n, :n] - p[:n, n:] @ below), left=True, right=True)
+        s, left, right = pairs
+        left = j.T @ left
+        return s, np.vstack([left, -beside @ left]), np.vstack([right, -below @ right])
+    pairs = eig(p, -e, left=True, right=True, homogeneous_eigvals=True)
+    (top, bottom), left, right = pairs
+    finite = abs(bottom) * (1 / np.finfo(float).eps) > abs(top)
+    return top[finite] / bottom[finite], left[:, finite], right[:, finite]
 
 
 def _pencil(system: FloatSystem, level: float) -> tuple[np.ndarray, np.ndarray]:

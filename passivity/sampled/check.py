@@ -122,7 +122,8 @@ class SampleVerdict(Decided):
         value = "|S| =" if self.response.ports == 1 else "S has a singular value of"
         problem = f"{value} {self.worst[k]:.6g} at {self.response.f[k]:.6g} Hz: no passive {what} within the tolerance"
         digits = f", or {1 + self.bars[k]:.6g} by the digits of the file" if self.by_digits else ""
-        raise ExpressionError("samples", problem, "at most 1" + digits)
+        expected = f"at most 1{digits}, or 'nearest' for the nearest passive model"
+        raise ExpressionError("samples", problem, expected)
 
     @property
     def _worst(self) -> int:

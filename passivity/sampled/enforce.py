@@ -30,6 +30,7 @@ from passivity.errors import ExpressionError
 from passivity.exact.verdict import Verdict
 from passivity.sampled.check import check_samples
 from passivity.sampled.extremes import (
+    MANY,
     Place,
     bands_of,
     extremes_on_grid,
@@ -49,6 +50,7 @@ MAX_SPREAD = 1e16  # of the moduli and real parts of poles: more is lost in roun
 SPARE = 1e-5  # of the first violation: how far inside the bound is aimed at, so that the limit is reached
 LEAST_SPARE = 2.0**-44  # of the size of the function: rounding
 ROOM = (0.0, 1e-9, 1e-7, 1e-5, 1e-3)  # by which several ports end inside the bound, until a proof is found
+INSIDE = 1e-5  # where a model of many poles begins
 BARELY = 1e-6  # beyond the bound: then all of the model is moved inside
 UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
 FARTHEST = 1e6  # times the distance to the farthest half space; where there is no solution it is infinite
@@ -283,10 +285,12 @@ def _nearest(model: M, w: NDArray, free: NDArray) -> tuple[M, Verdict, int]:
     """The nearest passive model, of several ports moved inside until that is proved; else the last that was tried."""
     marks, size = [], 0.0
     unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
+    many = isinstance(model, MatrixModel) and model.order > MANY
 
     def extremes(changed: M) -> list[Place]:
         nonlocal size
-        if places := extremes_on_grid(changed, w, np.array(marks)):
+        places = extremes_on_grid(changed, w, np.array(marks))
+        if places or many:  # of that many, what the grid misses is less than the room that is given
             return places
         bands, size = bands_of(changed)
         if size <= BARELY * unit:
@@ -297,8 +301,10 @@ def _nearest(model: M, w: NDArray, free: NDArray) -> tuple[M, Verdict, int]:
         return places or (places_of(changed, inner) if size == math.inf else [])  # seen in exact numbers alone
 
     found, rounds = _least_changed(model, w, free, extremes)
+    if many and rounds:  # it touches the bound, where floats suggest no proof
+        found = found.moved_inside(INSIDE * unit)
     verdict = verdict_of(found)
-    for room in ROOM:
+    for room in [x for x in ROOM if not many or x > INSIDE]:
         if verdict.status is Status.PROVED or not size < math.inf:
             break
         moved = found.moved_inside(max(size, 0.0) + room * unit)

@@ -1,6 +1,7 @@
 """Where a model is not passive: the extremes of its worst value beyond the bound, and the exact verdict."""
 
 import math
+from functools import lru_cache
 from typing import TypeAlias
 
 import numpy as np
@@ -18,7 +19,7 @@ from passivity.sampled.model import MatrixModel, PartialFractions, PoleResidueMo
 from passivity.sampled.response import Parameter
 from passivity.status import Status
 
-FEW = 4  # ports up to which the exact test takes seconds
+FEW, MANY = 4, 40  # ports and poles up to which the exact test takes seconds
 BEYOND = 1e6  # times the largest frequency: stands for infinity, its inverse for zero
 AROUND = np.tan(np.linspace(-1.5, 1.5, 17))  # of the half width of a resonance: frequencies that show it
 EVEN = 100  # frequencies at equal ratios
@@ -27,9 +28,11 @@ CLOSER = 3  # rounds, ten times closer each, in which a maximum is located
 Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far beyond the bound, vectors u and v
 
 
+@lru_cache(maxsize=8)
 def verdict_of(model: PoleResidueModel | MatrixModel) -> Verdict:
-    """Exact: of the function, of the matrix up to FEW ports, else of a state space."""
-    if isinstance(model, PoleResidueModel) or len(model.constant) <= FEW or model.proportional.any():
+    """Exact: of the function, of the matrix up to FEW ports and MANY poles, else of a state space."""
+    few = isinstance(model, PoleResidueModel) or (len(model.constant) <= FEW and model.order <= MANY)
+    if few or np.any(model.proportional):
         return check(model.rational(), model.parameter.kind)
     system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
     return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)

@@ -49,6 +49,7 @@ IN_VAIN = 2  # orders in a row that do not pay, after which no higher is tried
 GOOD = 1e-3  # misfit, root mean square, that is good enough
 MEETING = (0, 1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 50, 60, 80, 100, 130, 160, 200)  # to meet a tolerance
 MANY = 40  # poles from which on more must pay
+WHITE = 0.5  # correlation of the misfits at neighbouring frequencies below which they are noise
 PAYS = 0.8  # of the least error: what an order must reach to pay
 MOST_IN_VAIN = 3  # orders that do not pay, after which no higher is tried
 
@@ -225,13 +226,16 @@ class Reached:
     def __init__(self):
         self.error, self.fewest, self.most, self.in_vain = math.inf, 0, 0, 0
 
-    def is_enough(self, error: float, order: int, fits: bool = False) -> bool:
-        """Take note of a model, or of the passive one near one that fits; whether no more poles are worth trying."""
+    def is_enough(self, error: float, order: int, fits: bool = False, noise: bool = True) -> bool:
+        """Take note of a model, or of the passive one near one that fits; whether no more poles are worth trying.
+
+        What is left of a delay stays as it is for many orders, until there are poles for all its turns: no noise.
+        """
         pays = error < PAYS * self.error
         self.most = max(self.most, order)
         if error < self.error:
             self.error, self.fewest = error, order
-        self.in_vain = 0 if pays else self.in_vain + (fits or order >= MANY)
+        self.in_vain = 0 if pays else self.in_vain + (fits or (order >= MANY and noise))
         return self.in_vain == MOST_IN_VAIN
 
     def refusal(self, tolerance: float, passive: bool, otherwise: str = "") -> ExpressionError:

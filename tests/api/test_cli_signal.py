@@ -15,6 +15,7 @@ from tline.cli.main import main
 from tline.cli.tdr import tdr
 
 SCENES = Path(__file__).parents[2] / "scenes"
+STATISTICAL = "eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 1e-3 --statistical"
 CABLE = """
 medium = "electrical"
 t_end = "8 ns"
@@ -90,6 +91,19 @@ def test_a_closed_eye_exits_with_1(folder: Path) -> None:
     assert "height -" in done.stdout
 
 
+def test_a_statistical_eye_with_equalisers(folder: Path) -> None:
+    """A matched line: 2/3 V high, but for the edges as wide as a bit, whatever the equalisers; noise takes 14 of it."""
+    line = "eye cable.toml --probe far --bit '1 ns' --rise '0.2 ns' --tol 1e-4 --statistical --ber 1e-12"
+    done = run(line + " --ffe best:0,1 --dfe 1 --ctle '0 dB, 100 GHz, 100 GHz, 1e12' --noise '5 mV' --plot e.png")
+    assert done.exit_code == 0, done.output
+    height = float(re.search(r"height (\S+) V around 0.33", done.stdout)[1])
+    assert height == pytest.approx(2 / 3 - 2 * 7.034 * 5e-3, abs=3e-3)  # of a normal distribution, 1e-12 below -7.034
+    assert (folder / "e.png").stat().st_size > 10_000
+    told = json.loads(run(f"{line} --json").stdout)
+    assert told["height"] == pytest.approx(2 / 3, abs=2e-3)
+    assert len(told["t"]) == len(told["bathtub"]) == len(told["ones"])
+
+
 def test_load_lines(folder: Path) -> None:
     done = run("run cable.toml --load-lines b.png")
     assert done.exit_code == 0, done.output
@@ -124,6 +138,13 @@ def test_load_lines(folder: Path) -> None:
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --mask '2 ns, 1 V'", "--mask: its width is none within"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 2", "--tol: tolerance out of range"),
         ("tdr cable.toml --port near --rise 1e-10 --tol x", "--tol: "),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --dfe 2", "--dfe: is for --statistical alone"),
+        (f"{STATISTICAL} --bits 01", "--bits: is for one pattern, not for all of them"),
+        (f"{STATISTICAL} --probe for", "--probe: no such probe, expected 'far'"),
+        (f"{STATISTICAL} --ber 2", "--ber: no error rate of an eye"),
+        (f"{STATISTICAL} --ffe best:1", "--ffe: not how many taps"),
+        (f"{STATISTICAL} --ctle 1,2", "--ctle: not an equaliser"),
+        (f"{STATISTICAL} --noise -1", "--noise: out of range"),
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:

@@ -42,6 +42,9 @@ DRAWN = {
     "size": sized,
     "reflections": lambda: tl.signal.reflectometry(tl.examples["coax_fault"], "near", "5 ns"),
     "eye": lambda: tl.signal.eye(tl.examples["tdr"], "far", "0.8 ns", "0.2 ns", "00101110"),
+    "statistical eye": lambda: tl.signal.statistical_eye(
+        tl.signal.pulse_response(tl.examples["tdr"], "far", "0.8 ns", "0.2 ns", tol=1e-3)
+    ),
     "crosstalk": lambda: crosstalk(tl.examples["coupled_pair"]),
     "load lines": lambda: tl.signal.bergeron(tl.examples["load_lines"]),
     "friction": lambda: tl.friction.simulate(tl.friction.Karnopp(), tl.friction.Testbench(tl.friction.Ramp(0.5))),

@@ -158,7 +158,7 @@ def test_waveforms_are_those_of_the_manual(read, text, letter, nodes, sign):
         ((4, "B1 b 0 R=5"), "c.cir, line 5, B1: a behavioural source without a law, expected V=… or I=…"),
         ((4, "E1 b 0 a 0 LAPLACE {1/s}"), "c.cir, line 5, E1: is not a gain alone"),
         ((4, "E1 b 0 LAPLACE {v(a)} {1/s}"), "c.cir, line 5, E1: LAPLACE is not known here"),
-        ((4, "R9 b 0 rho\n.model rho c(c=1p)"), "c.cir, line 6, .model: not a model of R"),
+        ((4, "R9 b 0 rho\n.model rho c(c=1p)"), "c.cir, line 6, .model: not known here, expected R or RES"),
         ((4, "R9 b 0 rho\n.model rho r(rsh=1)"), "c.cir, line 5, R9: has no value, nor a length"),
         ((4, "C9 b 0 1p M=0"), "c.cir, line 5, C9: M and SCALE are not above zero"),
         ((4, "L9 b 0 1n Rpar=-1"), "c.cir, line 5, L9: a parasitic value below zero"),

@@ -1,23 +1,26 @@
 """`tline fit`: the model that a Touchstone file becomes as a load or a link of a scene, before it is one."""
 
+import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import click
 
 from tline.cli.from_signature import Output, command, drawn, picture
-from tline.cli.measured import as_dict, in_words
+from tline.cli.measured import as_dict, bands_in_words, in_words
 from tline.cli.options import check_readable, options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
     from passivity import DelayedModel
 
+MOST_POLES = 200
 EXAMPLES = """\b
 Examples:
   tline fit antenna.s1p --tol 1e-3 --plot fit.png
   tline fit antenna.s1p --delay "1.2 ns" --nearest --json
   tline fit filter.s2p --delay "0.4 ns, 0.6 ns" --nearest --plot fit.png
+  tline fit channel.s2p --tol 1e-3 --nearest --json
 Exit status: 0 proved passive, 1 not passive or no model within the tolerance, 2 bad input.
 """
 
@@ -28,17 +31,17 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
 
     It is what a load or a link of kind = "touchstone" in a scene becomes. One port: a lossless line of the file's
     reference resistance and of the delay that saves most poles, then as few poles as the tolerance takes. Several
-    ports: poles common to all entries of S, behind the delays that are given. A scene refuses a model that is not
-    passive; see here where, and what the nearest passive one costs.
+    ports: poles common to all entries of S, up to 200, behind the delays that are given or found. A scene refuses a
+    model that is not passive; see here where, and what the nearest passive one costs at which frequencies.
 
     Parameters
     ----------
     tol : NUMBER
         Largest distance of the model's S from the file's.
     delay : TIME
-        To each port, one way, with commas between; of one port found if not given.
+        To each port, one way, with commas between; found if not given, of up to four ports.
     nearest
-        Take the nearest passive model where the fit is not passive.
+        Take the nearest passive model where the fit is not passive, even where the file's own S is not.
     """
     from passivity.errors import ExpressionError
 
@@ -54,29 +57,39 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
         raise click.exceptions.Exit(1) from None
     files = {"plot": drawn("tline.pictures.bode:plot_misfit", found, file)}
     proved = found.verdict.status.value == "proved"
-    return Output(_text(file, found), lambda: as_dict(found), files, exit_code=0 if proved else 1)
+    return Output(_text(file, found, float(tol)), lambda: as_dict(found), files, exit_code=0 if proved else 1)
 
 
 def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel":
     from passivity import fit_behind_delay, fit_scattering, read_touchstone
-    from tline.scene.quantity import TOLERANCE, Role
+    from tline.scene.quantity import FIT_TOLERANCE, Role
+    from tline.words.progress import Progress
 
     with options_named({"": "--tol"}):
-        asked = float(TOLERANCE.parse(tol, ""))
+        asked = float(FIT_TOLERANCE.parse(tol, ""))
     with options_named({"": "--delay"}):
         time = Role("delay", "s", at_least=0)
         given = None if delay is None else [float(time.parse(part.strip(), "s")) for part in delay.split(",")]
     response = read_touchstone(file)
     if given is not None and len(given) != response.ports:
         raise InputError("--delay", "not one for each port", f"{response.ports}", f"{len(given)}")
-    if response.ports > 1:
-        return fit_scattering(response, asked, nearest, given or 0.0)
-    return fit_behind_delay(response, asked, given[0] if given else None, nearest)
+    most = 0
+    with Progress(MOST_POLES, "poles", sys.stderr.isatty(), "fit") as bar:
+
+        def tried(order: int, error: float) -> None:
+            nonlocal most
+            bar.update(max(order - most, 0))
+            most = max(order, most)
+
+        if response.ports > 1:
+            return fit_scattering(response, asked, nearest, given, tried)
+        return fit_behind_delay(response, asked, given[0] if given else None, nearest, tried)
 
 
-def _text(file: str, found: "DelayedModel") -> Iterator[str]:
+def _text(file: str, found: "DelayedModel", tol: float) -> Iterator[str]:
     yield f"{file}: {in_words(found)}"
     yield f"  because {found.why}"
+    yield from bands_in_words(found, tol)
     model = found.model
     if found.samples.ports == 1:
         yield f"  S = {model.constant:.6g}" + " + sum of residue/(s - pole), both in 1/s:" * bool(len(model.poles))

@@ -22,13 +22,13 @@ from tline.cli.options import CSV, PICTURE, check_files, options_named
 from tline.units import to_si
 
 WORDS = {  # metavariables by name of the argument
-    "TIME": "t_end rise period begin h step",
-    "NUMBER": "tol seed workers exponent reserve points kv stages",
+    "TIME": "t_end rise period begin h step jitter",
+    "NUMBER": "tol seed workers exponent reserve points kv stages ber dfe",
     "NODE": "node at",
     "SPEED": "wave_speed rated_speed",
     "PRESSURE": "set_pressure band rating",
     "LIMIT": "lowest highest",
-    "LEVEL": "low high",
+    "LEVEL": "low high noise",
     "OHM": "z0",
     "J": "inertia",
     "1…16": "order",

@@ -1,8 +1,11 @@
 """What is printed of the model of a Touchstone file, wherever it is used."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from tline.units import engineering
+
+MOST_BANDS = 4
 
 if TYPE_CHECKING:
     import numpy as np
@@ -14,14 +17,15 @@ if TYPE_CHECKING:
 def as_dict(found: "DelayedModel") -> dict[str, Any]:
     """Poles and verdict, and how far the model is from the samples, in SI.
 
-    With one port also its delay; with several, residues and constant are matrices.
+    With several ports residues and constant are matrices, and there is a delay for each. The distance is the largest of
+    an entry at each frequency of the file.
     """
     model, samples = found.model, found.samples
     one = samples.ports == 1
     return {
         "status": found.verdict.status.value,
         "why": found.why,
-        **({"delay": found.delay} if one else {}),
+        "delay": found.delay if one else found.delay.tolist(),
         "z0": float(samples.z0[0]) if one else samples.z0.tolist(),
         "poles": _parts(model.poles),
         "residues": _parts(model.residues),
@@ -29,6 +33,7 @@ def as_dict(found: "DelayedModel") -> dict[str, Any]:
         "order": found.order,
         "error": found.error,
         "cost": found.cost,
+        "distance": found.distance.tolist(),
         "samples": {"number": len(samples.f), "first": float(samples.f[0]), "last": float(samples.f[-1])},
     }
 
@@ -43,10 +48,28 @@ def in_words(found: "DelayedModel") -> str:
         place = f"behind {engineering(found.delay, 's')} of {z0}" if found.delay else f"against {z0}"
         told = f"{poles} {place}, {found.verdict.status.value} passive".replace("refuted passive", "not passive")
     else:
-        told = f"{samples.ports} ports, {poles}, {found.verdict.status.value} passive"
+        delays = ", ".join(engineering(float(T), "s") for T in found.delay) if found.delay.any() else ""
+        told = (
+            f"{samples.ports} ports, {poles}{' behind ' * bool(delays)}{delays}, {found.verdict.status.value} passive"
+        )
     cost = f", of which being passive cost {found.cost:.2g}" if found.cost else ""
     first, last = (engineering(float(f), "Hz") for f in samples.f[[0, -1]])
     return f"{told}, |ΔS| up to {found.error:.2g}{cost} ({len(samples.f)} samples, {first} to {last})"
+
+
+def bands_in_words(found: "DelayedModel", tolerance: float) -> Iterator[str]:
+    """Where the model is farther than the tolerance from the samples, a line for each of the worst bands."""
+    import numpy as np
+
+    f, distance = found.samples.f, found.distance
+    edges = np.flatnonzero(np.diff(distance > tolerance, prepend=False, append=False)).reshape(-1, 2)
+    bands = sorted(edges, key=lambda edge: -distance[slice(*edge)].max())
+    for start, stop in bands[:MOST_BANDS]:
+        k = start + int(distance[start:stop].argmax())
+        low, high, at = (engineering(float(x), "Hz") for x in f[[start, stop - 1, k]])
+        yield f"  beyond the tolerance from {low} to {high}, by up to |ΔS| = {distance[k]:.3g} at {at}"
+    if len(bands) > MOST_BANDS:
+        yield f"  and in {len(bands) - MOST_BANDS} more bands"
 
 
 def _parts(values: "NDArray[np.complex128]") -> list[Any]:

@@ -55,6 +55,13 @@ class Card(NamedTuple):
         """The error to raise, pointing here, whatever long words the card has."""
         return InputError(self.where, *(f"{text:.{LONGEST}}" for text in (problem, expected, got)))
 
+    def of_kind(self, *kinds: str) -> "Card":
+        """The card of a model, which is refused unless it is of one of these kinds, in upper case."""
+        found = "".join(self.words[1:2])
+        if found.upper() not in kinds:
+            raise self.refuse("not known here", " or ".join(kinds), f"'{found}'")
+        return self
+
     def assigned(self, start: int) -> tuple[list[str], dict[str, list[str]]]:
         """Words from one on: those in front of the first assignment, and names with the words behind their '='."""
         words = self.words[start:]

@@ -17,10 +17,7 @@ OF_THESE = {  # no matter where those are zero, or at one temperature
 
 def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
     """The table of a diode, without its nodes, and the resistance in series with it, ohm."""
-    kind = "".join(model.words[1:2])
-    if kind.lower() != "d":
-        raise model.refuse("not a diode", "D", f"'{kind}'")
-    plain, given = model.assigned(2)
+    plain, given = model.of_kind("D").assigned(2)
     table: dict[str, Any] = {"kind": "diode"} | DEFAULTS
     series = 0.0
     for key in plain:

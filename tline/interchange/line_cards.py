@@ -25,10 +25,7 @@ def lossless_line(card: Card, net: Netlist) -> None:
     """
     plain, own = card.assigned(4)
     if len(plain) == 1:
-        model = net.model(card, plain[0])
-        if "".join(model.words[1:2]).lower() != "trn":
-            raise model.refuse("not known here", "TRN", f"'{' '.join(model.words[1:2])}'")
-        plain, own = [], model.assigned(2)[1] | own
+        plain, own = [], net.model(card, plain[0]).of_kind("TRN").assigned(2)[1] | own
     given = {SPELT.get(key, key): words for key, words in own.items()}
     names = "Z0 with TD, or with F (and NL)"
     if {"len", "l", "c"} <= given.keys() <= {"len", "r", "l", "g", "c"}:
@@ -99,10 +96,7 @@ def lumped_line(card: Card, net: Netlist) -> None:
 
 def _per_length(model: Card, kind: str, own: dict[str, list[str]]) -> dict[str, float]:
     """R, L, G and C per length, and the length, by a model and what the element itself says."""
-    found = "".join(model.words[1:2])
-    if found.lower() != kind:
-        raise model.refuse("not known here", kind.upper(), f"'{found}'")
-    plain, given = model.assigned(2)
+    plain, given = model.of_kind(kind.upper()).assigned(2)
     flags = [word for words in given.values() for word in words[1:]]
     values = {"r": 0.0, "l": 0.0, "g": 0.0, "c": 0.0}
     for word in [*plain, *flags]:
@@ -144,10 +138,7 @@ def coupled_line(card: Card, net: Netlist) -> None:
         raise card.refuse("is not whole", "N nodes and 0, twice, and a model")
     *nodes, name = plain
     first, second = _conductors(card, net, nodes)
-    model = net.model(card, name)
-    kind = "".join(model.words[1:2])
-    if kind.lower() != "cpl":
-        raise model.refuse("not known here", "CPL", f"'{kind}'")
+    model = net.model(card, name).of_kind("CPL")
     _, given = model.assigned(2)
     k, length = len(first), given.pop("length", given.pop("len", []))
     length = own.get("len", own.get("length", length))
@@ -198,9 +189,7 @@ def rc_line(card: Card, net: Netlist) -> None:
         expected = "two nodes, base and a URC model; for U of HSPICE a W element or T"
         raise card.refuse("not a uniform RC line", expected)
     first, second, base = map(net.node, card.words[:3])
-    model = net.model(card, card.words[3])
-    if "".join(model.words[1:2]).lower() != "urc":
-        raise model.refuse("not known here", "URC", f"'{' '.join(model.words[1:2])}'")
+    model = net.model(card, card.words[3]).of_kind("URC")
     values, own = dict(RC), {key: card.value(words[0]) for key, words in card.assigned(4)[1].items() if words}
     for key, words in model.assigned(2)[1].items():
         if key not in RC or len(words) != 1:

@@ -57,8 +57,8 @@ def rlgc_matrices(
 
 
 def _from_model(model: Card, n: int) -> dict[str, Matrix]:
-    _, given = model.assigned(2)
-    if "".join(model.words[1:2]).lower() != "w" or [word.lower() for word in given.pop("modeltype", [])] != ["rlgc"]:
+    _, given = model.of_kind("W").assigned(2)
+    if [word.lower() for word in given.pop("modeltype", [])] != ["rlgc"]:
         raise model.refuse("not known here", ".model NAME W MODELTYPE=RLGC", f"'{' '.join(model.words[1:5])}'")
     if [model.value(word) for word in given.pop("n", [str(n)])] != [n]:
         raise model.refuse("another number of conductors", f"N={n}")

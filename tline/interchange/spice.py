@@ -71,13 +71,14 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
-    cards = with_linear_sources(with_generator(opened(raw, found), found), found)
+    cards = with_generator(opened(raw, found), found)
     commands: dict[str, list[Card]] = {name: [] for name in (".tran", ".model", ".ic", *OVER_FREQUENCY)}
     for card in cards:
         commands.get(card.name.lower(), []).append(card)
     frequencies = [card for name in OVER_FREQUENCY for card in commands[name]]
     tran = transient(commands[".tran"], frequencies, str(path), found)
     models = {card.words[0].lower(): card for card in commands[".model"] if card.words}
+    cards = with_linear_sources(cards, found, (tran or ANY).end)
     net = Netlist(found, tran or ANY, models, path.parent)
     shown = []
     for card in cards:

@@ -69,8 +69,7 @@ def _check_harmless(card: Card, given: Mapping[str, list[str]], net: Netlist) ->
 
 def _by_model(card: Card, model: Card, value: float | None, own: dict[str, list[str]]) -> float:
     """A value by itself, by width and length, or the model's own."""
-    if "".join(model.words[1:2]).lower() not in VALUE[card.kind]:
-        raise model.refuse(f"not a model of {card.kind}", VALUE[card.kind][0].upper(), f"'{model.words[1:2]}'")
+    model.of_kind(*map(str.upper, VALUE[card.kind]))
     said = {key: _number(model, words, key) for key, words in model.assigned(2)[1].items()}
     said = {"narrow": 0.0, "defw": 1e-5, "cjsw": 0.0} | said
     bent = [key for key in ("vc1", "vc2") if said.get(key)]

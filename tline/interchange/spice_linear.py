@@ -2,6 +2,8 @@
 
 import re
 from collections.abc import Callable, Iterator
+from itertools import pairwise
+from math import isfinite
 from typing import NamedTuple
 
 from tline.errors import InputError
@@ -14,6 +16,12 @@ BY_LAW = "LAW"  # behind the nodes of such a source; then V or I, and the expres
 EXPECTED = "a sum of v(…) and i(…) with constant factors; else kind = 'table' in a scene"
 TRANSFERS = ("LAPLACE", "TABLE", "FREQ", "CHEBYSHEV", "DELAY", "PWL", "OPAMP", "POLE", "FOSTER")
 MOST_DIMENSIONS = 100
+PIECES = 64  # of a run, in which a law of time is looked at first
+PLACES = (0.31, 0.62)  # in a piece, where it is compared with a straight line; no halves, for laws may repeat
+BENT = 1e-4  # of its largest value: how far from a law the lines may be
+JUMP = 1e-9  # of a run: how long a jump may take
+SAME = 1e-6  # of that distance: points so near to a line are not kept
+MOST_POINTS = 20_000
 
 
 class Linear(NamedTuple):
@@ -107,8 +115,11 @@ def with_outside_names(words: list[str], node: Callable[[str], str], source: Cal
     return [*map(node, words[:2]), *words[2:4], re.sub(SIGNAL, renamed, words[4], flags=re.IGNORECASE)]
 
 
-def with_linear_sources(cards: list[Card], found: Findings) -> list[Card]:
-    """The cards, with several E, F, G, H, V and I in place of each source by a linear expression."""
+def with_linear_sources(cards: list[Card], found: Findings, end: float) -> list[Card]:
+    """The cards, with several E, F, G, H, V and I in place of each source by a linear expression.
+
+    One of the time alone becomes the straight lines that are near it up to the end of the run.
+    """
     result: list[Card] = []
     for card in cards:
         if card.words[2:3] != [BY_LAW]:
@@ -116,12 +127,53 @@ def with_linear_sources(cards: list[Card], found: Findings) -> list[Card]:
             continue
         with found.gathered():
             text = card.words[4][1:-1]
+            if re.search(r"\btime\b", text, re.IGNORECASE) and not re.search(SIGNAL, text, re.IGNORECASE):
+                result.append(_over_time(card, text, end, found))
+                continue
             try:
                 value = computed(text, card.parameters, card.where, lambda signal: Linear(0.0, {signal: 1.0}))
             except InputError as error:
                 raise card.refuse(error.problem, EXPECTED, error.got) from None
             result += _expanded(card, value if isinstance(value, Linear) else Linear(value, {}))
     return result
+
+
+def _over_time(card: Card, text: str, end: float, found: Findings) -> Card:
+    """A source of straight lines, bisected until they are within BENT of the largest value of the law."""
+
+    def law(t: float) -> float:
+        value = float(computed(text, {**card.parameters, "time": t}, card.where))
+        if not isfinite(value):
+            raise card.refuse("not finite at all times", "a finite law", f"{value:g} at {t:g} s")
+        return value
+
+    points = {t: law(t) for t in (end * k / PIECES for k in range(PIECES + 1))}
+    near = BENT * max(map(abs, points.values()))
+    left = [*pairwise(points)]
+    while left:
+        first, last = left.pop()
+        inner = [first + (last - first) * part for part in PLACES]
+        points |= {t: law(t) for t in inner}
+        straight = [points[first] + (points[last] - points[first]) * part for part in PLACES]
+        bent = any(abs(points[t] - line) > near for t, line in zip(inner, straight, strict=True))
+        if bent and last - first > JUMP * end:
+            left += pairwise([first, *inner, last])
+        if len(points) > MOST_POINTS:
+            raise card.refuse("a law of time that bends too often", f"at most {MOST_POINTS} points", f"'{text:.40}'")
+    corners = _corners(sorted(points.items()), near)
+    found.note(card.where, f"its law of time is {len(corners)} points, within {BENT:g} of its largest value")
+    words = [repr(x) for point in corners for x in point]
+    return card._replace(kind=card.words[3], words=[*card.words[:2], "PWL", *words])
+
+
+def _corners(points: list[tuple[float, float]], near: float) -> list[tuple[float, float]]:
+    """Points without those that lie on the straight line between the last that is kept and the next."""
+    kept = points[:1]
+    for (t, u), (after, end) in pairwise(points[1:]):
+        start, begin = kept[-1]
+        if abs(begin + (end - begin) * (t - start) / (after - start) - u) > near * SAME:
+            kept.append((t, u))
+    return [*kept, points[-1]]
 
 
 def _expanded(card: Card, terms: Linear) -> Iterator[Card]:

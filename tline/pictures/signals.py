@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, styled
+from tline.signal.all_patterns import SMALLEST, StatisticalEye
 from tline.signal.crosstalk import Crosstalk
 from tline.signal.eye_diagram import Eye
 from tline.signal.eye_statistics import Mask, jitter
@@ -48,6 +49,46 @@ def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Fig
     axes.set_ylabel(f"{medium.effort} [{unit}]")
     axes.margins(x=0)
     axes.grid(True)
+    return drawn
+
+
+@styled
+def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None) -> Figure | Axes:
+    """The contours of an eye at an error rate, and in a figure of its own the bathtub below it.
+
+    Parameters
+    ----------
+    seen : StatisticalEye
+    ax : matplotlib Axes, optional
+        Where to draw; without it a new figure.
+
+    Returns
+    -------
+    Figure or Axes
+        What was drawn on.
+    """
+    medium = seen.medium
+    size, unit = handy(float(np.abs([seen.ones, seen.zeros]).max()), medium.shown["effort"])
+    second, time_unit = handy(seen.period, "s")
+    t, opened = seen.t / second, seen.ones > seen.zeros
+    drawn, (upper, *lower) = cells_of(ax, 8.0, 6.4, 2, title=seen.title, sharex=True)
+    upper.fill_between(t, seen.zeros / size, seen.ones / size, where=opened, color=COLOURS[0], alpha=0.15)
+    for curve, name in ((seen.ones, "ones, lowest"), (seen.zeros, "zeros, highest")):
+        upper.plot(t, curve / size, label=name)
+    upper.axhline(seen.threshold / size, color=INK, linewidth=0.8, linestyle=":")
+    height, width = handy(abs(seen.height) or 1.0, medium.shown["effort"]), handy(seen.width or seen.period, "s")
+    told = f"height {seen.height / height[0]:.4g} {height[1]}, width {seen.width / width[0]:.4g} {width[1]}"
+    upper.set_title(f"{told} at an error rate of {seen.ber:g}" if seen.height > 0 else "closed", loc="left")
+    upper.set_ylabel(f"{medium.effort} [{unit}]")
+    upper.legend()
+    for axes in lower:
+        axes.semilogy(t, np.maximum(seen.bathtub, SMALLEST), color=COLOURS[0])
+        axes.axhline(seen.ber, color=INK, linewidth=0.8, linestyle=":")
+        axes.set_ylim(SMALLEST, 1)
+        ticks = 10.0 ** -np.arange(0, 16, 3)
+        axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+        axes.set_ylabel("error rate")
+    [upper, *lower][-1].set_xlabel(f"time from the sampling instant [{time_unit}]")
     return drawn
 
 

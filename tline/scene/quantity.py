@@ -141,6 +141,7 @@ Delay = Annotated[Quantity, Role("duration", "s", at_least=0)]
 Frequency = Annotated[Quantity, Role("frequency", "Hz", above=0)]
 TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=0.1)
 Tolerance = Annotated[Quantity, TOLERANCE]
+FIT_TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=1.0)  # of samples: noisy ones are met no better
 SECONDS = Role("duration", "s", above=0)
 Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line

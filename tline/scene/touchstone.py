@@ -13,7 +13,7 @@ from tline.errors import InputError
 from tline.scene.element import AtNode, OneMedium
 from tline.scene.line import Cable, SceneLine
 from tline.scene.multiport import Multiport, PortNodes, Ports
-from tline.scene.quantity import Quantity, Role, Tolerance
+from tline.scene.quantity import FIT_TOLERANCE, Quantity, Role
 from tline.scene.ratio import Ratio
 from tline.scene.rational import RationalImpedance
 from tline.scene.text_file import beside
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from passivity import DelayedModel, RationalFunction
 
 Model = TypeVar("Model")
+Tolerance = Annotated[Quantity, FIT_TOLERANCE]
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
@@ -144,9 +145,9 @@ class MeasuredMultiport(OneMedium, Multiport):
     """A measured network such as a filter, a connector or a cable: the S-parameters of a Touchstone file.
 
     A rational model whose entries have their poles in common is fitted to the file's S, with as few poles as the
-    tolerance takes, and proved passive, or refused. Delays in front of the ports, where they are given, are taken out
-    first and become lossless lines of the file's reference resistances. What the model does beyond the file's
-    frequencies nobody measured.
+    tolerance takes, and proved passive, or refused. Delays in front of the ports are taken out
+    first and become lossless lines of the file's reference resistances; where they are not given, they are looked for
+    in front of up to four ports. What the model does beyond the file's frequencies nobody measured.
 
     Raises
     ------
@@ -163,7 +164,7 @@ class MeasuredMultiport(OneMedium, Multiport):
         default=Quantity(1e-3, ""), description="largest distance of an entry of the model's S from the file's"
     )
     delays: tuple[Delay, ...] | None = Field(
-        default=None, description="time from each node to its port, one way; without them the poles stand for it"
+        default=None, description="time from each node to its port, one way; looked for if not given"
     )
     nearest: bool = Field(
         default=False, description="whether to take the nearest passive model where the fit is not passive"
@@ -178,8 +179,8 @@ class MeasuredMultiport(OneMedium, Multiport):
             raise InputError("nodes", "too many ports", f"at most {MOST_PORTS}", f"{k}")
         if self.delays is not None and len(self.delays) != k:
             raise InputError("delays", "not one for each node", f"{k}", f"{len(self.delays)}")
-        delays = tuple(map(float, self.delays or k * [0.0]))
-        self._model = read_model(multiport_of, self.file, info, float(self.tolerance), delays, self.nearest)
+        delays = None if self.delays is None else tuple(map(float, self.delays))
+        self._model = read_model(multiport_of, self.file, info, float(self.tolerance), delays, self.nearest, k)
         return self
 
     @property
@@ -200,10 +201,10 @@ class MeasuredMultiport(OneMedium, Multiport):
     def taken_apart(self, own: str) -> tuple[dict[str, dict[str, SceneLine]], "MeasuredMultiport"]:
         """The lines of its delays, named after its own place, and what is behind them."""
         lines, nodes = {}, list(self.near)
-        for k, delay in enumerate(self.delays or ()):
-            if delay:
-                z0, nodes[k] = float(self._model.samples.z0[k]), f"{own}.{k + 1}"
-                lines[nodes[k]] = Cable(**{"nodes": (self.near[k], nodes[k]), "z0": z0, "delay": delay})
+        for k in np.flatnonzero(self._model.delay):
+            z0, delay = float(self._model.samples.z0[k]), float(self._model.delay[k])
+            nodes[k] = f"{own}.{k + 1}"
+            lines[nodes[k]] = Cable(**{"nodes": (self.near[k], nodes[k]), "z0": z0, "delay": delay})
         moved = self.model_copy(update={"nodes": tuple(nodes)})
         moved._near = self.near
         return {"lines": lines}, moved
@@ -216,7 +217,9 @@ class MeasuredMultiport(OneMedium, Multiport):
 
 
 @lru_cache(maxsize=64)
-def multiport_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, ...], nearest: bool) -> "DelayedModel":
+def multiport_of(
+    path: Path, stamp: int, tolerance: float, delays: tuple[float, ...] | None, nearest: bool, ports: int
+) -> "DelayedModel":
     """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
 
     Raises
@@ -227,9 +230,9 @@ def multiport_of(path: Path, stamp: int, tolerance: float, delays: tuple[float, 
     from passivity import ExpressionError, Status, fit_scattering, read_touchstone
 
     response = read_touchstone(path)
-    if response.ports != len(delays):
+    if response.ports != ports:
         got = f"{response.ports} port{'s' * (response.ports > 1)}"
-        raise ExpressionError("samples", "not one port for each node", f"{len(delays)}", got)
+        raise ExpressionError("samples", "not one port for each node", f"{ports}", got)
     found = fit_scattering(response, tolerance, nearest, delays)
     if found.verdict.status is not Status.PROVED:
         problem = f"the model with {found.order} poles is not proved passive: {found.why}"

@@ -1,5 +1,9 @@
+from tline.signal.all_patterns import StatisticalEye as StatisticalEye
+from tline.signal.all_patterns import best_ffe as best_ffe
+from tline.signal.all_patterns import statistical_eye as statistical_eye
 from tline.signal.eye_diagram import Eye as Eye
 from tline.signal.eye_diagram import eye as eye
+from tline.signal.eye_diagram import prbs as prbs
 from tline.signal.eye_diagram import prbs7 as prbs7
 from tline.signal.eye_statistics import Jitter as Jitter
 from tline.signal.eye_statistics import Mask as Mask
@@ -8,6 +12,8 @@ from tline.signal.eye_statistics import mask_hits as mask_hits
 from tline.signal.load_line import Bergeron as Bergeron
 from tline.signal.load_line import LoadLine as LoadLine
 from tline.signal.load_line import bergeron as bergeron
+from tline.signal.pulse import PulseResponse as PulseResponse
+from tline.signal.pulse import pulse_response as pulse_response
 from tline.signal.tdr import Reflections as Reflections
 from tline.signal.tdr import reflectometry as reflectometry
 from tline.signal.tdr import save_reflections as save_reflections

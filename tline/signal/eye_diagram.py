@@ -20,6 +20,7 @@ from tline.words.wording import nearest, shown
 
 FINE = 128  # instants in a bit
 LONGEST = 4096  # bits
+FEEDBACK = {7: 6, 9: 5, 11: 9, 15: 14, 20: 3, 23: 18, 31: 28}  # of patterns: x^n + x^m + 1
 LATE = 64  # bits, the largest delay of the pattern that is looked for
 
 
@@ -86,18 +87,43 @@ class Eye(Presentation):
         return self.ones - self.zeros
 
 
-def prbs7() -> NDArray:
-    """The pseudo-random pattern x⁷ + x⁶ + 1: 127 bits in which all runs of seven bits but zeros come once.
+def prbs(order: int, length: int | None = None) -> NDArray:
+    """A pseudo-random pattern in which all runs of so many bits but zeros come once.
+
+    Parameters
+    ----------
+    order : int
+        n of the polynomial x^n + x^m + 1: 7, 9, 11, 15, 20, 23 or 31.
+    length : int, optional
+        Bits that are wanted of the 2^n - 1, after which the pattern comes again.
+
+    Raises
+    ------
+    InputError
+        There is no such pattern.
+
+    References
+    ----------
+    ITU-T O.150, "General requirements for instrumentation for performance measurements on digital transmission
+    equipment", 1996.
 
     Examples
     --------
-    >>> prbs7().sum(), len(prbs7())
-    (np.int64(64), 127)
+    >>> prbs(9).sum(), len(prbs(9)), len(prbs(31, 1000))
+    (np.int64(256), 511, 1000)
     """
-    bits = [True] * 7
-    while len(bits) < 127:
-        bits.append(bits[-7] ^ bits[-6])
-    return np.array(bits)
+    if order not in FEEDBACK:
+        raise InputError("order", "no pseudo-random pattern", ", ".join(map(str, FEEDBACK)), shown(order))
+    bits, back = [True] * order, FEEDBACK[order]
+    length = 2**order - 1 if length is None else length
+    while len(bits) < length:
+        bits.append(bits[-order] ^ bits[-back])
+    return np.array(bits[:length])
+
+
+def prbs7() -> NDArray:
+    """The pseudo-random pattern x⁷ + x⁶ + 1, of 127 bits."""
+    return prbs(7)
 
 
 def eye(
@@ -125,7 +151,7 @@ def eye(
     rise : float or str, optional
         Time of a change from level to level, straight, which begins with the bit, s; a driver has edges of its own.
     bits : str
-        Zeros and ones, at least one of each, at most 4096; or "prbs7".
+        Zeros and ones, at least one of each, at most 4096; or "prbs7", 9, 11, 15, 20, 23, 31, the first 4096 of it.
     source : str, optional
         Name of the source, or of the load that is a driver; not needed if there is one only.
     low : float or str
@@ -167,7 +193,7 @@ def eye(
     if driver is None:
         if rise is None:
             raise InputError("rise", "is missing", "the time of a change from level to level")
-        points = _points(np.tile(pattern, 2), T, _edge(rise, T), low, high)
+        points = _points(np.tile(pattern, 2), T, edge_within(rise, T), low, high)
         table["sources"][source_named(scene, source)]["value"] = {"shape": "piecewise linear", "points": points}
     else:
         if rise is not None:
@@ -189,7 +215,7 @@ def _driver(scene: Scene, name: str | None) -> str | None:
     return name if name in drivers else None
 
 
-def _edge(rise: float | str, T: float) -> float:
+def edge_within(rise: float | str, T: float) -> float:
     """Time of a change, within a bit."""
     edge = to_si(rise, "s", "rise")
     if not 0 < edge <= T:
@@ -198,10 +224,10 @@ def _edge(rise: float | str, T: float) -> float:
 
 
 def _pattern(bits: str) -> NDArray:
-    if bits == "prbs7":
-        return prbs7()
+    if (found := re.fullmatch(r"prbs(\d{1,2})", bits)) and (order := int(found[1])) in FEEDBACK:
+        return prbs(order, min(LONGEST, 2**order - 1))
     if not re.fullmatch(r"[01]{2,}", bits) or len({*bits}) != 2 or len(bits) > LONGEST:
-        expected = f"zeros and ones, both of them, at most {LONGEST}; or 'prbs7'"
+        expected = f"zeros and ones, both of them, at most {LONGEST}; or 'prbs7' and the like"
         raise InputError("bits", "not a bit pattern", expected, shown(bits))
     return np.array([bit == "1" for bit in bits])
 

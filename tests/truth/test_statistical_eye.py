@@ -1,0 +1,172 @@
+"""Statistical eyes against bits that are added up one by one, equalisers against their definitions."""
+
+import itertools
+from math import erfc, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tline.errors import InputError
+from tline.scene.scene import Scene
+from tline.signal.all_patterns import best_ffe, statistical_eye
+from tline.signal.eye_diagram import FEEDBACK, prbs
+from tline.signal.pulse import FINE, PulseResponse, pulse_response
+
+T = 100e-12
+RC, LATE = 60e-12, 250e-12
+
+
+def exact_pulse(n=12, edge=20e-12):
+    """Of straight edges through an RC behind a delay, in closed form."""
+    t = np.arange(n * FINE) / FINE * T - LATE
+    ramp = lambda t: np.where(t > 0, t - RC * (1 - np.exp(-np.maximum(t, 0) / RC)), 0.0) / edge  # noqa: E731
+    u = ramp(t) - ramp(t - edge) - ramp(t - T) + ramp(t - T - edge)
+    return PulseResponse(T, u.reshape(n, FINE), 0.0, 0.0)
+
+
+def bits_at(pulse, bits, j):
+    """What is seen of each bit at an instant after its begin, in instants of the pulse."""
+    cursors = pulse.u.ravel()[j % FINE :: FINE]
+    return np.convolve(bits, cursors)[j // FINE :][: len(bits)]
+
+
+def test_a_scene_gives_the_pulse_of_its_closed_form():
+    """A matched line into a capacitor beside its matched end: RC of 25 ohm."""
+    scene = Scene(
+        medium="electrical", t_end=1, probes={"far": {"at": "far"}},
+        lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": LATE}},
+        sources={"s": {"at": "near", "kind": "voltage", "value": 0, "resistance": 50}},
+        loads={
+            "r": {"at": "far", "kind": "resistor", "resistance": 50},
+            "c": {"at": "far", "kind": "capacitor", "capacitance": RC / 25},
+        },
+    )  # fmt: skip
+    seen, exact = pulse_response(scene, "far", T, 20e-12, low=-0.5, high=1.5, tol=1e-8), exact_pulse()
+    assert np.abs(seen.u[:12] - exact.u).max() < 1e-6
+    assert seen.base == pytest.approx(-0.25, abs=1e-6)
+    assert abs(seen.missing) < 1e-6
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.03])
+def test_error_rates_are_those_of_bits_one_by_one(noise):
+    """A million bits at three instants: counts of 1e4 and more are good to four standard deviations, 4 %."""
+    rng, pulse = np.random.default_rng(3), exact_pulse()
+    bits = rng.integers(0, 2, 1_000_000)
+    seen = statistical_eye(pulse, 1e-2, noise=noise)
+    j0 = round(seen.instant / T * FINE)
+    for k in (-20, 0, 18):
+        u = bits_at(pulse, bits, j0 + k)[20:-20] + noise * rng.normal(size=len(bits) - 40)
+        sent = bits[20:-20] > 0
+        at = FINE // 2 + k
+        low = np.quantile(u[sent], 0.01)
+        assert seen.ones[at] == pytest.approx(low, abs=2e-3)  # a level is some 1e-3 wide
+        wrong = ((u > seen.threshold) != sent).mean()
+        if wrong > 1e-2:
+            assert seen.bathtub[at] == pytest.approx(wrong, rel=0.04)
+        else:
+            assert seen.bathtub[at] <= wrong + 4e-4
+
+
+def test_far_tails_are_those_of_all_patterns():
+    """16 cursors make 65,536 patterns, each with its normal tail: the error rate is their mean, down to 1e-12."""
+    rng = np.random.default_rng(5)
+    h = np.append(1.0, rng.uniform(-0.05, 0.05, 16))
+    pulse = PulseResponse(T, np.repeat(h[:, None], FINE, 1), 0.0, 0.0)
+    noise = 0.04
+    isi = np.array(list(itertools.product([-0.5, 0.5], repeat=16))) @ h[1:]
+    at = lambda v: np.mean([erfc((v + x) / noise / sqrt(2)) / 2 for x in isi])  # noqa: E731
+    seen = statistical_eye(pulse, 1e-12, noise=noise)
+    assert seen.bathtub[FINE // 2] == pytest.approx(at(0.5), rel=0.05)
+    q = (1.0 - seen.height) / 2  # exceeded with a probability of 1e-12
+    assert at(q + 2e-3) < 1e-12 < at(q - 2e-3)
+
+
+def test_without_noise_the_contour_is_that_of_the_worst_pattern():
+    """12 cursors: no pattern is rarer than 2^-12, so beyond that nothing happens (Lucky's peak distortion)."""
+    pulse = exact_pulse()
+    seen = statistical_eye(pulse, 1e-12)
+    j0 = round(seen.instant / T * FINE)
+    cursors = pulse.u.ravel()[j0 % FINE :: FINE]
+    worst = 2 * cursors[j0 // FINE] - np.abs(cursors).sum()
+    assert seen.height == pytest.approx(worst, abs=1e-3 * len(cursors))
+    assert seen.height <= worst
+
+
+def test_feedback_takes_its_cursors_away():
+    pulse = exact_pulse()
+    seen, plain = statistical_eye(pulse, dfe=2), statistical_eye(pulse)
+    j = round(seen.instant / T * FINE)
+    assert seen.dfe == pytest.approx([pulse.u.ravel()[j + FINE], pulse.u.ravel()[j + 2 * FINE]], rel=1e-12)
+    assert seen.height > plain.height + 0.5 * np.abs(seen.dfe).sum()
+
+
+def test_a_feed_forward_equaliser_sends_sums_of_bits():
+    """Bits through the filter, then through the channel."""
+    bits = np.random.default_rng(1).integers(0, 2, 500)
+    pulse, taps = exact_pulse(), [-0.1, 0.7, -0.2]
+    sent = np.convolve(bits, taps)[: len(bits)]
+    for j in (200, 300):
+        assert bits_at(pulse.with_ffe(taps), bits, j)[:-20] == pytest.approx(bits_at(pulse, sent, j)[:-20], abs=1e-12)
+
+
+def test_a_linear_equaliser_is_its_differential_equation():
+    """(g + s/z)/((1 + s/p)(1 + s/q)) by scipy's integrator, whose input is the pulse between its samples."""
+    pulse, (zero, one, two) = exact_pulse(), (1e9, 4e9, 10e9)
+    seen = pulse.with_ctle(-6, zero, one, two)
+    z, p, q, g = 2 * np.pi * zero, 2 * np.pi * one, 2 * np.pi * two, 10 ** (-6 / 20)
+    t, u = np.arange(12 * FINE) / FINE * T, pulse.u.ravel()
+
+    def rates(x, s):  # in units of T: x'' = p q (u - x) - (p + q) x'
+        return [s[1] * T, (p * q * (np.interp(x * T, t, u) - s[0]) - (p + q) * s[1]) * T]
+
+    found = solve_ivp(
+        rates, (0, 11.9), [0, 0], rtol=1e-9, atol=1e-9, max_step=1 / FINE, t_eval=np.arange(0, 11.9, 0.25)
+    )
+    exact = g * found.y[0] + found.y[1] / z
+    assert seen.u.ravel()[:: FINE // 4][: len(exact)] == pytest.approx(exact, abs=1e-5)
+
+
+@pytest.mark.parametrize("dfe", [0, 1])
+def test_no_taps_of_a_fine_grid_open_the_eye_wider(dfe):
+    pulse = exact_pulse()
+
+    def worst(taps):
+        flat = pulse.with_ffe(taps).u
+        main = flat.max(0).argmax()
+        best = -np.inf
+        for j in range(FINE):
+            cursors = flat[:, j]
+            k = int(cursors.argmax())
+            rest = np.delete(np.abs(cursors), slice(k, k + 1 + dfe))
+            best = max(best, cursors[k] - rest.sum())
+        return best, main
+
+    found = best_ffe(pulse, 1, 1, dfe=dfe)
+    assert np.abs(found).sum() == pytest.approx(1)
+    grid = [(a, 1 - abs(a) - abs(b), b) for a in np.arange(-0.3, 0.1, 0.02) for b in np.arange(-0.4, 0.1, 0.02)]
+    assert worst(found)[0] > max(worst(taps)[0] for taps in grid) - 5e-3  # between the instants that are tried
+
+
+@pytest.mark.parametrize("order", [7, 9, 11, 15])
+def test_a_pattern_has_each_run_of_bits_but_zeros_once(order):
+    bits = prbs(order)
+    runs = np.convolve(np.append(bits, bits[: order - 1]), 2 ** np.arange(order), "valid")
+    assert sorted(runs) == [*range(1, 2**order)]
+
+
+def test_long_patterns_repeat_their_polynomial():
+    for order, back in FEEDBACK.items():
+        bits = prbs(order, 2000)
+        assert (bits[order:] == bits[:-order] ^ bits[order - back : -back]).all()
+
+
+def test_what_is_refused():
+    with pytest.raises(InputError, match="order: no pseudo-random pattern"):
+        prbs(8)
+    with pytest.raises(InputError, match="ber: no error rate"):
+        statistical_eye(exact_pulse(), 0.7)
+    with pytest.raises(InputError, match="noise: out of range"):
+        statistical_eye(exact_pulse(), noise=-1.0)
+    with pytest.raises(InputError, match="ctle: not an equaliser"):
+        exact_pulse().with_ctle(0, 1e9)

@@ -1,0 +1,168 @@
+"""What one bit leaves at a probe of a linear channel, and filters at either end of it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.frequency.response import respond, source_named
+from tline.scene.medium import ELECTRICAL, MEDIA, Medium
+from tline.scene.scene import Scene
+from tline.signal.eye_diagram import edge_within
+from tline.solver.simulate import simulate
+from tline.units import to_si
+from tline.words.wording import nearest, shown
+
+FINE = 64  # instants in a bit
+BITS = 64, 128, 256, 512  # that the response may last; more while too much is missing
+MISSING = 1e-3  # of the largest value: what the sum of all cursors may differ from the gain at rest
+AT_REST = 1e-9  # of 1/period: s at which the gain at rest is taken
+
+
+@dataclass(frozen=True, eq=False)
+class PulseResponse:
+    """A probe's answer to a one among zeros, for a channel in which answers add up.
+
+    Attributes
+    ----------
+    period : float
+        Time of a bit, s.
+    u : ndarray, shape (n, 64)
+        Effort in each bit's time, from the begin of the one on, above that of zeros.
+    base : float
+        Effort where all bits are zeros.
+    missing : float
+        What all later cursors would add up to, by the gain at rest.
+    probe : str
+        Name of the probe.
+    medium : Medium
+        Words and units.
+    title : str
+        Of the scene.
+    """
+
+    period: float
+    u: NDArray
+    base: float
+    missing: float
+    probe: str = ""
+    medium: Medium = ELECTRICAL
+    title: str = ""
+
+    def with_ffe(self, taps: NDArray | list[float]) -> "PulseResponse":
+        """Behind a feed-forward equaliser at the sender, which sends each bit once for each tap, a bit apart.
+
+        Parameters
+        ----------
+        taps : array_like, shape (m,)
+            Factors of the bit itself, of the bit before, ...; a cursor in front of the main tap is one in front of it.
+
+        Examples
+        --------
+        >>> pulse = PulseResponse(1e-9, np.array([[1.0] * 64, [0.5] * 64]), 0.0, 0.0)
+        >>> pulse.with_ffe([1.0, -0.5]).u[:, 0]
+        array([ 1.  ,  0.  , -0.25])
+        """
+        c = np.atleast_1d(np.asarray(taps, float))
+        u = np.zeros((len(self.u) + len(c) - 1, FINE))
+        for k, tap in enumerate(c):
+            u[k : k + len(self.u)] += tap * self.u
+        return replace(self, u=u, base=self.base * float(c.sum()), missing=self.missing * float(c.sum()))
+
+    def with_ctle(self, gain: float, zero: float, *poles: float) -> "PulseResponse":
+        """Behind a continuous-time linear equaliser, (g + jf/fz)/((1 + jf/f1)(1 + jf/f2)).
+
+        Parameters
+        ----------
+        gain : float
+            g at rest, in dB.
+        zero : float
+            fz, Hz.
+        *poles : float
+            f1 and perhaps more, Hz, at least one.
+
+        References
+        ----------
+        IEEE Std 802.3, annex 93A, (93A-22).
+        """
+        from scipy.signal import ZerosPolesGain, lsim
+
+        g, w = 10 ** (gain / 20), 2 * np.pi * np.asarray(poles, float)
+        if not len(w) or not (w > 0).all() or not zero > 0:
+            raise InputError("ctle", "not an equaliser", "gain in dB, then a zero and poles above 0 Hz")
+        unit = FINE / self.period  # of time
+        w0 = 2 * np.pi * zero / unit
+        system = ZerosPolesGain([-g * w0], -w / unit, float(np.prod(w / unit)) / w0)
+        flat = np.append(self.u.ravel(), self.u[-1, -1])
+        _, u, _ = lsim(system.to_ss(), flat, np.arange(len(flat), dtype=float))
+        return replace(self, u=u[:-1].reshape(-1, FINE), base=self.base * g, missing=self.missing * g)
+
+
+def pulse_response(
+    scene: Scene,
+    probe: str,
+    period: float | str,
+    rise: float | str,
+    *,
+    source: str | None = None,
+    low: float | str = 0.0,
+    high: float | str = 1.0,
+    tol: float | None = None,
+    progress: bool = False,
+) -> PulseResponse:
+    """Send one bit through a linear scene, all other sources silent.
+
+    Parameters
+    ----------
+    scene : Scene
+    probe : str
+        Name of the probe.
+    period : float or str
+        Time of a bit, s.
+    rise : float or str
+        Time of a change from level to level, straight, which begins with the bit, s.
+    source : str, optional
+        Name of the source; not needed if there is one only.
+    low, high : float or str
+        Levels of a zero and a one, of the source's quantity.
+    tol : float, optional
+        Largest error of the probe, relative to its amplitude, instead of the scene's; 1e-6 where there is neither.
+    progress : bool
+        Show a progress bar on stderr if the run takes more than two seconds.
+
+    Raises
+    ------
+    InputError
+        There is no such probe or source, the rise takes longer than a bit, or the scene is not linear.
+
+    Examples
+    --------
+    >>> scene = Scene(
+    ...     medium="electrical", t_end=1, probes={"far": {"at": "far"}},
+    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "1.5 ns"}},
+    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 0, "resistance": 50}},
+    ...     loads={"r": {"at": "far", "kind": "resistor", "resistance": 50}},
+    ... )
+    >>> pulse_response(scene, "far", "1 ns", "0.25 ns").u[:4, 32].round(9)  # in the middle of each bit
+    array([0. , 0.5, 0. , 0. ])
+    """
+    if probe not in scene.probes:
+        raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
+    T, driver = to_si(period, "s", "period"), source_named(scene, source)
+    if not 0 < T < np.inf:
+        raise InputError("period", "not above zero", "a time", shown(period))
+    edge, table = edge_within(rise, T), scene.table()
+    zero, one = (to_si(level, None, name) for level, name in ((low, "low"), (high, "high")))
+    gain = float(respond(scene, np.array([AT_REST / T]), driver)[probe].u[0].real)  # refuses what is not linear
+    points = [[0.0, 0.0], [edge, one - zero], [T, one - zero], [T + edge, 0.0]]
+    for name, each in table["sources"].items():
+        each["value"] = {"shape": "piecewise linear", "points": points} if name == driver else 0.0
+    for n in BITS:
+        table |= {"t_end": n * T, "start": "rest", "probes": {probe: table["probes"][probe]}, "measures": {}}
+        seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
+        u = seen.at(T * np.arange(n * FINE) / FINE).u.reshape(n, FINE)
+        missing = gain * (one - zero) - float(u.sum(0).mean())
+        if abs(missing) <= MISSING * np.abs(u).max():
+            break
+    return PulseResponse(T, u, gain * zero, missing, probe, MEDIA[scene.medium], scene.title)
