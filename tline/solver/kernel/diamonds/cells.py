@@ -11,6 +11,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import copy, times
+from tline.solver.kernel.diamonds.friction import lost
 from tline.solver.kernel.diamonds.full import MIDDLE, flushed
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import FAR
@@ -53,7 +54,27 @@ def meet_in_cell(run, row, n, m, first, last):
             done &= invoke(run.units.rectangle, (run, row, wide, high)) == 1
             copy(work.a, work.parts[0, i])
             copy(work.b, work.parts[1, j])
+    attenuate(run, row, n, m, first, last)
     return done
+
+
+@function
+def attenuate(run, row, n, m, first, last):
+    """Put the share in the workspace that friction leaves of what lies between n parts of a, m of b, and their waves.
+
+    That is the slope of friction at the mean flow: without it what is faster than cells would ring on.
+    """
+    diamonds, work = run.network.diamonds, run.work.diamonds
+    k, weight, d = diamonds.cell[row], 1.0, diamonds.steady[row, 2] - diamonds.steady[row, 0]
+    for i in range(n):
+        d += (work.edges[0, i + 1] - work.edges[0, i]) / k * work.parts[2, i, 0]
+    for j in range(m):
+        d -= (work.edges[1, j + 1] - work.edges[1, j]) / k * work.parts[3, j, 0]
+    for at_end in (first, last):
+        if at_end:
+            weight += 0.5 + diamonds.over[row] / k
+    _, slope = lost(diamonds, row, d)
+    work.rest[0] = 1.0 / (1.0 + k * weight * slope)
 
 
 @function
@@ -178,7 +199,6 @@ def recall(run, row, o, a, b, ring, column):
     invoke(run.units.remember, (run, row, column))
     put_back(run, row, o, a, ring, 0, np.int64(1))
     put_back(run, row, o, b, ring, 1, np.int64(1))
-    run.work.diamonds.rest[0] = 1.0
 
 
 @unit

@@ -137,7 +137,6 @@ def recall_in_pieces(job, row, o, a, b, ring, column):
     invoke(job.run.units.remember, (job.run, row, column))
     put_back_wave(job, row, o, a, ring, 0, of_a, n)
     put_back_wave(job, row, o, b, ring, 1, of_b, m)
-    job.run.work.diamonds.rest[0] = 1.0
 
 
 @unit
