@@ -32,7 +32,8 @@ def operated_network(command: Command, network: "Scene | str", **given: Any) -> 
     **given
         Arguments of `tline.surge.operation.operate`.
     """
-    from tline.surge.operation import plan, read_network
+    from tline.surge.network import read_network
+    from tline.surge.operation import plan
 
     if isinstance(network, str):
         check_readable(network)

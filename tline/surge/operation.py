@@ -5,14 +5,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError, import_extra
-from tline.interchange.any_file import refuse_water
 from tline.interchange.water_controls import WaterControl
-from tline.interchange.water_scene import read_with_controls
 from tline.presentation import Presentation
-from tline.scene.file import EPANET, as_scene
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
@@ -25,6 +22,7 @@ from tline.surge.control import read_control, triggered
 from tline.surge.event import OPERATIONS, Event, read_event
 from tline.surge.file_controls import acting
 from tline.surge.group import each_of
+from tline.surge.network import Network, read_network
 from tline.surge.operate import operated
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
@@ -43,14 +41,6 @@ LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at it
 SMALL = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
-
-
-class Network(NamedTuple):
-    """A network that was read."""
-
-    scene: Scene
-    notes: tuple[str, ...] = ()  # on what is left out of its file
-    controls: tuple[WaterControl, ...] = ()  # of its file, that act within a run
 
 
 Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guessed for it
@@ -295,26 +285,6 @@ def operate(
     lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
     more = {"cavities": cavities, "until_settled": until_settled, "progress": progress}
     return carried_out(planned, (*read, *guesses), lines, budget, **more)
-
-
-def read_network(
-    network: Network | Scene | str | Path | Mapping[str, Any],
-    *,
-    wave_speed: float | str | None = None,
-    material: str | None = None,
-    hour: float | None = None,
-    moving_tanks: bool = False,
-) -> Network:
-    """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`."""
-    water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
-    if isinstance(network, str | Path):
-        suffix = Path(network).suffix.lower()
-        if suffix in EPANET:
-            return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks))
-        if suffix != ".toml":
-            raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
-    refuse_water(water)
-    return network if isinstance(network, Network) else Network(as_scene(network))
 
 
 def plan(

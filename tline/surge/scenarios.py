@@ -23,7 +23,8 @@ from tline.scene.text_file import read_toml
 from tline.scene.valve import Orifice
 from tline.surge.event import FLOWING, OPERATIONS, TURNED, read_event
 from tline.surge.group import matching
-from tline.surge.operation import Network, Operation, operate, read_network
+from tline.surge.network import Network, read_network
+from tline.surge.operation import Operation, operate
 from tline.words.wording import nearest, shown
 
 READING = "wave_speed", "material", "hour", "moving_tanks"  # arguments of `read_network`
