@@ -22,6 +22,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from passivity.floats.system import Band, FloatSystem, Samples
 from passivity.status import Kind
@@ -56,7 +57,7 @@ def crossings(system: FloatSystem, level: float) -> list[Crossing]:
     return sorted(Crossing(float(w), float(x)) for w, x in zip(s.imag[known], error[known], strict=True))
 
 
-def _eigenpairs(p: np.ndarray, e: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _eigenpairs(p: NDArray, e: NDArray, n: int) -> tuple[NDArray[np.complex128], NDArray, NDArray]:
     """Finite s, and left and right vectors as columns, with P(s) singular; of n rows where R^-1 is harmless.
 
     e = [[J, 0], [0, 0]] with J^-1 = -J, so P(s) (x, u) = 0 is s x = J (P11 - P12 R^-1 P21) x and u = -R^-1 P21 x.

@@ -31,8 +31,9 @@ Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far b
 @lru_cache(maxsize=8)
 def verdict_of(model: PoleResidueModel | MatrixModel) -> Verdict:
     """Exact: of the function, of the matrix up to FEW ports and MANY poles, else of a state space."""
-    few = isinstance(model, PoleResidueModel) or (len(model.constant) <= FEW and model.order <= MANY)
-    if few or np.any(model.proportional):
+    if isinstance(model, PoleResidueModel) or np.any(model.proportional):
+        return check(model.rational(), model.parameter.kind)
+    if len(model.constant) <= FEW and model.order <= MANY:
         return check(model.rational(), model.parameter.kind)
     system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
     return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)

@@ -160,7 +160,7 @@ def statistical_eye(
     best = peak - FINE + _middle_of_the_widest(opening)
     taps = _cursors(flat, best)[1][:dfe]
     density = _Density(flat, density.others, taps, spread)
-    around = np.arange(best - FINE // 2, best + FINE // 2 + 1)
+    around = range(best - FINE // 2, best + FINE // 2 + 1)
     middles = pulse.base + np.array([density.middle(j) for j in around])
     halves = np.array([density.opening(j, rate) for j in around]) / 2
     threshold = float(middles[FINE // 2])

@@ -115,10 +115,10 @@ def prbs(order: int, length: int | None = None) -> NDArray:
     if order not in FEEDBACK:
         raise InputError("order", "no pseudo-random pattern", ", ".join(map(str, FEEDBACK)), shown(order))
     bits, back = [True] * order, FEEDBACK[order]
-    length = 2**order - 1 if length is None else length
-    while len(bits) < length:
+    wanted = 2**order - 1 if length is None else length
+    while len(bits) < wanted:
         bits.append(bits[-order] ^ bits[-back])
-    return np.array(bits[:length])
+    return np.array(bits[:wanted])
 
 
 def prbs7() -> NDArray:

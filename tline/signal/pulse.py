@@ -158,6 +158,7 @@ def pulse_response(
     points = [[0.0, 0.0], [edge, one - zero], [T, one - zero], [T + edge, 0.0]]
     for name, each in table["sources"].items():
         each["value"] = {"shape": "piecewise linear", "points": points} if name == driver else 0.0
+    u, missing = np.empty((0, FINE)), 0.0
     for n in BITS:
         table |= {"t_end": n * T, "start": "rest", "probes": {probe: table["probes"][probe]}, "measures": {}}
         seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]

@@ -211,7 +211,8 @@ class Plan(Pair):
         known = description if description.origin is None else description.origin.description
         if known is not self.description or description.active or not self.orders[1].smooth:
             return False
-        base, changed = self._base, {}
+        base: list[Group] = self._base
+        changed: dict[int, Group] = {}
         for g in {self._number[name] for name in description.anew}:
             nodes = [description.anew.get(node.name, node) for node in base[g].nodes]
             changed[g] = Group(nodes, base[g].branches, [], [])
