@@ -65,7 +65,7 @@ def _eigenpairs(p: NDArray, e: NDArray, n: int) -> tuple[NDArray[np.complex128],
     from scipy.linalg import eig
 
     j, r = e[:n, :n], p[n:, n:]
-    if np.linalg.cond(r) * np.linalg.norm(p) < WELL * np.linalg.norm(r):
+    if np.any(r) and np.linalg.cond(r) * np.linalg.norm(p) < WELL * np.linalg.norm(r):
         below, beside = np.linalg.solve(r, p[n:, :n]), np.linalg.solve(r.T, p[:n, n:].T)
         pairs: Any = eig(j @ (p[:n, :n] - p[:n, n:] @ below), left=True, right=True)
         s, left, right = pairs

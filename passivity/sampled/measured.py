@@ -23,10 +23,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError
 from passivity.exact.verdict import Verdict
+from passivity.floats.axis import AxisAnalysis
 from passivity.rational.state_space import MAX_STATES
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
-from passivity.sampled.extremes import FEW, bands_of, verdict_of, worst_of
+from passivity.sampled.extremes import FEW, bands_of, seen, verdict_of, worst_of
 from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
 from passivity.sampled.model import MatrixModel, PoleResidueModel
 from passivity.sampled.response import Parameter, SampledResponse
@@ -84,6 +85,11 @@ class DelayedModel:
     def error(self) -> float:
         """Largest |dS| of an entry at the samples."""
         return float(self.distance.max())
+
+    @property
+    def seen(self) -> AxisAnalysis:
+        """The worst value over all frequencies, and bands beyond the bound, in floating point."""
+        return seen(self.model)
 
     @property
     def cost(self) -> float:

@@ -145,7 +145,7 @@ def pulse_response(
     ...     loads={"r": {"at": "far", "kind": "resistor", "resistance": 50}},
     ... )
     >>> pulse_response(scene, "far", "1 ns", "0.25 ns").u[:4, 32].round(9)  # in the middle of each bit
-    array([0. , 0.5, 0. , 0. ])
+    array([0. , 0. , 0.5, 0. ])
     """
     if probe not in scene.probes:
         raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))

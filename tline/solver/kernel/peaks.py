@@ -8,7 +8,8 @@ from tline.compiled.structure import Floats, Floats2, Floats3
 from tline.compiled.unit import function, unit
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
-SAME = 1e-12  # what is larger by less, relatively, is the same extreme
+ROUNDED = 1e-12  # of a value: what may be missed
+SAME = 1e-9  # what differs by less, relatively, is the same extreme: the first counts
 
 
 class ExtremesOfCopies(NamedTuple):
@@ -57,11 +58,11 @@ def find_extremes(search: ExtremesOfCopies) -> int:
             for slab in range(1, whole):
                 if top[side, slab, c] > top[side, first, c]:
                     first = slab
-            best, best_at, margin = 0.0, 0.0, 0.0
+            best, best_at, margin, at = 0.0, 0.0, 0.0, -1
             for k in range(-1, min(whole + 1, slabs)):
                 slab = first if k < 0 else k
-                rise = min(margin, top[0, slab, c] + top[1, slab, c])
-                if k == first or (k >= 0 and top[side, slab, c] + rise <= best + SAME * abs(best)):
+                reach = top[side, slab, c] + min(margin, top[0, slab, c] + top[1, slab, c])
+                if k == first or (k >= 0 and reach <= (1.0 + ROUNDED if slab > at else 1.0 - SAME) * best):
                     continue
                 begin = edges[slab % parts, c]
                 width = edges[slab % parts + 1, c] - begin
@@ -69,8 +70,9 @@ def find_extremes(search: ExtremesOfCopies) -> int:
                 value, x, bend = peak(wave[slab], c, sign, furthest, points, search.to_powers, search.coef)
                 if k < 0:
                     margin = bend * gap**2 / 4.0
-                if value > best:
-                    best, best_at = value, (slab // parts + begin + x * width) * search.period[c]
+                if value > (1.0 + SAME) * best or (slab < at and value >= (1.0 - SAME) * best):
+                    best_at, at = (slab // parts + begin + x * width) * search.period[c], slab
+                best = max(best, value)
             found[2 * side, c], found[2 * side + 1, c] = sign * best, best_at
     return 0
 
