@@ -86,9 +86,9 @@ class DelayedModel:
         """Largest |dS| of an entry at the samples."""
         return float(self.distance.max())
 
-    @property
+    @cached_property
     def seen(self) -> AxisAnalysis:
-        """The worst value over all frequencies, and bands beyond the bound, in floating point."""
+        """Largest singular value of S' of several ports over all frequencies, and bands beyond 1, in floating point."""
         return seen(self.model)
 
     @property
