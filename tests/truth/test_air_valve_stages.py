@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matched_sine import MatchedSine
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -16,27 +17,14 @@ import tline as tl
 
 Z0, DELAY, OUTSIDE, T_END = 2e6, 0.1, 101_325.0, 2.5
 HEAD, SWING, RATE = 3e4, 5e4, 0.5
+LINE = MatchedSine(Z0, DELAY, HEAD, SWING, RATE, T_END)
 INLET, OUTLET, SMALL, SWITCH = 0.05, 0.03, 0.01, 300.0
 EARLY = 1e-5  # s after the instant at which it opens, from where the flow is proportional to the time
 
 
 def scene(**more) -> tl.Scene:
-    swing = {"shape": "sine", "offset": HEAD, "amplitude": SWING, "frequency": RATE}
-    valve = {"at": "b", "kind": "air valve", "inlet_diameter": INLET, "outlet_diameter": OUTLET} | more
-    return tl.Scene(
-        medium="hydraulic",
-        t_end=T_END,
-        start="steady",
-        lines={"pipe": {"nodes": ["a", "b"], "z0": Z0, "delay": DELAY}},
-        sources={"s": {"at": "a", "kind": "pressure", "value": swing, "resistance": Z0}},
-        loads={"valve": valve},
-        probes={"b": {"at": "b"}},
-        solver={"order": 4, "slab": 2.5e-4},
-    )
-
-
-def wave(t: float) -> float:
-    return HEAD + SWING * np.sin(2 * pi * RATE * (t - DELAY)) if t > DELAY else HEAD
+    valve = {"kind": "air valve", "inlet_diameter": INLET, "outlet_diameter": OUTLET} | more
+    return LINE.scene({"valve": valve}, order=4, slab=2.5e-4)
 
 
 def area(diameter: float) -> float:
@@ -56,11 +44,11 @@ def leaving(e: float, outlet: float, small: float, switch: float) -> float:
 
 def by_hand(outlet, small, switch, t_end):
     """Gauge pressure over time, and when the valve opens and is shut again; states are V and p/p_outside - 1."""
-    opens: Any = brentq(wave, DELAY + 0.5 / RATE, DELAY + 0.75 / RATE, xtol=1e-15)
+    opens: Any = brentq(LINE.wave, DELAY + 0.5 / RATE, DELAY + 0.75 / RATE, xtol=1e-15)
     start = opens + EARLY
 
     def flow(t, e):
-        return (wave(t) - OUTSIDE * e) / Z0
+        return (LINE.wave(t) - OUTSIDE * e) / Z0
 
     least: Any = brentq(lambda e: (1 + e) * flow(start, e) - leaving(e, outlet, small, switch), -0.5, 0, xtol=1e-20)
 
@@ -78,7 +66,7 @@ def by_hand(outlet, small, switch, t_end):
     until = done.t[-1] if done.status == 1 else np.inf
 
     def pressure(t):
-        return OUTSIDE * done.sol(t)[1] if start <= t <= min(until, t_end) else wave(t)
+        return OUTSIDE * done.sol(t)[1] if start <= t <= min(until, t_end) else LINE.wave(t)
 
     return pressure, [opens, until]
 

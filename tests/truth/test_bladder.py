@@ -4,38 +4,25 @@ The other end is matched, so what arrives is what the source sent a delay ago: V
 p V^n constant, up to the vessel's volume; there nothing flows until the wave exceeds the pressure of the gas.
 """
 
-from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
 from energy import never_grows
+from matched_sine import MatchedSine
 from scipy.integrate import solve_ivp
 
 import tline as tl
 from tline.surge.worst import EMPTIES, worst
 
 Z0, DELAY, HEAD, SWING, RATE, T_END = 2e7, 0.1, 3e5, 2e5, 0.5, 4.0
+LINE = MatchedSine(Z0, DELAY, HEAD, -SWING, RATE, T_END)
 GAS, TOTAL, N, OUTSIDE = 0.02, 0.022, 1.2, 101_325.0
 
 
 def scene(**more) -> tl.Scene:
-    swing = {"shape": "sine", "offset": HEAD, "amplitude": -SWING, "frequency": RATE}
     vessel = {"kind": "air vessel", "gas_volume": GAS, "gas_pressure": HEAD, "total_volume": TOTAL, "bladder": True}
-    return tl.Scene(
-        medium="hydraulic",
-        t_end=T_END,
-        start="steady",
-        lines={"pipe": {"nodes": ["a", "b"], "z0": Z0, "delay": DELAY}},
-        sources={"s": {"at": "a", "kind": "pressure", "value": swing, "resistance": Z0}},
-        loads={"vessel": {"at": "b"} | vessel | more},
-        probes={"b": {"at": "b"}},
-        solver={"order": 4, "slab": 1e-3},
-    )
-
-
-def wave(t: float) -> float:
-    return HEAD - SWING * np.sin(2 * pi * RATE * (t - DELAY)) if t > DELAY else HEAD
+    return LINE.scene({"vessel": vessel | more}, order=4, slab=1e-3)
 
 
 def gauge(volume: float) -> float:
@@ -49,12 +36,12 @@ def by_hand():
         moves = not shut
 
         def event(s, y, moves=moves):
-            return y[0] - TOTAL if moves else wave(s) - gauge(TOTAL)
+            return y[0] - TOTAL if moves else LINE.wave(s) - gauge(TOTAL)
 
         ends: Any = event
         ends.terminal, ends.direction = True, 1
         done = solve_ivp(
-            lambda s, y, moves=moves: [-moves * (wave(s) - gauge(y[0])) / Z0],
+            lambda s, y, moves=moves: [-moves * (LINE.wave(s) - gauge(y[0])) / Z0],
             (t, DELAY if t < DELAY else T_END), [volume], "DOP853",
             rtol=1e-12, atol=1e-15, dense_output=True, events=ends, max_step=0.01,
         )  # fmt: skip
@@ -76,7 +63,7 @@ def test_it_is_its_differential_equation():
     volume = np.array([exact(s) for s in t])
     assert np.interp(t, gas.t, gas.values) == pytest.approx(volume, abs=1e-6 * GAS)
     opened = np.searchsorted(met, t) % 2 == 0
-    pressure = [gauge(v) if free else wave(s) for s, v, free in zip(t, volume, opened, strict=True)]
+    pressure = [gauge(v) if free else LINE.wave(s) for s, v, free in zip(t, volume, opened, strict=True)]
     assert result.probes["b"].at(t).u == pytest.approx(np.array(pressure), abs=1e-6 * (HEAD + SWING))
     assert worst(result).untold != EMPTIES
 

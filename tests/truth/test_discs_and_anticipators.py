@@ -3,10 +3,11 @@
 The source is matched, so what arrives is what it sent a delay ago: u = w - z0 i with i = K x sqrt(u) has one root.
 """
 
-from math import pi, sqrt
+from math import sqrt
 
 import numpy as np
 import pytest
+from matched_sine import MatchedSine
 from scipy.optimize import brentq
 
 import tline as tl
@@ -15,26 +16,18 @@ Z0, DELAY, HEAD, SWING, RATE, T_END = 2e6, 0.1, 5e5, 2e5, 0.25, 5.0
 CAPACITY = 0.05 / sqrt(5e5)
 
 
+def line(sign: float) -> MatchedSine:
+    return MatchedSine(Z0, DELAY, HEAD, sign * SWING, RATE, T_END)
+
+
 def scene(sign: float) -> tl.Scene:
-    swing = {"shape": "sine", "offset": HEAD, "amplitude": sign * SWING, "frequency": RATE}
-    outlet = {"at": "b", "kind": "orifice", "flow": 0.05, "pressure_drop": 5e5, "opening": 0}
-    return tl.Scene(
-        medium="hydraulic",
-        t_end=T_END,
-        start="steady",
-        lines={"pipe": {"nodes": ["a", "b"], "z0": Z0, "delay": DELAY}},
-        sources={"s": {"at": "a", "kind": "pressure", "value": swing, "resistance": Z0}},
-        loads={"outlet": outlet},
-        probes={"b": {"at": "b"}},
-    )
+    outlet = {"kind": "orifice", "flow": 0.05, "pressure_drop": 5e5, "opening": 0}
+    return line(sign).scene({"outlet": outlet})
 
 
 def expected(t, sign, reached, opening):
     """Pressure at the end, and the instant at which it is reached."""
-
-    def wave(t):
-        return HEAD + sign * SWING * np.sin(2 * pi * RATE * (t - DELAY)) if t > DELAY else HEAD
-
+    wave = line(sign).wave
     opens = brentq(lambda t: wave(t) - reached, DELAY, DELAY + 0.25 / RATE, xtol=1e-15)
 
     def pressure(t):
