@@ -6,6 +6,7 @@ from math import erfc, sqrt
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.stats import norm
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
@@ -170,3 +171,11 @@ def test_what_is_refused():
         statistical_eye(exact_pulse(), noise=-1.0)
     with pytest.raises(InputError, match="ctle: not an equaliser"):
         exact_pulse().with_ctle(0, 1e9)
+
+
+def test_the_width_is_where_the_error_rate_is_reached():
+    """A triangle alone, in noise: ones are wrong with Q((u - 1/2)/sigma), zeros next to never."""
+    noise, ber = 0.05, 1e-3
+    pulse = PulseResponse(1e-9, 1 - np.abs(np.arange(-32, 32)[None] / 32), 0.0, 0.0)
+    level = 0.5 + noise * norm.isf(2 * ber)
+    assert statistical_eye(pulse, ber, noise=noise).width == pytest.approx((1 - level) * 1e-9, abs=0.1e-9 / 64)

@@ -308,10 +308,16 @@ def _jittered(rates: NDArray, spread: float) -> NDArray:
 
 
 def _span(rates: NDArray, ber: float) -> float:
-    """Instants around the middle for which rates are at most so large."""
-    middle = len(rates) // 2
+    """Instants around the middle for which rates are at most so large; their logarithm is straight between two."""
+    middle, logs = len(rates) // 2, np.log(np.maximum(rates, SMALLEST))
     if rates[middle] > ber:
         return 0.0
-    high = np.flatnonzero(rates > ber)
-    first, last = high[high < middle].max(initial=0), high[high > middle].min(initial=len(rates) - 1)
-    return float(last - first)
+    span = 0.0
+    for side in (logs[middle::-1], logs[middle:]):
+        above = np.flatnonzero(side > np.log(ber))
+        if not len(above):
+            span += len(side) - 1
+            continue
+        low, high = side[above[0] - 1 : above[0] + 1]
+        span += above[0] - 1 + (np.log(ber) - low) / (high - low)
+    return float(span)
