@@ -30,10 +30,10 @@ COMMANDS = {
     "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),
     "sweep": ("tline.cli.sweep:sweep", "A scene in many runs with other values: grids, tolerances of parts, clusters."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
-    "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
-    "eye": ("tline.cli.eye:eye", "Eye diagram of a bit pattern at a probe."),
+    "tdr": ("tline.cli.signal:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
+    "eye": ("tline.cli.signal:eye", "Eye diagram of a bit pattern at a probe."),
     "crosstalk": (
-        "tline.cli.crosstalk:crosstalk",
+        "tline.cli.signal:crosstalk",
         "Near- and far-end crosstalk of coupled conductors.",
     ),
     "passivity": (

@@ -9,7 +9,6 @@ import click
 from tline.errors import ActiveError, InputError, SceneError
 
 PICTURE, CSV = (".png", ".svg", ".pdf"), (".csv",)
-confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
@@ -21,7 +20,7 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
         if file is None:
             continue
         if suffixes and Path(file).suffix.lower() not in suffixes:
-            raise InputError(option, "unknown kind of file", " or ".join(suffixes), f"'{file}'")
+            raise InputError(option, "unknown kind of file", " or ".join(suffixes[:3]), f"'{file}'")
         other = seen.setdefault(Path(file).resolve(), option)
         if other != option:
             raise InputError(option, f"would overwrite what {other} writes", "another file", f"'{file}'")
