@@ -44,6 +44,14 @@ def write_text(text: str, file: str) -> None:
         temporary.write_text(text, encoding="utf-8")
 
 
+def make_folder(path: str, where: str = "") -> None:
+    """Make a folder, if it is missing."""
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(where or path, "cannot be made", "a folder", (error.strerror or str(error)).lower()) from None
+
+
 def check_readable(file: str) -> None:
     """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name."""
     from tline.scene.text_file import check_ordinary
