@@ -2,16 +2,13 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from tline.cli.from_signature import command
 from tline.cli.options import hours, print_or_write
 from tline.errors import InputError
-
-if TYPE_CHECKING:
-    from tline.scene.scene import Scene
 
 READ = "tline.interchange.water_scene:read_inp"
 
@@ -56,7 +53,7 @@ Examples:
   tline export cable.toml --rise "1 ps" | head
 """
 )
-def export(scene: "Scene", *, output: str | None = None, rise: str | None = None) -> None:
+def export(scene: str, *, output: str | None = None, rise: str | None = None, confined: bool = False) -> None:
     """Turn an electrical scene into a SPICE netlist.
 
     Lines become T elements, sources V or I with their resistors, loads R, L and C, probes .save, all values exact. What
@@ -69,6 +66,7 @@ def export(scene: "Scene", *, output: str | None = None, rise: str | None = None
     rise : TIME
         What a jump takes in the netlist, such as '1 ps': SPICE has no jumps.
     """
+    from tline.interchange.any_file import read
     from tline.interchange.netlist_text import spice_text
     from tline.units import to_si
 
@@ -77,7 +75,7 @@ def export(scene: "Scene", *, output: str | None = None, rise: str | None = None
     seconds = None if rise is None else to_si(rise, "s", "--rise")
     if seconds is not None and not seconds > 0:
         raise InputError("--rise", "not above zero", "a time such as '1 ps'", rise or "")
-    print_or_write(spice_text(scene, seconds), output)
+    print_or_write(spice_text(read(scene, confined=confined), seconds), output)
 
 
 @command(

@@ -7,7 +7,8 @@ from tline.errors import InputError
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
-    from tline.signal import Crosstalk, Eye, Mask, PulseResponse, Reflections
+    from tline.signal import Eye, Mask, PulseResponse, Reflections
+    from tline.signal.crosstalk import Crosstalk
 
 REFLECTIONS = {
     "csv": table("Time, incident and reflected wave per step, impedance"),

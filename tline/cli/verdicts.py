@@ -224,8 +224,9 @@ def samples(file: str, asked: Asked) -> Output:
     lines = in_lines(verdict, enforced)
 
     def save(path: str) -> None:
-        touchstone = enforced is not None and not path.lower().endswith(".json")
-        write_text(enforced.response.touchstone() if touchstone else json.dumps(told["model"], indent=2) + "\n", path)
+        if enforced is not None:
+            model = path.lower().endswith(".json")
+            write_text(json.dumps(told["model"], indent=2) + "\n" if model else enforced.response.touchstone(), path)
 
     plot = drawn("passivity.sampled.report:draw_samples", verdict, enforced)
     return answer(verdict.status if enforced is None else enforced.status, lines, told, plot=plot, nearest=save)
