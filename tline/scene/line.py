@@ -18,14 +18,13 @@ from tline.line.relations import listed
 from tline.line.walls import WALLS
 from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.loss.losses import Losses
-from tline.scene.attenuation import Attenuation
+from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
-from tline.scene.cable_types import TYPES, cable_type
-from tline.scene.cavities import Cavities
 from tline.scene.element import Element, Name, two_nodes
 from tline.scene.friction import AnyFriction
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
+from tline.scene.vessel import Cavities
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
-from tline.scene.points import read_table
 from tline.scene.quantity import Quantity
+from tline.scene.waveform import read_table
 
 OPERATIONS = {
     "trip": "PUMP@TIME",

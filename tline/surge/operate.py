@@ -15,8 +15,7 @@ from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
 from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
-from tline.scene.travel import open_loss
-from tline.scene.valve import CheckValve, Orifice
+from tline.scene.valve import CheckValve, Orifice, open_loss
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
 from tline.solver.steady.steady_state import above_level

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss.losses import Losses
-from tline.scene.cavities import with_cavities
 from tline.scene.scene import Scene
+from tline.scene.vessel import with_cavities
 from tline.words.wording import place
 
 
