@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.interchange.diode import NOMINAL
-from tline.interchange.spice_shape import spice_waveform
+from tline.interchange.elements import NOMINAL
+from tline.interchange.spice_source import spice_waveform
 from tline.scene.characteristic import Diode
 from tline.scene.load import Link, Matched, NoFlow, Resistor, Short
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Multiport, Transformer

@@ -11,13 +11,12 @@ from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
 from tline.line.electrical import in_air
-from tline.line.fluids import FLUIDS
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
+from tline.line.materials import FLUIDS, WALLS
 from tline.line.parameters import LineQuantity
 from tline.line.relations import listed
-from tline.line.walls import WALLS
 from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_voigt_wall
-from tline.loss.losses import Losses
+from tline.loss.line import Losses
 from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
 from tline.scene.element import Element, Name, two_nodes

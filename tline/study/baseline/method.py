@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.loss.losses import Losses
+from tline.loss.line import Losses
 from tline.scene.scene import Scene
 from tline.scene.vessel import with_cavities
 from tline.words.wording import place

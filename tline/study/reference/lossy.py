@@ -13,7 +13,7 @@ from flint import acb, arb, ctx
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.loss.arithmetic import BALLS
+from tline.loss.law import BALLS
 from tline.loss.line import LossyLine
 from tline.scene.load import NoFlow, Resistor
 from tline.scene.refuse import refuse_cavities, refuse_heights
