@@ -23,7 +23,7 @@ from tline.scene.waveform import (
 )
 from tline.solver.description.excitation import EDGE, just_before
 from tline.solver.radau import basis, gauss
-from tline.study.baseline.pointwise import projected
+from tline.study.baseline.explicit import projected
 
 ROUNDING = 1e-14  # of a level of size 1; a handful of operations
 

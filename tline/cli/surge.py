@@ -32,7 +32,7 @@ def operated_network(command: Command, network: "Scene | str", **given: Any) -> 
     **given
         Arguments of `tline.surge.operation.operate`.
     """
-    from tline.surge.network import read_network
+    from tline.surge.operate import read_network
     from tline.surge.operation import plan
 
     if isinstance(network, str):
