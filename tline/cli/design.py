@@ -47,7 +47,8 @@ def design() -> None:
 
 def _search(function: Callable[..., Output]) -> Command:
     """A search of `tline.design` as a command."""
-    sources = f"tline.design.{function.__name__}:{function.__name__}", OPERATE
+    name = function.__name__
+    sources = f"tline.design.{'closure' if name == 'closure' else 'protection'}:{name}", OPERATE
     omit = ("at", "order", "rating", "record", "network", "seconds")
     length = click.Option(
         ["--for", "t_end"], metavar="TIME", help="How long to run; 60 s, or as long as a scene says, if not given."

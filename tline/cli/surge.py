@@ -29,7 +29,7 @@ def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tupl
     **given
         Arguments of `tline.surge.operation.operate`.
     """
-    from tline.surge.network import read_network
+    from tline.surge.operate import read_network
     from tline.surge.operation import plan
 
     if isinstance(network, str):

@@ -20,9 +20,8 @@ from tline.scene.medium import readable
 from tline.solver.result.atomic import replacing, write_table
 from tline.surge.scenarios import AS_READ, Plan, Scenario, read_plan
 from tline.surge.worst import extremes
-from tline.sweeps.batches import Batch
 from tline.sweeps.design import whole
-from tline.sweeps.executors import NoWorkers, Queue, on_executor, on_processes, workers_of
+from tline.sweeps.executors import Batch, NoWorkers, Queue, on_executor, on_processes, workers_of
 from tline.sweeps.runs import MOST_WORKERS
 from tline.words.aligned import aligned
 from tline.words.progress import Progress

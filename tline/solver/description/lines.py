@@ -4,7 +4,7 @@ from math import exp
 from typing import NamedTuple
 
 from tline.loss import ConstantLoss
-from tline.loss.losses import Losses
+from tline.loss.line import Losses
 from tline.solver.description.given import Scene
 
 
