@@ -13,6 +13,7 @@ bound of the argument; what is 0/0 everywhere has no value.
 
 import json
 import sys
+from bisect import bisect_left
 from decimal import MAX_EMAX, MIN_EMIN, Context
 from fractions import Fraction
 from itertools import pairwise, zip_longest
@@ -23,6 +24,8 @@ FORMAT, LARGEST = "passivity proof 1", 4000  # terms of a polynomial, arguments 
 DECIMAL = Context(prec=100, Emax=MAX_EMAX, Emin=MIN_EMIN)
 ZERO, ONE, UNITY = Fraction(0), Fraction(1), {(): 1}
 RIGHT, UNIT = ("disc", ZERO, inf), ("disc", -ONE, ONE)
+STEPS = 64  # of a right angle; sin(90 t degrees) >= t (3 - t^2)/2 for t from 0 to 1, here times 2 STEPS^3
+SINES = [k * (3 * STEPS**2 - k * k) for k in range(STEPS + 1)]
 
 
 def need(condition, what):
@@ -62,7 +65,9 @@ def disc(fact):
 
 def turn(fact):
     """The bound of the argument that a fact tells of, None if there is none; 0 everywhere has any."""
-    return fact[1] if fact[0] == "arg" else None if fact[1] < 0 else Fraction(int(fact[0] == "disc"))
+    if fact[0] != "disc" or fact[1] <= 0 or fact[2] == inf:
+        return fact[1] if fact[0] == "arg" else None if fact[1] < 0 else Fraction(int(fact[0] == "disc"))
+    return Fraction(bisect_left(SINES, 2 * STEPS**3 * (fact[2] - fact[1]) / (fact[2] + fact[1])), STEPS)
 
 
 def implies(fact, goal):
@@ -262,6 +267,13 @@ class Graph:
         need(Fraction(c) > 0 and same and total == self.powers(n), "not its root")
         return [("arg", turn(fact) / 2)] if turn(fact) is not None and turn(fact) <= 2 else []
 
+    def rule_geometric(self, n, known, data):
+        """Re sqrt(c w_1 w_2) >= sqrt(c Re w_1 Re w_2), for half the sum of two angles has the larger cosine."""
+        (name, ((c, x),)), (low, least) = self.nodes[n], ((disc(fact) or (-inf,))[0] for _, fact in known)
+        twice = added(self.powers(known[0][0]), self.powers(known[1][0]))
+        need(name == "sqrt" and c > 0 and min(low, least) >= 0 and twice == self.powers(x), "not their mean")
+        return [("disc", image(name, c * low * least)[0], inf)]
+
     def rule_mean(self, n, known, data):
         """log(1 + X)/X and (1 - exp(-X))/X, means over t from 0 to 1 of 1/(1 + tX) and of exp(-tX), for X = c w_1."""
         ((m, fact),), c = known, Fraction(data)
@@ -294,9 +306,15 @@ class Graph:
     def rule_rational(self, n, known, data):
         """Chen and Smith: u/v is positive real if Re u conj v >= 0 for all jw, and u + v has its roots in Re s < 0."""
         fact, pair = read_fact(data["fact"]), self.fraction(ONE, n)
-        need(all(m >= 0 and self.nodes[m][0] == "s" for f in pair for key in f for m, _ in key), "not rational in s")
-        powers = [{key[0][1] if key else 0: Fraction(x) for key, x in f.items()} for f in pair]
-        p, q = ([f.get(k, ZERO) for k in range(max(f, default=-1) + 1)] for f in powers)
+        atoms, unit = {m for f in pair for key in f for m, _ in key}, Fraction(data.get("unit", -1))
+        fits = len(atoms) < 2 and all(m >= 0 and self.nodes[m][0] == "s" for m in atoms)
+        if known:  # a function of t = tanh(c w_1/2), of which Re t >= 0
+            fits = unit > 0 and implies(known[0][1], RIGHT) and atoms <= {~known[0][0]}
+        powers = [{-key[0][1] / unit if key else ZERO: Fraction(x) for key, x in f.items()} for f in pair]
+        least, most = (end(0, *powers[0], *powers[1]) for end in (min, max))
+        need(fits and all(k.denominator == 1 for f in powers for k in f), "not rational in s, or in exp(-c w_1)")
+        lists = [[f.get(least + k, ZERO) for k in range(int(most - least) + 1)] for f in powers]
+        p, q = (composed(f, [ONE, -ONE], [ONE, ONE]) if known else combined(f, [], ZERO) for f in lists)
         choices = [(p, q)] if fact == ("arg", 1) else [(p, [ZERO, *q]), ([ZERO, *p], q)] if fact == ("arg", 2) else []
         if fact[0] == "disc" and fact[1] < fact[2]:  # w - low, high - w, or their quotient
             up = combined(p, q, -fact[1]) if fact[1] > -inf else q

@@ -6,8 +6,8 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from passivity.budget import VERDICT, UndecidedError, budget, spend
-from passivity.calculus.graph import POSITIVE_REAL, ZERO, Fact, Graph, Value
-from passivity.calculus.leaf import rational_facts
+from passivity.calculus.graph import POSITIVE_REAL, UNIT, ZERO, Fact, Graph, Value
+from passivity.calculus.leaf import Waves, rational_facts
 from passivity.calculus.rewrite import Line, lines, merged, rewritings
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
@@ -48,6 +48,7 @@ class Prover:
         self.known: dict[int, list[int]] = {}
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
+        self.waves: Waves | None = None
 
     def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
         """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
@@ -57,6 +58,8 @@ class Prover:
                 self.rewritten = 0
                 self._run(iter([n]))
             if (found := self._implying(value, goal)) is not None:
+                return found
+            if most and self._waves(value[1]) and (found := self._implying(value, goal)) is not None:
                 return found
             self.rewritten, found = 0, []
             self._run(self._rewrite(value[1], lambda k: self._best(value, goal, [k]) is not None, found))
@@ -76,6 +79,16 @@ class Prover:
                 spend(_COST, "a proof by composition")
                 self.known[n] = []
                 stack.append(self._facts(n))
+
+    def _waves(self, n: int) -> bool:
+        """Facts about a node that commensurate delays make rational in one exponential, if there are any."""
+        if self.waves is None:
+            self.waves = Waves(self.graph)
+            self._run(iter([self.graph.s[1]]))
+        right, found = self.right(self.graph.s[1]), []
+        for fact, data in self.waves.facts(n) if right is not None else ():
+            found += self.follow(n, "rational", [right], {"fact": [fact[0], *map(written, fact[1:])], **data})
+        return bool(found)
 
     def _marked(self, root: int) -> list[int]:
         """The marks among what a node is made of, in order."""
@@ -146,6 +159,11 @@ class Prover:
             yield parts[0][1]
             for k in list(self.known[parts[0][1]]):
                 self.follow(n, "function", [k])
+            factors = graph.powers(parts[0][1])
+            if kind == "sqrt" and list(factors.values()) == [1, 1]:
+                yield from factors
+                both = [k for m in factors if (k := self.right(m)) is not None]
+                self.follow(n, "geometric", both)
             name, inner = graph.nodes[parts[0][1]]
             if kind == "exp" and name == "log":
                 yield inner[0][1]
@@ -176,9 +194,13 @@ class Prover:
             yield one[1]
             for k in list(self.known[one[1]]):
                 self._equal(n, k, written(one[0]), cut)
+        if self.most and self._implying(load, POSITIVE_REAL) is None:
+            self._waves(end)
         known = [(scaled(self.steps[k][1], load[0]), k) for k in self.known[end]]
         best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (_low, _high)]
         if best[0][0] > 0:
+            if self.most:
+                yield from self._absorbed(n, z0, through, load)
             return
         yield from along
         others = [k for m in along if (k := self.right(m)) is not None]
@@ -195,8 +217,25 @@ class Prover:
         return [(z0, load) for load, z0 in sorted(found, key=lambda each: each[0][1]) if load not in passive]
 
     def right(self, n: int) -> int | None:
-        """A step that says Re w >= 0."""
-        return next((k for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)), None)
+        """The step that says most of Re w >= 0."""
+        found = [(_low(self.steps[k][1]), k) for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)]
+        return min(found)[1] if found else None
+
+    def _absorbed(self, n: int, z0: Value, through: Value, load: Value) -> Task:
+        """A line that loses more than its load gives, as A (2/(1 - X) - 1), X = exp(-2 B) (Z - A)/(Z + A)."""
+        graph, minus = self.graph, (Fraction(-1), 0)
+        yield through[1]
+        if not load[0] or all(_low(scaled(self.steps[k][1], through[0])) >= 0 for k in self.known[through[1]]):
+            return
+        wave = graph.function("exp", graph.scaled(through, -2))
+        for above, below, sign in ((z0, load, 1), (load, z0, -1)):
+            one = graph.sum([UNIT, graph.product([above, below], [1, -1])])
+            h = graph.sum([graph.scaled(graph.inverse(one), 2 * sign), (Fraction(-sign), 0)])
+            less = graph.sum([UNIT, graph.scaled(graph.product([wave, h]), -1)])
+            c, m = graph.product([z0, graph.sum([graph.scaled(graph.inverse(less), 2), minus])])
+            yield m
+            if any([self._equal(n, k, written(c), [z0[1], load[1]]) for k in self.known[m]]):
+                return
 
     def _sum(self, n: int) -> Task:
         """A sum, from the sharpest facts about its terms, of which rational ones are taken together."""
