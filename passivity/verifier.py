@@ -212,8 +212,11 @@ class Graph:
             need(isinstance(e, int) and e, "not an exponent")
             total = added(total, {b: e * k for b, k in self.powers(m).items()})
         need(total == self.powers(n), "not this product")
-        turns, discs = [turn(f) for f in facts], [disc(f) for f in facts]
-        found = [("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True)))] if None not in turns else []
+        minus, discs = [turn(f) is None for f in facts], [disc(f) for f in facts]
+        turns = [turn(scaled(f, -1) if left else f) for f, left in zip(facts, minus, strict=True)]
+        sign = (-1) ** sum(e for e, left in zip(data, minus, strict=True) if left)
+        total = None not in turns and scaled(("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True))), sign)
+        found = [total] if total else []
         discs = [d if e > 0 else d and inverted(*d) for e, d in zip(data, discs, strict=True)]
         if None in discs:
             return found
@@ -313,8 +316,9 @@ class Graph:
         powers = [{-key[0][1] / unit if key else ZERO: Fraction(x) for key, x in f.items()} for f in pair]
         least, most = (end(0, *powers[0], *powers[1]) for end in (min, max))
         need(fits and all(k.denominator == 1 for f in powers for k in f), "not rational in s, or in exp(-c w_1)")
-        lists = [[f.get(least + k, ZERO) for k in range(int(most - least) + 1)] for f in powers]
-        p, q = (composed(f, [ONE, -ONE], [ONE, ONE]) if known else combined(f, [], ZERO) for f in lists)
+        whole = lcm(*(x.denominator for f in powers for x in f.values()))
+        lists = [[int(whole * f.get(least + k, 0)) for k in range(int(most - least) + 1)] for f in powers]
+        p, q = (composed(f, [1, -1], [1, 1]) if known else combined(f, [], 0) for f in lists)
         choices = [(p, q)] if fact == ("arg", 1) else [(p, [ZERO, *q]), ([ZERO, *p], q)] if fact == ("arg", 2) else []
         if fact[0] == "disc" and fact[1] < fact[2]:  # w - low, high - w, or their quotient
             up = combined(p, q, -fact[1]) if fact[1] > -inf else q
@@ -341,7 +345,7 @@ def added(f, g):
 
 def combined(f, g, c, a=1):
     """a f + c g, lowest power first."""
-    total = [a * x + c * y for x, y in zip_longest(f, g, fillvalue=ZERO)]
+    total = [a * x + c * y for x, y in zip_longest(f, g, fillvalue=0)]
     while total and not total[-1]:
         total.pop()
     return total
@@ -349,12 +353,12 @@ def combined(f, g, c, a=1):
 
 def convolved(f, g):
     """The product of two polynomials."""
-    return [sum(x) for x in zip_longest(*([ZERO] * k + [x * y for y in g] for k, x in enumerate(f)), fillvalue=ZERO)]
+    return [sum(x) for x in zip_longest(*([0] * k + [x * y for y in g] for k, x in enumerate(f)), fillvalue=0)]
 
 
 def composed(f, top, bottom):
     """f(top/bottom) without its denominator."""
-    found, power = [], [ONE]
+    found, power = [], [1]
     for x in reversed(f):
         found, power = combined(convolved(found, top), power, x), convolved(power, bottom)
     return found

@@ -207,14 +207,11 @@ class Prover:
         for k in {k for x, k in best if x < math.inf} if len(others) == 2 else ():  # the sharpest about the load
             self.follow(n, "line", [k, *others])
 
-    def active(self) -> list[tuple[Value, Value]]:
-        """Characteristic impedance and load of the lines whose loads were not found to be passive, deepest first."""
-        found = [(parts[2], parts[0]) for kind, parts in self.graph.nodes if kind == "line"]
-        known: dict[int, list[Fact]] = {}
-        for n, fact, *_ in self.steps:
-            known.setdefault(n, []).append(fact)
-        passive = {(c, n) for (c, n), _ in found if any(implies(scaled(f, c), POSITIVE_REAL) for f in known.get(n, ()))}
-        return [(z0, load) for load, z0 in sorted(found, key=lambda each: each[0][1]) if load not in passive]
+    def active(self) -> list[tuple[int, int, Line]]:
+        """Nodes that are 1 or -1 times a line whose load was not found to be passive, deepest first."""
+        lines = [(n, sign, line) for n, (sign, line, _) in self.lines.items()]
+        active = [each for each in lines if self._implying(each[2][2], POSITIVE_REAL) is None]
+        return sorted(active, key=lambda each: each[2][2][1])
 
     def right(self, n: int) -> int | None:
         """The step that says most of Re w >= 0."""
@@ -275,10 +272,10 @@ class Prover:
         yield from (m for m, _ in pieces)
         known = [[(self.steps[k][1], k) for k in self.known[m]] for m, _ in pieces]
         keys = [(_low, _low), (_size, _size)] if any(not graph.moves[m] for m, _ in pieces) else [(_size, _size)]
-        for up, _ in [*keys, (_angle, _angle)]:
+        for up, _ in [*keys, (_tilt, _tilt)]:
             best = []
             for (_, e), facts in zip(pieces, known, strict=True):
-                usable = [(up(f) if e > 0 or up is _angle else up(_inverted(f)), k) for f, k in facts]
+                usable = [(up(f) if e > 0 or up is _tilt else up(_inverted(f)), k) for f, k in facts]
                 best.append(min(usable, default=(math.inf, 0)))
             if all(x < math.inf for x, _ in best):
                 self.follow(n, "product", [k for _, k in best], exponents)
@@ -425,3 +422,8 @@ def _size(fact: Fact) -> Any:
 def _angle(fact: Fact) -> Any:
     found = turn(fact)
     return math.inf if found is None else found
+
+
+def _tilt(fact: Fact) -> Any:
+    """The angle of a function or of its negative."""
+    return min(_angle(fact), _angle(scaled(fact, -1) or fact))

@@ -1,7 +1,7 @@
 """Where a property may fail: searched in floats, over a grid, down from its worst points, at poles, along the axis."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
@@ -10,6 +10,7 @@ from flint import acb, ctx
 from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
+from passivity.calculus.rewrite import Line
 from passivity.calculus.values import Array, in_ball, in_floats, needed
 from passivity.calculus.witness import Question, Witness
 from passivity.expression.number import double
@@ -24,6 +25,7 @@ _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _NEWTON = 16  # steps of Newton's method to poles
 _LINES, _ROOTS, _AIMS = 2, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
+_TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
 _BITS, _LENGTHS = (256, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
@@ -115,33 +117,47 @@ class Search:
 
         with np.errstate(all="ignore"):
             for suspect in islice(self._suspects(), _POLISHED):
-                for root in self._zeros(suspect):
+                for root in self._zeros(suspect, self._spread()):
                     if found := self.around(acb(root.real, root.imag), _DISTANCES[:4]):
                         return found
             return next(filter(None, (self.check(*place) for place in self._candidates())), None)
 
-    def behind(self, lines: Iterable[tuple[Value, Value]]) -> Witness | None:
-        """A witness where the load of a line is near -z0, in Re s > 0, for some lines given by z0 and load.
+    def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
+        """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some.
 
         However little of it is seen through what stands before the line: the place is solved for at which the whole has
         a value that a passive one has not, in as many digits as that takes.
         """
         graph, order = self.question.graph, set(self.scales.order)
-        for z0, load in islice(lines, _LINES):
-            seen = [m for m in {load[1], *graph.terms(load[1])} if m in order]
-            for root in self._zeros(graph.sum([load, z0])) if seen else ():
-                if place := self._aimed(max(seen), z0, root):
-                    for bits in _LENGTHS:
-                        if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
-                            return found
+        for starts in (self._spread(), self._ladder()):
+            for n, sign, line in lines[:_LINES]:
+                inverse = graph.opposite(n)
+                m, e = (n, 1) if n in order or inverse not in order else (inverse or 0, -1)
+                for root in self._zeros(graph.sum([line[2], line[0]]), starts) if m in order else ():
+                    if place := self._aimed(m, lambda w, e=e, sign=sign: (sign * w) ** e, line, root):
+                        for bits in _LENGTHS:
+                            if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
+                                return found
         return None
 
-    def _zeros(self, value: Value) -> list[complex]:
-        """Zeros of a part of the function in Re s > 0, by Newton's method from a grid; nearest to the axis first."""
+    def _spread(self) -> Array:
+        """Places in the right half plane on a logarithmic grid."""
         import numpy as np
 
         radii = np.geomspace(self.low * 1e5, self.high / 1e4, 30)
-        s = (radii[:, None] * np.exp(1j * np.array([0, 0.5, 0.9, 1.2, 1.4, 1.5]))).ravel()
+        return (radii[:, None] * np.exp(1j * np.array([0, 0.5, 0.9, 1.2, 1.4, 1.5]))).ravel()
+
+    def _ladder(self) -> Array:
+        """Places beside the axis at many turns of each delay."""
+        import numpy as np
+
+        turns = np.array([0.02, 0.1, 0.4])[:, None] + 0.5j * np.pi * np.arange(1, _TURNS_UP)
+        return np.concatenate([np.zeros(0, complex), *((x * turns).ravel() for x in self.periods[:4])])
+
+    def _zeros(self, value: Value, s: Array) -> list[complex]:
+        """Zeros of a part of the function in Re s > 0, by Newton's method from some places; nearest to the axis first."""
+        import numpy as np
+
         order, step = needed(self.question.graph, value[1]), s
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
@@ -157,21 +173,22 @@ class Search:
                 found.append(complex(root))
         return found[:_ROOTS]
 
-    def _aimed(self, n: int, z0: Value, root: complex) -> acb | None:
-        """Where, near a point, the value of a node is such that the whole fails, by secants in balls.
+    def _aimed(self, n: int, seen: Callable[[acb], acb], line: Line, root: complex) -> acb | None:
+        """Where, near a point, the load of a line is such that the whole fails, by secants in balls.
 
-        The whole is (a v + b)/(c v + d) of the value v, known from three of these.
+        The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line is seen as node n.
         """
         graph, value = self.question.graph, self.question.value
 
         def excess(s: acb) -> acb:
-            unit = in_ball(graph, z0, s, self.names)
-            v1, v2, v3 = unit, 2 * unit, unit * acb(0, 1)
-            w1, w2, w3 = (in_ball(graph, value, s, self.names, {n: v}) for v in (v1, v2, v3))
+            z0, through, load = (in_ball(graph, part, s, self.names) for part in line)
+            wave = through.tanh()
+            v1, v2, v3 = z0, 2 * z0, z0 * acb(0, 1)
+            known = [seen(z0 * (v + z0 * wave) / (z0 + v * wave)) for v in (v1, v2, v3)]
+            w1, w2, w3 = (in_ball(graph, value, s, self.names, {n: w}) for w in known)
             goal = acb(2) if self.question.bounded else -w1
             ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
-            wanted = (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
-            return in_ball(graph, (Fraction(1), n), s, self.names) - wanted
+            return load - (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
 
         for bits in _BITS:
             with ctx.workprec(bits):
