@@ -209,8 +209,11 @@ class Prover:
 
     def active(self) -> list[tuple[int, int, Line]]:
         """Nodes that are 1 or -1 times a line whose load was not found to be passive, deepest first."""
+        about: dict[int, list[int]] = {}
+        for k, (n, *_) in enumerate(self.steps):
+            about.setdefault(n, []).append(k)
         lines = [(n, sign, line) for n, (sign, line, _) in self.lines.items()]
-        active = [each for each in lines if self._implying(each[2][2], POSITIVE_REAL) is None]
+        active = [x for x in lines if self._best(x[2][2], POSITIVE_REAL, about.get(x[2][2][1], ())) is None]
         return sorted(active, key=lambda each: each[2][2][1])
 
     def right(self, n: int) -> int | None:

@@ -24,7 +24,7 @@ _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _NEWTON = 16  # steps of Newton's method to poles
-_LINES, _ROOTS, _AIMS = 2, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
+_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
 _BITS, _LENGTHS = (256, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
@@ -117,23 +117,26 @@ class Search:
 
         with np.errstate(all="ignore"):
             for suspect in islice(self._suspects(), _POLISHED):
-                for root in self._zeros(suspect, self._spread()):
+                for root in self._zeros(suspect, self._spread())[:_ROOTS]:
                     if found := self.around(acb(root.real, root.imag), _DISTANCES[:4]):
                         return found
             return next(filter(None, (self.check(*place) for place in self._candidates())), None)
 
     def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
-        """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some.
+        """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some, or for the last.
 
         However little of it is seen through what stands before the line: the place is solved for at which the whole has
-        a value that a passive one has not, in as many digits as that takes.
+        a value that a passive one has not, in as many digits as that takes. From line to line the place is followed.
         """
         graph, order = self.question.graph, set(self.scales.order)
-        for starts in (self._spread(), self._ladder()):
-            for n, sign, line in lines[:_LINES]:
-                inverse = graph.opposite(n)
-                m, e = (n, 1) if n in order or inverse not in order else (inverse or 0, -1)
-                for root in self._zeros(graph.sum([line[2], line[0]]), starts) if m in order else ():
+        lines = [x for x in lines if x[0] in order or graph.opposite(x[0]) in order]
+        for places in (self._spread(), self._ladder()) if lines else ():
+            for k, (n, sign, line) in enumerate(lines):
+                places = self._zeros(graph.sum([line[2], line[0]]), places)
+                if not len(places):
+                    break
+                m, e = (n, 1) if n in order else (graph.opposite(n) or 0, -1)
+                for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
                     if place := self._aimed(m, lambda w, e=e, sign=sign: (sign * w) ** e, line, root):
                         for bits in _LENGTHS:
                             if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
@@ -154,7 +157,7 @@ class Search:
         turns = np.array([0.02, 0.1, 0.4])[:, None] + 0.5j * np.pi * np.arange(1, _TURNS_UP)
         return np.concatenate([np.zeros(0, complex), *((x * turns).ravel() for x in self.periods[:4])])
 
-    def _zeros(self, value: Value, s: Array) -> list[complex]:
+    def _zeros(self, value: Value, s: Array) -> Array:
         """Zeros of a part of the function in Re s > 0, by Newton's method from some places; nearest to the axis first."""
         import numpy as np
 
@@ -171,7 +174,7 @@ class Search:
         for root in s[np.argsort(s.real)]:
             if all(abs(root - other) > 1e-4 * abs(root) for other in found):
                 found.append(complex(root))
-        return found[:_ROOTS]
+        return np.array(found[:_KEPT])
 
     def _aimed(self, n: int, seen: Callable[[acb], acb], line: Line, root: complex) -> acb | None:
         """Where, near a point, the load of a line is such that the whole fails, by secants in balls.
