@@ -24,9 +24,9 @@ _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _NEWTON = 16  # steps of Newton's method to poles
-_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
+_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 12  # of loads, of places where they are -z0, of steps to where that shows
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
-_BITS, _LENGTHS = (256, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
+_BITS, _LENGTHS = (160, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
@@ -129,15 +129,15 @@ class Search:
         a value that a passive one has not, in as many digits as that takes. From line to line the place is followed.
         """
         graph, order = self.question.graph, set(self.scales.order)
-        lines = [x for x in lines if x[0] in order or graph.opposite(x[0]) in order]
+        parts = {n: b for n, *_ in lines for b in graph.powers(n) if b in order and graph.nodes[b][0] in ("sum", "line")}
+        lines = [each for each in lines if each[0] in parts]
         for places in (self._spread(), self._ladder()) if lines else ():
             for k, (n, sign, line) in enumerate(lines):
                 places = self._zeros(graph.sum([line[2], line[0]]), places)
                 if not len(places):
                     break
-                m, e = (n, 1) if n in order else (graph.opposite(n) or 0, -1)
                 for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
-                    if place := self._aimed(m, lambda w, e=e, sign=sign: (sign * w) ** e, line, root):
+                    for place in self._aimed(n, parts[n], sign, line, root):
                         for bits in _LENGTHS:
                             if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
                                 return found
@@ -176,38 +176,33 @@ class Search:
                 found.append(complex(root))
         return np.array(found[:_KEPT])
 
-    def _aimed(self, n: int, seen: Callable[[acb], acb], line: Line, root: complex) -> acb | None:
-        """Where, near a point, the load of a line is such that the whole fails, by secants in balls.
+    def _aimed(self, n: int, part: int, sign: int, line: Line, root: complex) -> Iterator[acb]:
+        """Where, near a point, the load of a line is such that the whole fails, by secants in balls of some precisions.
 
-        The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line is seen as node n.
+        The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line times a sign is node n, and
+        a part of n, which the whole is made of, tells of its value.
         """
         graph, value = self.question.graph, self.question.value
+        e = graph.powers(n)[part]
+        rest = graph.product([(Fraction(sign), n), (Fraction(1), part)], [1, -e])
 
         def excess(s: acb) -> acb:
             z0, through, load = (in_ball(graph, part, s, self.names) for part in line)
             wave = through.tanh()
             v1, v2, v3 = z0, 2 * z0, z0 * acb(0, 1)
-            known = [seen(z0 * (v + z0 * wave) / (z0 + v * wave)) for v in (v1, v2, v3)]
-            w1, w2, w3 = (in_ball(graph, value, s, self.names, {n: w}) for w in known)
+            over = in_ball(graph, rest, s, self.names)
+            seen = [z0 * (v + z0 * wave) / (z0 + v * wave) / over for v in (v1, v2, v3)]
+            w1, w2, w3 = (in_ball(graph, value, s, self.names, {part: w**e}) for w in seen)
             goal = acb(2) if self.question.bounded else -w1
             ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
             return load - (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
 
         for bits in _BITS:
+            spend(_AIMS * len(self.scales.order) * (3_000 + 10 * bits), "a pole")
             with ctx.workprec(bits):
-                s = acb(root.real, root.imag)
-                last = s + abs(s) / 2**30
-                before = excess(last)
-                for _ in range(_AIMS):
-                    spend(5 * len(self.scales.order) * 40 * bits, "a pole")
-                    f = excess(s)
-                    step = f * (s - last) / (f - before)
-                    if not step.is_finite():
-                        break
-                    last, before, s = s, f, acb((s - step).real.mid(), (s - step).imag.mid())
-                    if abs(step) < abs(s) / 2 ** (bits // 2):
-                        return s if s.real > 0 else None
-        return None
+                place = _zero(excess, acb(root.real, root.imag))
+            if place is not None and place.real > 0:
+                yield place
 
     def beside(self, w: float) -> Witness | None:
         """A witness near a frequency on the axis."""
@@ -325,6 +320,21 @@ class Search:
             left, right = grid[rows, np.maximum(best - 1, 0)], grid[rows, np.minimum(best + 1, 16)]
         middle = (left + right) / 2
         return middle[np.argsort(-self.badness((tilt + 1j) * middle, relative=False))]
+
+
+def _zero(function: Callable[[acb], acb], s: acb) -> acb | None:
+    """A zero near a place by secants, as exactly as the precision allows; None if they do not come to one."""
+    last = s + abs(s) / 2**30
+    before = function(last)
+    for _ in range(_AIMS):
+        f = function(s)
+        if f.contains(0):
+            return s
+        step = f * (s - last) / (f - before)
+        if not step.is_finite():
+            return None
+        last, before, s = s, f, acb((s - step).real.mid(), (s - step).imag.mid())
+    return None
 
 
 def _exp(x: float) -> float:
