@@ -9,7 +9,8 @@ from typing import Any
 from flint import fmpz_poly
 
 from passivity.budget import UndecidedError
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph, Value
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
+from passivity.calculus.graph import Graph, Value
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, margins
@@ -84,20 +85,26 @@ class Waves:
         self.unit = Fraction(gcd(*(int(c * below) for c in found)), below)
 
     def facts(self, n: int) -> Iterator[tuple[Fact, dict[str, Any]]]:
-        """Facts, each with the data that the rule `rational` asks for, found as functions of t = (1 - y)/(1 + y)."""
+        """Facts, each with the data that the rule `rational` asks for."""
+        if r := self.function(n):
+            for disc in (POSITIVE_REAL, ("disc", -math.inf, Fraction(0)), BOUNDED_REAL):
+                if data := _proof(_moved(r, disc)):
+                    yield disc, data | {"unit": written(self.unit)}
+
+    def function(self, n: int) -> RationalFunction | None:
+        """A node as a function of t = (1 - y)/(1 + y), if it is one and its degree not too high."""
         try:
             for k in needed(self.graph, n, known=self.known):
                 if found := self._function(*self.graph.nodes[k]):
                     self.known[k] = found.reduced()
             r = self.known.get(n)
-        except ExpressionError:  # as of `rational_facts`
-            return
-        if r is not None and r.degree:
-            ends = (fmpz_poly((r.degree - f.degree()) * [0] + f(_TWICE).coeffs()[::-1])(_MORE) for f in (r.p, r.q))
-            r = RationalFunction(*ends)
-            for disc in (POSITIVE_REAL, ("disc", -math.inf, Fraction(0)), BOUNDED_REAL):
-                if data := _proof(_moved(r, disc)):
-                    yield disc, data | {"unit": written(self.unit)}
+        except ExpressionError:
+            return None
+        if r is None or not r.degree:
+            return None
+        return RationalFunction(
+            *(fmpz_poly((r.degree - f.degree()) * [0] + f(_TWICE).coeffs()[::-1])(_MORE) for f in (r.p, r.q))
+        )
 
     def _function(self, kind: str, parts: tuple) -> RationalFunction | None:
         inner = [m for m, _ in parts] if kind == "mul" else [m for _, m in parts] if kind == "sum" else []

@@ -6,13 +6,26 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from passivity.budget import VERDICT, UndecidedError, budget, spend
-from passivity.calculus.graph import POSITIVE_REAL, UNIT, ZERO, Fact, Graph, Value
+from passivity.calculus.fact import (
+    POSITIVE_REAL,
+    Fact,
+    angle_of,
+    high_of,
+    inverse_of,
+    is_useful,
+    low_of,
+    shortened,
+    size_of,
+    tilt_of,
+    width_of,
+)
+from passivity.calculus.graph import ZERO, Graph, Value
 from passivity.calculus.leaf import Waves, rational_facts
-from passivity.calculus.rewrite import Line, lines, merged, rewritings
+from passivity.calculus.rewrite import Line, absorbing, lines, merged, rewritings
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
-from passivity.verifier import RULES, disc, implies, inverted, scaled, turn
+from passivity.verifier import RULES, disc, implies, scaled, turn
 
 DEPTHS = (
     0,
@@ -23,7 +36,6 @@ DEPTHS = (
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
-_LONG = 256  # bits of a number in a fact that is rounded
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
@@ -35,7 +47,7 @@ class Prover:
 
     Examples
     --------
-    >>> from passivity.calculus.graph import BOUNDED_REAL
+    >>> from passivity.calculus.fact import BOUNDED_REAL
     >>> graph = Graph({"Z2": POSITIVE_REAL})
     >>> z = graph.line((Fraction(50), 0), graph.scaled(graph.s, 3), graph.name("Z2"))
     >>> prover = Prover(graph)
@@ -80,15 +92,15 @@ class Prover:
                 self.known[n] = []
                 stack.append(self._facts(n))
 
-    def _waves(self, n: int) -> bool:
-        """Facts about a node that commensurate delays make rational in one exponential, if there are any."""
+    def _waves(self, n: int) -> list[int]:
+        """Facts about a node that commensurate delays make rational in one exponential."""
         if self.waves is None:
             self.waves = Waves(self.graph)
             self._run(iter([self.graph.s[1]]))
         right, found = self.right(self.graph.s[1]), []
         for fact, data in self.waves.facts(n) if right is not None else ():
-            found += self.follow(n, "rational", [right], {"fact": [fact[0], *map(written, fact[1:])], **data})
-        return bool(found)
+            found += self.follow(n, "rational", [right or 0], {"fact": [fact[0], *map(written, fact[1:])], **data})
+        return found
 
     def _marked(self, root: int) -> list[int]:
         """The marks among what a node is made of, in order."""
@@ -103,7 +115,7 @@ class Prover:
     def _best(self, value: Value, goal: Fact, steps: Iterable[int]) -> int | None:
         """The sharpest of some steps that imply a fact."""
         moved = ((scaled(self.steps[k][1], value[0]), k) for k in steps)
-        implying = [(_size(fact), _low(fact), k) for fact, k in moved if fact and implies(fact, goal)]
+        implying = [(size_of(fact), low_of(fact), k) for fact, k in moved if fact and implies(fact, goal)]
         return min(implying)[-1] if implying else None
 
     def _facts(self, n: int) -> Task:
@@ -120,8 +132,8 @@ class Prover:
             return []
         fresh = []
         for fact in found:
-            fact = _short(fact)
-            if _useful(fact) and not any(implies(self.steps[k][1], fact) for k in self.known.setdefault(n, [])):
+            fact = shortened(fact)
+            if is_useful(fact) and not any(implies(self.steps[k][1], fact) for k in self.known.setdefault(n, [])):
                 self.known[n] = [k for k in self.known[n] if not implies(fact, self.steps[k][1])]
                 self.steps.append((n, fact, rule, premises, data))
                 self.known[n].append(len(self.steps) - 1)
@@ -163,7 +175,7 @@ class Prover:
             if kind == "sqrt" and list(factors.values()) == [1, 1]:
                 yield from factors
                 both = [k for m in factors if (k := self.right(m)) is not None]
-                self.follow(n, "geometric", both)
+                self.follow(n, "function", both)
             name, inner = graph.nodes[parts[0][1]]
             if kind == "exp" and name == "log":
                 yield inner[0][1]
@@ -197,10 +209,10 @@ class Prover:
         if self.most and self._implying(load, POSITIVE_REAL) is None:
             self._waves(end)
         known = [(scaled(self.steps[k][1], load[0]), k) for k in self.known[end]]
-        best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (_low, _high)]
+        best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (low_of, high_of)]
         if best[0][0] > 0:
             if self.most:
-                yield from self._absorbed(n, z0, through, load)
+                yield from self._absorbed(n, (z0, through, load))
             return
         yield from along
         others = [k for m in along if (k := self.right(m)) is not None]
@@ -218,23 +230,20 @@ class Prover:
 
     def right(self, n: int) -> int | None:
         """The step that says most of Re w >= 0."""
-        found = [(_low(self.steps[k][1]), k) for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)]
+        found = [(low_of(self.steps[k][1]), k) for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)]
         return min(found)[1] if found else None
 
-    def _absorbed(self, n: int, z0: Value, through: Value, load: Value) -> Task:
-        """A line that loses more than its load gives, as A (2/(1 - X) - 1), X = exp(-2 B) (Z - A)/(Z + A)."""
-        graph, minus = self.graph, (Fraction(-1), 0)
-        yield through[1]
-        if not load[0] or all(_low(scaled(self.steps[k][1], through[0])) >= 0 for k in self.known[through[1]]):
+    def _absorbed(self, n: int, line: Line) -> Task:
+        """A line that loses more than its load gives."""
+        along = line[1]
+        yield along[1]
+        if not any(low_of(self.steps[k][1]) < 0 < along[0] for k in self.known[along[1]]):
             return
-        wave = graph.function("exp", graph.scaled(through, -2))
-        for above, below, sign in ((z0, load, 1), (load, z0, -1)):
-            one = graph.sum([UNIT, graph.product([above, below], [1, -1])])
-            h = graph.sum([graph.scaled(graph.inverse(one), 2 * sign), (Fraction(-sign), 0)])
-            less = graph.sum([UNIT, graph.scaled(graph.product([wave, h]), -1)])
-            c, m = graph.product([z0, graph.sum([graph.scaled(graph.inverse(less), 2), minus])])
+        for (c, m), cut in absorbing(self.graph, line):
             yield m
-            if any([self._equal(n, k, written(c), [z0[1], load[1]]) for k in self.known[m]]):
+            for k in list(self.known[m]):
+                self._equal(n, k, written(c), cut)
+            if self.known[n]:
                 return
 
     def _sum(self, n: int) -> Task:
@@ -247,9 +256,9 @@ class Prover:
         yield from (m for _, m in terms)
         known = [[(scaled(self.steps[k][1], c), k) for k in self.known[m]] for c, m in terms]
         data = [written(c) for c, _ in terms]
-        for key in (_low, _high, _width, _angle):
+        for key in (low_of, high_of, width_of, angle_of):
             best = [min(((key(f), k) for f, k in facts if f), default=(math.inf, 0)) for facts in known]
-            if all(x < math.inf for x, _ in best) and (key is not _angle or all(x <= 1 for x, _ in best)):
+            if all(x < math.inf for x, _ in best) and (key is not angle_of or all(x <= 1 for x, _ in best)):
                 self.follow(n, "combination", [k for _, k in best], data)
             if not self.most and self.right(n) is not None:
                 return
@@ -274,11 +283,11 @@ class Prover:
         exponents = [e for _, e in pieces]
         yield from (m for m, _ in pieces)
         known = [[(self.steps[k][1], k) for k in self.known[m]] for m, _ in pieces]
-        keys = [(_low, _low), (_size, _size)] if any(not graph.moves[m] for m, _ in pieces) else [(_size, _size)]
-        for up, _ in [*keys, (_tilt, _tilt)]:
+        sharpest = [low_of, size_of] if any(not graph.moves[m] for m, _ in pieces) else [size_of]
+        for up in [*sharpest, tilt_of]:
             best = []
             for (_, e), facts in zip(pieces, known, strict=True):
-                usable = [(up(f) if e > 0 or up is _tilt else up(_inverted(f)), k) for f, k in facts]
+                usable = [(up(f) if e > 0 or up is tilt_of else up(inverse_of(f)), k) for f, k in facts]
                 best.append(min(usable, default=(math.inf, 0)))
             if all(x < math.inf for x, _ in best):
                 self.follow(n, "product", [k for _, k in best], exponents)
@@ -291,7 +300,9 @@ class Prover:
         graph = self.graph
         if not any(graph.nodes[m][0] == "sqrt" for m, _ in pieces):
             return
-        angles = [min(((_angle(self.steps[k][1]), k) for k in self.known[m]), default=(math.inf, 0)) for m, _ in pieces]
+        angles = [
+            min(((angle_of(self.steps[k][1]), k) for k in self.known[m]), default=(math.inf, 0)) for m, _ in pieces
+        ]
         if all(x < math.inf for x, _ in angles):
             c, squared = graph.product([(Fraction(1), n)], [2])
             if c > 0 and squared != n and graph.is_rational[squared]:
@@ -375,58 +386,3 @@ def _alike(graph: Graph, a: int, b: int) -> bool:
     """Whether two sums differ in the signs of their terms alone."""
     up, down = graph.terms(a), graph.terms(b)
     return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())
-
-
-def _short(fact: Fact) -> Fact:
-    """A disc without long numbers, a little larger if need be."""
-    if fact[0] != "disc":
-        return fact
-    return ("disc", *(-_above(-x) if k == 0 else _above(x) for k, x in enumerate(fact[1:])))
-
-
-def _above(x: Any) -> Any:
-    """A number with few digits that is at least x."""
-    if isinstance(x, float) or max(x.numerator.bit_length(), x.denominator.bit_length()) < _LONG:
-        return x
-    unit = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() - _LONG // 4)
-    return math.ceil(x / unit) * unit
-
-
-def _useful(fact: Fact) -> bool:
-    return fact[0] == "arg" or fact[1] > -math.inf or fact[2] < math.inf
-
-
-def _inverted(fact: Fact) -> Fact:
-    known = disc(fact)
-    ends = known and inverted(*known)
-    return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
-
-
-def _low(fact: Fact) -> Any:
-    known = disc(fact)
-    return -known[0] if known else math.inf
-
-
-def _high(fact: Fact) -> Any:
-    known = disc(fact)
-    return known[1] if known else math.inf
-
-
-def _width(fact: Fact) -> Any:
-    known = disc(fact)
-    return known[1] - known[0] if known and math.inf not in (known[1], -known[0]) else math.inf
-
-
-def _size(fact: Fact) -> Any:
-    known = disc(fact)
-    return max(-known[0], known[1]) if known else math.inf
-
-
-def _angle(fact: Fact) -> Any:
-    found = turn(fact)
-    return math.inf if found is None else found
-
-
-def _tilt(fact: Fact) -> Any:
-    """The angle of a function or of its negative."""
-    return min(_angle(fact), _angle(scaled(fact, -1) or fact))

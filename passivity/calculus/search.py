@@ -77,7 +77,8 @@ class Search:
 
     Examples
     --------
-    >>> from passivity.calculus.graph import POSITIVE_REAL, Graph
+    >>> from passivity.calculus.fact import POSITIVE_REAL
+    >>> from passivity.calculus.graph import Graph
     >>> graph = Graph()
     >>> z = graph.sum([graph.s, (Fraction(-1), 0)])
     >>> Search(Question(graph, z, POSITIVE_REAL, "s - 1", {}), {}).glance().re < 1
@@ -129,7 +130,9 @@ class Search:
         a value that a passive one has not, in as many digits as that takes. From line to line the place is followed.
         """
         graph, order = self.question.graph, set(self.scales.order)
-        parts = {n: b for n, *_ in lines for b in graph.powers(n) if b in order and graph.nodes[b][0] in ("sum", "line")}
+        parts = {
+            n: b for n, *_ in lines for b in graph.powers(n) if b in order and graph.nodes[b][0] in ("sum", "line")
+        }
         lines = [each for each in lines if each[0] in parts]
         for places in (self._spread(), self._ladder()) if lines else ():
             for k, (n, sign, line) in enumerate(lines):
@@ -138,9 +141,8 @@ class Search:
                     break
                 for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
                     for place in self._aimed(n, parts[n], sign, line, root):
-                        for bits in _LENGTHS:
-                            if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
-                                return found
+                        if found := self.rounded(place):
+                            return found
         return None
 
     def _spread(self) -> Array:
@@ -158,7 +160,7 @@ class Search:
         return np.concatenate([np.zeros(0, complex), *((x * turns).ravel() for x in self.periods[:4])])
 
     def _zeros(self, value: Value, s: Array) -> Array:
-        """Zeros of a part of the function in Re s > 0, by Newton's method from some places; nearest to the axis first."""
+        """Zeros of a part in Re s > 0, by Newton's method from some places; nearest to the axis first."""
         import numpy as np
 
         order, step = needed(self.question.graph, value[1]), s
@@ -229,6 +231,11 @@ class Search:
             value = self.badness(1j * w, relative=False)
             least = w[value > value.max() - 1e-9 * (1 + abs(value.max()))] if len(w) else w
         return float(least.min()) if len(least) else None
+
+    def rounded(self, place: acb) -> Witness | None:
+        """A place as a witness, with few digits if these show it."""
+        shorter = ([_short(near(part), bits) for part in (place.real, place.imag)] for bits in _LENGTHS)
+        return next(filter(None, (self.check(*point) for point in shorter)), None)
 
     def check(self, re: Fraction, im: Fraction) -> Witness | None:
         """The point as a witness, if it is one."""
