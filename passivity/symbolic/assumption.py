@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 
 from passivity.budget import VERDICT, UndecidedError, budget
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph, Value
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
+from passivity.calculus.graph import Graph, Value
 from passivity.calculus.proof import Proof, lines, prove
 from passivity.calculus.read import read
 from passivity.calculus.witness import Question as Asked

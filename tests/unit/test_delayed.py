@@ -14,7 +14,8 @@ from rightmost_roots import rightmost_roots
 
 from passivity.calculus.ask import check_expression
 from passivity.calculus.expand import Expansion
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
+from passivity.calculus.graph import Graph
 from passivity.calculus.proof import prove, verify_proof
 from passivity.calculus.read import read
 from passivity.calculus.values import in_ball
