@@ -103,15 +103,7 @@ class Pair:
 
     Both are packed once; where slabs are in pieces they are made anew for each run.
 
-    Parameters
-    ----------
-    description : Description
-    tol : float
-        Of all runs.
-    order : int
-        Of the coarser run.
-    h : float
-        Width of slabs, s.
+    Slabs have the width h, s; the coarser run has the order given, and `tol` is that of all runs.
     """
 
     def __init__(self, description: Description, tol: float, order: int, h: float):

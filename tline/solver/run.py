@@ -60,11 +60,6 @@ def run(
     places of elements whose waves are kept. Where no flow is found through elements that see each other, the run is
     made again with that piece of a slab in 4 parts, and if that does not help soon, with all slabs in 4, then 16.
     Scenes whose lines lose linearly are convolutions, but with a ledger or waves of elements.
-
-    Raises
-    ------
-    InputError
-        The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
     if envelope:
         description.refuse_coupled("an envelope")

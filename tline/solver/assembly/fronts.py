@@ -45,27 +45,13 @@ LULL = 16  # slabs without a front that are worth a return to blocks
 
 
 class Tally(NamedTuple):
-    """What became of the fronts of a run.
+    """What became of the fronts of a run."""
 
-    Attributes
-    ----------
-    most : int
-        Slabs in several pieces under way at once, at most.
-    merged : int
-        Fronts that reached a node together with another one.
-    dissolved : int
-        Breakpoints taken away because the pieces beside them continue each other.
-    dropped : int
-        Breakpoints taken away because a slab had too many.
-    lost : float
-        The largest of those, as a share of the largest wave.
-    """
-
-    most: int = 0
-    merged: int = 0
-    dissolved: int = 0
-    dropped: int = 0
-    lost: float = 0.0
+    most: int = 0  # slabs in several pieces under way at once, at most
+    merged: int = 0  # fronts that reached a node together with another one
+    dissolved: int = 0  # breakpoints taken away because the pieces beside them continue each other
+    dropped: int = 0  # breakpoints taken away because a slab had too many
+    lost: float = 0.0  # the largest of those, as a share of the largest wave
 
 
 def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -> Fronts:

@@ -121,16 +121,7 @@ class Layout:
 
 
 def layout_of(description: Description, chosen: Resolution, *, progress: bool = False) -> Layout:
-    """The layout of a described scene for some slabs; the last ones are kept as long as the description is.
-
-    Parameters
-    ----------
-    description : Description
-    chosen : Resolution
-        Its order counts for scenes with losses alone.
-    progress : bool
-        Show a bar on stderr if this takes long.
-    """
+    """The layout of a described scene for some slabs; the last ones are kept as long as the description is."""
     key = chosen.h, chosen.rounded, tuple(chosen.sections.items()), _losses(description, chosen)
 
     def laid_out() -> Layout:

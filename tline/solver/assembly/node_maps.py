@@ -45,11 +45,8 @@ class GroupSystems(NamedTuple):
 def systems_of(groups: list[Group], h: float, before: tuple[dict[str, float], ...] | None) -> GroupSystems:
     """State spaces of groups.
 
-    Parameters
-    ----------
-    before : tuple of dict of str to float, or None
-        Thévenin waves and efforts by node, and flows by element, in the steady state at the start; without them the
-        liquid stands still.
+    `before` has Thévenin waves and efforts by node, and flows by element, in the steady state at the start; without it
+    the liquid stands still.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
     found = GroupSystems(load_at, step_row, np.empty(0), np.empty(0), [], [], [], [], [])

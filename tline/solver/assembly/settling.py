@@ -14,10 +14,7 @@ SUBSTEPS = 8  # in the time that it takes
 def settling_step(system: StateSpace, order: Basis, width: float) -> Matrix:
     """A group's map over a piece of a slab, as wide as it takes to settle, in steps within; efforts are projected.
 
-    Returns
-    -------
-    ndarray, shape (k s + n, k s + n)
-        From Thévenin waves at the points and states to efforts at the points and next states, as `load_step`.
+    Shape (k s + n, k s + n), as of `load_step`.
     """
     s, (n, k) = order.s, system.b.shape
     step = load_step(system, order, width / SUBSTEPS)

@@ -37,14 +37,7 @@ APART = 1e-11  # of a wave; laws that send each other less within a slab do not 
 
 
 class LawsAtPorts:
-    """The laws and switches of a scene, and what there is before t = 0.
-
-    Parameters
-    ----------
-    description : Description
-    network : LinearRest
-    before : Before
-    """
+    """The laws and switches of a scene, and what there is before t = 0."""
 
     def __init__(self, description: Description, network: LinearRest, before: Before):
         self.network, self.elements = network, network.laws
@@ -68,19 +61,7 @@ class LawsAtPorts:
     def waves(self, rule: Quadrature, order: Basis, h: float, ahead: float, efforts: Efforts) -> NDArray:
         """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K).
 
-        Parameters
-        ----------
-        rule : Quadrature
-        order : Basis
-        h, ahead : float
-            Slab, s, and by how many of them slabs begin before t = 0.
-        efforts : Efforts
-            At all points of the rule.
-
-        Raises
-        ------
-        NoFlowError
-            No flow was found in a slab.
+        Slabs of width h, s, begin `ahead` of them before t = 0; efforts are those at all points of the rule.
         """
         ports, K = self.network.ports, len(self.elements)
         given = rule.backward(2 * efforts.driven @ ports.T)

@@ -27,16 +27,7 @@ SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 def gain(line: LossyLine, z0: float, order: Basis, h: float, slabs: float) -> float:
     """The largest norm of the scattering of a line, at places all round the circle |ζ| = 1.
 
-    Parameters
-    ----------
-    line : LossyLine
-    z0 : float
-        Of a front.
-    order : Basis
-    h : float
-        Slab, s.
-    slabs : float
-        Whole ones, of the delay, that move waves as they are.
+    The line has the impedance z0 for a front; so many whole slabs of its delay, h s each, move waves as they are.
     """
     rates, late, vectors, inverse = circle(order.s)
     across, back = carried(line, z0, rates.ravel() / h, slabs * late.ravel())

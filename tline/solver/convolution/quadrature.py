@@ -128,10 +128,7 @@ class Quadrature:
     def weights(self, transfer: NDArray) -> NDArray:
         """Weights S_0, S_1, … by which values of slabs send others, shape (n, K s, K s), port by port.
 
-        Parameters
-        ----------
-        transfer : ndarray of complex, shape (points, K, K)
-            Of K ports.
+        `transfer` has the shape (points, K, K), of K ports.
         """
         K, (places, s, _) = transfer.shape[1], self._from_eigen.shape
         at, found = transfer.reshape(places, s, K, K), np.empty((self.n, K, s, K, s))

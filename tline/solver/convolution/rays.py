@@ -32,17 +32,8 @@ class Ray(NamedTuple):
 class Rays:
     """Paths through a linear rest without coupled conductors that mix.
 
-    Parameters
-    ----------
-    network : LinearRest
-    points : ndarray of complex, shape (points,)
-        Where waves are wanted, 1/s.
-    h : float
-        Slab, s.
-    slabs : ndarray, shape (lines,)
-        Whole ones by which lines move waves.
-    rows : list of pair of int
-        Of the record: node, and line end, or -1 where there is none.
+    Points are 1/s; `slabs` are whole ones, of width h, by which lines move waves; rows are pairs of a node and a line
+    end, or -1.
     """
 
     def __init__(self, network: LinearRest, points: NDArray, h: float, slabs: NDArray, rows: list[tuple[int, int]]):
@@ -67,14 +58,7 @@ class Rays:
     def of(self, node: int, held: bool, t_end: float, least: float) -> Iterator[Ray]:
         """Of a source of 1 at a node, which holds its effort or drives a flow, those that change fast.
 
-        Parameters
-        ----------
-        node : int
-        held : bool
-        t_end : float
-            Until when they are wanted, s.
-        least : float
-            What a wave has to be where |s| > 1/h to go on: else the scene's own slabs follow it.
+        A wave goes on where |s| > 1/h if it is `least` there: else the scene's own slabs follow it.
         """
         same, number = SAME * min(delay for delay, _, _ in self.ways), 0
         first = self.held[:, :, self.network.place[node]] if held else self.answers[:, :, node]

@@ -40,22 +40,7 @@ MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 class Convolved:
     """A linear scene in s, and what its sources add to what they are before t = 0.
 
-    Parameters
-    ----------
-    description : Description
-    record : iterable of str
-        Lines whose waves are kept beside those of the probes.
-    padded : int
-        As in `Quadrature`.
-    envelope : bool
-        Whether results have one, without errors.
-    clocked : bool
-        Whether many fronts may be at edges of slabs, in place of narrower slabs beside each.
-
-    Raises
-    ------
-    InputError
-        There is no answer in s.
+    Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each.
     """
 
     def __init__(

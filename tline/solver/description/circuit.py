@@ -56,23 +56,9 @@ def circuit(
 ) -> Circuit:
     """State space of a circuit, from the waves of its nodes and of its laws to the efforts at nodes and across laws.
 
-    Parameters
-    ----------
-    nodes : sequence of Node
-    branches : sequence of Branch
-        Loads with states too.
-    laws : sequence of LawPort
-    switched : sequence of float
-        Conductance of the switches at each node; none without it.
-
-    Raises
-    ------
-    InputError
-        Efforts and flows do not follow: what is prescribed contradicts itself, or nothing determines an effort.
-
-    Notes
-    -----
     Where branches see the gauge pressure at heights, a last state is always 1.
+
+    Loads with states are branches, too; `switched` has the conductance of the switches at each node.
     """
     k, m = len(nodes), len(laws)
     F, G, H, Q, L = equations(nodes, branches, laws, switched)

@@ -39,45 +39,23 @@ MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest d
 
 @dataclass(frozen=True, eq=False)
 class Description:
-    """What a scene is made of; what not every run needs is found when it is asked for first.
+    """What a scene is made of; what not every run needs is found when it is asked for first."""
 
-    Attributes
-    ----------
-    scene : Scene
-        As it was given, for the result.
-    lines : dict of str to Line
-        All that carry waves: single ones, and one for each mode of coupled conductors.
-    coupled : dict of str to pair of End
-        Ends of coupled conductors.
-    heights : mapping of str to Height
-        Of nodes; empty without elevations.
-    grids : dict
-        Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
-    known : dict
-        What was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`.
-    origin : Origin or None
-        What it was changed from by values at some nodes.
-    """
-
-    scene: Scene
+    scene: Scene  # as it was given, for the result
     medium: Medium
     t_end: float
     steady: bool
-    lines: dict[str, Line]
-    coupled: dict[str, tuple[End, End]]
-    heights: Mapping[str, Height]
+    lines: dict[str, Line]  # all that carry waves: single ones, and one for each mode of coupled conductors
+    coupled: dict[str, tuple[End, End]]  # ends of coupled conductors
+    heights: Mapping[str, Height]  # of nodes; empty without elevations
+    # lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+    # what was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`
     known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
-    origin: "Origin | None" = field(default=None, repr=False)
+    origin: "Origin | None" = field(default=None, repr=False)  # what it was changed from by values at some nodes
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
-        """The description of the scene with other values at dotted paths; lines that stay are not read again.
-
-        Raises
-        ------
-        InputError
-            There is nothing at a path, or a value does not fit there.
-        """
+        """The description of the scene with other values at dotted paths; lines that stay are not read again."""
         scene = changed(self.scene, values)
         touched = self._touched(scene, values)
         if touched is None:
@@ -296,12 +274,7 @@ class Description:
     ) -> tuple[list[Group], dict[str, Node]]:
         """Groups of nodes that something joins, and the nodes in their order.
 
-        Parameters
-        ----------
-        sections : mapping of str to int
-            Of lumped lines.
-        started : mapping of str to float
-            Flow in these before t = 0.
+        `sections` are those of lumped lines, `started` the flow in these before t = 0.
         """
         if not sections:
             return self._grouped
@@ -317,23 +290,11 @@ class Description:
         return grouped(self.nodes, [], self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:
-        """Refuse non-linear elements.
-
-        Raises
-        ------
-        InputError
-            Naming the first.
-        """
+        """Refuse non-linear elements."""
         self.scene.check_linear(what, besides=Multiport | RationalImpedance | Switch)
 
     def refuse_coupled(self, what: str) -> None:
-        """Refuse coupled conductors where something does not know them.
-
-        Raises
-        ------
-        InputError
-            Naming the first.
-        """
+        """Refuse coupled conductors where something does not know them."""
         refuse_coupled(self.scene.lines, what)
 
 

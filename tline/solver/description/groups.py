@@ -93,12 +93,7 @@ class Group:
     def circuit(self, t: float, impedances: Sequence[float] = ()) -> Circuit:
         """The circuit just before an instant.
 
-        Parameters
-        ----------
-        t : float
-            s.
-        impedances : sequence of float
-            Behind which its laws are seen; without them it has none.
+        Its laws are seen behind impedances; without these it has none.
         """
         if self.single:
             A, b, c, d = self.nodes[0].reflection

@@ -63,13 +63,7 @@ class Inventory(NamedTuple):
 
 
 def inventory_of(description: Description, group: Group, h: float, t_end: float) -> Inventory:
-    """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen.
-
-    Parameters
-    ----------
-    h, t_end : float
-        Slab width and end of the run, s.
-    """
+    """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen."""
     found, steady = Inventory([], [], []), description.steady
     for node in group.nodes:
         alone = not node.ends and node.held is None  # no line tells its effort

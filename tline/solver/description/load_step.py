@@ -28,20 +28,8 @@ class StateSpace(NamedTuple):
 def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     """Realise the reflection of a rational impedance against z in balanced companion form.
 
-    Parameters
-    ----------
-    impedance : Ratio
-        Z(s), at least of degree 1.
-    z : float
-        Thévenin impedance of the node, > 0 and finite.
-    where : str
-        Name for messages.
-
-    Raises
-    ------
-    InputError
-        If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined; or if coefficients
-        are beyond the range of floats.
+    For Z of degree 1 or more, and 0 < z finite; refused where Z + z falls to a lower degree, so that no wave is
+    defined.
     """
     p, q = impedance
     n = max(len(p), len(q)) - 1
@@ -109,10 +97,7 @@ def _balance(A: Matrix) -> Matrix:
 def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
     """Radau IIA over one slab of width h for dx/dt = A x + b w, u = c x + d w (order 2s - 1 at the slab's end).
 
-    Returns
-    -------
-    ndarray, shape (k s + n, k s + n)
-        From (w, x) to (u, x at the slab's end): port by port the s points, then the states.
+    A matrix (k s + n, k s + n) from (w, x) to (u, x at the slab's end): port by port the s points, then the states.
     """
     s, (n, k) = basis.s, system.b.shape
     size, given, integral = n * s, k * s + n, h * basis.A

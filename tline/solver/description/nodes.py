@@ -65,13 +65,7 @@ class Node:
 
     @cached_property
     def reflection(self) -> StateSpace:
-        """From the wave into the dynamic loads to the one out of them, against 1/total.
-
-        Raises
-        ------
-        InputError
-            No wave is defined, or the loads' coefficients are beyond the range of floats.
-        """
+        """From the wave into the dynamic loads to the one out of them, against 1/total."""
         assert self.load is not None
         if self.measured is not None:
             return reflection_of_poles(self.measured.model.model, self.measured.z0 * self.total)
@@ -192,21 +186,7 @@ def lowered(pressure: Shape, level: float) -> Shape:
 def nodes_of(
     scene: Scene, lines: Mapping[str, Line], coupled: Iterable[End], sections: Mapping[str, int] = NONE
 ) -> dict[str, Node]:
-    """The nodes of a scene by name, in the order in which lines and links name them.
-
-    Parameters
-    ----------
-    lines : mapping of str to Line
-    coupled : iterable of End
-        Both ends of all coupled conductors.
-    sections : mapping of str to int
-        Of lumped lines.
-
-    Raises
-    ------
-    InputError
-        A line has cavities, or a load leaves no wave defined.
-    """
+    """The nodes of a scene by name, in the order in which lines and links name them."""
     refuse_cavities(scene.lines, "what is asked")
     nodes: dict[str, Node] = {}
     kept = 0
@@ -245,13 +225,7 @@ def nodes_of(
 
 
 def nodes_anew(scene: Scene, nodes: Mapping[str, Node], names: Iterable[str]) -> dict[str, Node]:
-    """Nodes of those names with what now stands there in a scene; they have kept their lines and heights.
-
-    Raises
-    ------
-    InputError
-        A load leaves no wave defined.
-    """
+    """Nodes of those names with what now stands there in a scene; they have kept their lines and heights."""
     fresh = {}
     for name in names:
         node = nodes[name]

@@ -16,12 +16,7 @@ def reflection_of_poles(model: "PoleResidueModel", ratio: float) -> StateSpace:
     Each pole is a state, each pair two of a rotation; S is kept to the last bit. The waves against z0 are combinations
     of those against z, a0 = (1 + z/z0)/2 a + (1 - z/z0)/2 r at the load, so that only the feedback of S is rounded.
 
-    Parameters
-    ----------
-    model : PoleResidueModel
-        S, |S| <= 1.
-    ratio : float
-        z0/z, > 0.
+    The model is of S, |S| <= 1; `ratio` is z0/z > 0.
     """
     n = len(model.coefficients) - 2
     A, b, c, k = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n)), 0

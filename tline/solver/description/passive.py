@@ -41,11 +41,7 @@ class CircuitVerdict(Decided):
 def passive_circuits(scene: Scene, active: set[str]) -> list[CircuitVerdict]:
     """Verdicts of all circuits of two elements or more, with silent sources.
 
-    Parameters
-    ----------
-    scene : Scene
-    active : set of str
-        Places of the elements that are refuted to be passive, or may not be.
+    `active` has the places of elements that are refuted to be passive, or may not be.
     """
 
     elements = list(exact_elements(scene))

@@ -35,13 +35,7 @@ class ProbePlace(NamedTuple):
 
 
 def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str, ProbePlace]:
-    """Probes of a scene by name.
-
-    Raises
-    ------
-    InputError
-        A probe stands inside a line with losses, which is not in stretches.
-    """
+    """Probes of a scene by name."""
     found = {}
     for name, probe in scene.probes.items():
         where = scene.probed_line(name)

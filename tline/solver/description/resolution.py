@@ -54,11 +54,6 @@ def resolution(
 
     `sections` are those of lumped lines, which ask for no slabs. A slab is to be longer, if the lines allow it, than
     the time in which lumped lines settle after a front.
-
-    Raises
-    ------
-    InputError
-        The waves under way would not fit in memory, or the run has too many slabs or ends within the first.
     """
     lines, fixed, t_end = description.lines, description.scene.solver, description.t_end
     delays = {name: line.delay for name, line in lines.items() if name not in sections}

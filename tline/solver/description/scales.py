@@ -13,14 +13,7 @@ from tline.solver.description.nodes import Node
 
 
 def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
-    """Of each curved waveform and dynamic circuit the shortest time scale, and that of its oscillations, s.
-
-    Parameters
-    ----------
-    waveforms : mapping of str to Shape
-        By place.
-    groups : iterable of Group
-    """
+    """Of each curved waveform and dynamic circuit the shortest time scale, and that of its oscillations, s."""
     scales = {where: (waveform.fastest(), waveform.fastest()) for where, waveform in waveforms.items()}
     for group in groups:
         if group.poles is not None:

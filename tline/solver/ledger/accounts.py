@@ -89,17 +89,8 @@ class Accounts(NamedTuple):
     def energies(self, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray]:
         """Energies in each stretch of time, J.
 
-        Parameters
-        ----------
-        w, o : ndarray, shape (ends, m, s)
-            Waves that arrive and leave.
-
-        Returns
-        -------
-        out : ndarray, shape (ends, m)
-            Out of the lines.
-        posted : ndarray, shape (accounts, columns of a ledger, m)
-            What goes to each account.
+        Waves w arrive and o leave, shape (ends, m, s). Returned are what comes out of lines (ends, m), and what goes to
+        each account (accounts, columns of a ledger, m).
         """
         m, integral = len(columns.slab), columns.integral
         found = np.zeros((len(self.where), len(COLUMNS), m))
@@ -149,15 +140,7 @@ def _conductance(conductor: Resistive, columns: Columns) -> NDArray:
 
 
 def accounts_of(nodes: Sequence[Node], inventory: Inventory, z0: NDArray) -> Accounts:
-    """Open the accounts of a group.
-
-    Parameters
-    ----------
-    nodes : sequence of Node
-    inventory : Inventory
-        What stands at these nodes.
-    z0 : ndarray, shape (lines,)
-    """
+    """Open the accounts of a group."""
     number = {node.name: k for k, node in enumerate(nodes)}
     ends = np.array([end for node in nodes for end in node.ends], int)
     at = np.repeat(np.arange(len(nodes)), [len(node.ends) for node in nodes])

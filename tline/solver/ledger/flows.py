@@ -33,11 +33,7 @@ class Flows(NamedTuple):
 def flows_of(ports: Sequence[Port], seen: Sequence[bool]) -> Flows:
     """Flows of a group's ports.
 
-    Parameters
-    ----------
-    ports : sequence of Port
-    seen : sequence of bool
-        Of each node, whether its effort is known. Where it is not, the rest is nothing, and elements share an account.
+    Where a node's effort is not seen, the rest is nothing, and elements share an account.
 
     Examples
     --------

@@ -18,16 +18,7 @@ NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))
 
 
 class Kernel:
-    """A network, its state, and the units that advance it.
-
-    Parameters
-    ----------
-    network : Network
-    state : State
-        Changed in place.
-    fronts : Fronts, optional
-        If slabs in pieces are to be advanced.
-    """
+    """A network, its state, and the units that advance it."""
 
     def __init__(self, network: Network, state: State, fronts: Fronts | None = None):
         self.network, self.state = network, state

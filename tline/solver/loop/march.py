@@ -72,17 +72,7 @@ def march(
 
     For observers the kernel records into a window of one chunk, and only recorded lines are kept.
 
-    Returns
-    -------
-    record : ndarray, shape (recorded ends, 2, n * s)
-        What arrived at each recorded end, and what left it, at the points of each slab.
-    run : March
-        Time it took, recorded pieces, and what became of fronts.
-
-    Raises
-    ------
-    InputError
-        The waves grew beyond all bounds.
+    Returned is a record (recorded ends, 2, n * s) of what arrived and left at the points of each slab, and how it went.
     """
     s = assembly.basis.s
     windowed = bool(observers)

@@ -23,27 +23,15 @@ PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a p
 
 @dataclass(frozen=True, eq=False)
 class ProbeOfCopies:
-    """What one probe saw in all copies; Pa and m³/s, or V and A.
+    """What one probe saw in all copies; Pa and m³/s, or V and A."""
 
-    Attributes
-    ----------
-    u, y : ndarray, shape (copies, instants)
-        Effort, piezometric pressure in a scene with elevations, and flow at the instants asked for.
-    z0 : ndarray, shape (copies,)
-        Impedance of its line.
-    lowest, highest : ndarray, shape (copies,)
-        Smallest and largest effort from t = 0, where it is that of rest, to the end.
-    lowest_at, highest_at : ndarray, shape (copies,)
-        When they are reached, s.
-    """
-
-    u: Floats
-    y: Floats
-    lowest: Floats
-    lowest_at: Floats
-    highest: Floats
-    highest_at: Floats
-    z0: Floats
+    u: Floats  # (copies, instants) effort, piezometric pressure in a scene with elevations
+    y: Floats  # (copies, instants) flow
+    lowest: Floats  # (copies,) effort from t = 0, where it is that of rest, to the end
+    lowest_at: Floats  # (copies,) when that is reached, s
+    highest: Floats  # (copies,)
+    highest_at: Floats  # (copies,)
+    z0: Floats  # (copies,) impedance of its line
 
     def samples(self, t: Floats, height: Height) -> Samples:
         """What it saw at the instants asked for, at its height, all copies as first axis."""

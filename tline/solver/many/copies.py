@@ -35,17 +35,7 @@ class Load(NamedTuple):
 def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -> Load:
     """L and C side by side, R being part of z.
 
-    Parameters
-    ----------
-    z : ndarray, shape (copies,)
-        Thévenin impedance, > 0.
-    inductance, capacitance : ndarray, shape (copies,), or None
-        H or F, > 0; at least one is given.
-
-    Returns
-    -------
-    Load
-        States are u, and z times the inductor's flow.
+    Impedances, H and F are positive, shape (copies,); states are u, and z times the inductor's flow.
 
     Examples
     --------

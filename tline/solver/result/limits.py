@@ -12,11 +12,7 @@ VACUUM = -101_325.0  # Pa, gauge
 def beyond_limits(description: Description, extremes: Mapping[str, tuple[float, float]]) -> list[str]:
     """Whether pressures fall below those that a liquid can have, or an effort exceeds the scene's rating.
 
-    Parameters
-    ----------
-    description : Description
-    extremes : mapping of str to pair of float
-        Lowest and highest effort by place; a gauge pressure, Pa; else V.
+    Extremes are the lowest and highest effort by place; a gauge pressure, Pa; else V.
 
     Examples
     --------

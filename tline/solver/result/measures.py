@@ -45,10 +45,6 @@ class Track(NamedTuple):
 def measures_of(result: Result) -> dict[str, Measured]:
     """Each measure by name.
 
-    Parameters
-    ----------
-    result : Result
-
     Examples
     --------
     >>> import tline as tl

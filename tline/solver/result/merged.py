@@ -18,17 +18,10 @@ NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 
 @dataclass(frozen=True, eq=False)
 class CutRecord(LineRecord):
-    """The waves of a line in stretches, at its ends and at both sides of every place.
-
-    Attributes
-    ----------
-    cut : Stretches
-    stretches : tuple of LineRecord
-        From end 1 on.
-    """
+    """The waves of a line in stretches, at its ends and at both sides of every place."""
 
     cut: Stretches
-    stretches: tuple[LineRecord, ...]
+    stretches: tuple[LineRecord, ...]  # from end 1 on
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay; at a cavity before it."""

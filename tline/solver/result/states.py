@@ -21,25 +21,13 @@ MOST_SAMPLES = 2e7  # of states that a run keeps without being asked
 
 
 class StateTrace(NamedTuple):
-    """One quantity of an element at slab ends.
+    """One quantity of an element at slab ends."""
 
-    Attributes
-    ----------
-    where : str
-        Place of the element.
-    word : str
-        What it is called, such as "speed".
-    unit : str
-        SI; empty of a share.
-    t, values : ndarray, shape (slabs + 1,)
-        From t = 0 on, s, and in SI.
-    """
-
-    where: str
-    word: str
-    unit: str
-    t: NDArray
-    values: NDArray
+    where: str  # place of the element
+    word: str  # what it is called, such as "speed"
+    unit: str  # SI; empty of a share
+    t: NDArray  # (slabs + 1,) from t = 0 on, s
+    values: NDArray  # (slabs + 1,) in SI
 
     @property
     def name(self) -> str:

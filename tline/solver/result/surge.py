@@ -32,16 +32,7 @@ def surges(
     waves add up: at dead ends, beyond junctions, where columns collapse. Nothing is said beside a source whose
     pressure changes, for that may rise as it likes, nor where nothing flows at first.
 
-    Parameters
-    ----------
-    description : Description
-    t : ndarray
-        Instants of the run, s.
-    start : mapping of str to ndarray
-        By line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
-    probes : mapping of str to ProbeResult
-    envelope : Envelope or None
-        Extremes at all nodes, if they were watched.
+    `start` has by line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
 
     References
     ----------

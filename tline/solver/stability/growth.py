@@ -19,18 +19,11 @@ MOST_WORK = 3e9  # entries of all matrices times their size
 
 @dataclass(frozen=True)
 class Growth:
-    """How the waves of a scene grow.
+    """How the waves of a scene grow."""
 
-    Parameters
-    ----------
-    s : complex or None
-        Of the waves exp(st) that grow fastest, the exponent, in 1/s; None if none grows by more than 0.1 % in the run.
-    highest : float
-        Angular frequency up to which was searched, rad/s.
-    """
-
+    # of the waves exp(st) that grow fastest, the exponent, in 1/s; None if none grows by more than 0.1 % in the run
     s: complex | None
-    highest: float
+    highest: float  # angular frequency up to which was searched, rad/s
 
 
 def growth(description: Description) -> Growth | None:

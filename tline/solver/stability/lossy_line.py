@@ -10,13 +10,7 @@ from tline.words.wording import place
 
 
 def losses_of(name: str, line: Line) -> LossyLine:
-    """The exact laws of a line that has losses.
-
-    Raises
-    ------
-    InputError
-        Its friction depends on the size of the flow.
-    """
+    """The exact laws of a line that has losses."""
     losses = line.losses
     if losses is None or not losses.linear:
         problem = "depends on the size of the flow: there is no transfer function"

@@ -27,12 +27,7 @@ Parts = tuple[NDArray, NDArray, NDArray]
 class Scattering:
     """A scene after its last switch has moved; s counts in units of 1/`second`.
 
-    Parameters
-    ----------
-    description : Description
-        Its sources count with their resistances only.
-    terminations : mapping of str to float, optional
-        Conductances at nodes, beside what stands there.
+    Sources count with their resistances only; terminations are conductances at nodes, beside what stands there.
     """
 
     def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
@@ -175,20 +170,7 @@ def answers(
 ) -> tuple[NDArray, NDArray]:
     """Waves that arrive at the ends of lines, and efforts of the nodes.
 
-    Parameters
-    ----------
-    network : Scattering
-    s : ndarray of complex, shape (n,)
-        In the unit of the network.
-    held, flows : ndarray, shape (nodes,) or (n, nodes)
-        Efforts that sources hold, and flows that they drive.
-    late : ndarray of complex, shape (n, lines), optional
-        What delays are beyond sT.
-
-    Returns
-    -------
-    ndarray of complex, shape (n, ends)
-    ndarray of complex, shape (n, nodes)
+    Sources hold efforts and drive flows, shape (nodes,) or (n, nodes); `late` (n, lines) is what delays are beyond sT.
     """
     number = int(len(s) * network.size**2 / CHUNK) + 1
     nodes, lines = ((len(s), len(each)) for each in (network.names, network.delays))

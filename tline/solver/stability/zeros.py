@@ -88,12 +88,7 @@ def _turned(log: Log, s: NDArray) -> float:
 
 
 def all_zeros(log: Log, box: Box, step: float) -> list[complex]:
-    """All zeros in a rectangle, multiple ones once, in no order.
-
-    Raises
-    ------
-    UncountableError
-    """
+    """All zeros in a rectangle, multiple ones once, in no order."""
     aspect = (box.high - box.low) / (box.right - box.left)
     waiting, found = [(box, count(log, box, step))], []
     while waiting:
@@ -110,12 +105,7 @@ def all_zeros(log: Log, box: Box, step: float) -> list[complex]:
 
 
 def rightmost(log: Log, box: Box, step: float) -> complex:
-    """The zero of the largest real part in a rectangle that holds one or more.
-
-    Raises
-    ------
-    UncountableError
-    """
+    """The zero of the largest real part in a rectangle that holds one or more."""
     aspect = (box.high - box.low) / (box.right - box.left)
     waiting, best = [(-box.right, abs(box.low), box, count(log, box, step))], None
     while waiting:

@@ -44,26 +44,16 @@ class EdgeLaws(NamedTuple):
 
 
 class Linear(NamedTuple):
-    """What is linear; unknowns after the edges' are efforts of parts, then others of the size of efforts.
+    """What is linear; unknowns after the edges' are efforts of parts, then others of the size of efforts."""
 
-    Attributes
-    ----------
-    given, conductance, driven : ndarray, shape (parts,)
-        Effort where it is prescribed, else nan; conductance to the reference; flow of sources.
-    unit : float
-        Impedance by which balances of flows are multiplied, > 0.
-    A, B : Sparse
-        Entries beside these, numbered with the edges first: (A + s B) z = known. Without B a leak tells what is open.
-    known : ndarray, shape (others,)
-    """
-
-    given: NDArray
-    conductance: NDArray
-    driven: NDArray
-    unit: float
+    given: NDArray  # (parts,) effort where it is prescribed, else nan
+    conductance: NDArray  # (parts,) to the reference
+    driven: NDArray  # (parts,) flow of sources
+    unit: float  # impedance by which balances of flows are multiplied, > 0
+    # entries beside these, numbered with the edges first: (A + s B) z = known. Without B a leak tells what is open
     A: Sparse = Sparse(np.zeros(0, int), np.zeros(0, int), np.zeros(0))
     B: Sparse | None = None
-    known: NDArray = np.zeros(0)
+    known: NDArray = np.zeros(0)  # (others,)
 
     def matrix(self, leaking: float, edges: int) -> tuple[Sparse, NDArray, NDArray]:
         """A and f with a leak, without the laws; and the leak of each part."""
@@ -96,12 +86,7 @@ class Balance(NamedTuple):
 def balanced(laws: EdgeLaws, linear: Linear, near: NDArray | None = None) -> Balance:
     """Efforts at which all flows balance.
 
-    Parameters
-    ----------
-    laws : EdgeLaws
-    linear : Linear
-    near : ndarray, optional
-        Unknowns of the same network with other numbers.
+    `near` are unknowns of the same network with other numbers.
     """
     least = 0.0 if linear.B is not None else LEAK
     if not len(laws.from_node) and linear.B is None:  # each part by itself

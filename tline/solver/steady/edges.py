@@ -24,15 +24,7 @@ TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its n
 
 
 class Edges:
-    """Lossy lines first, then elements.
-
-    Attributes
-    ----------
-    where : list of str
-        Names for messages.
-    from_node, to_node : ndarray, shape (edges,)
-        Nodes, -1 for the reference.
-    """
+    """Lossy lines first, then elements."""
 
     def __init__(
         self,

@@ -10,13 +10,7 @@ from tline.solver.kernel.units import law_addresses
 
 
 class Flows:
-    """Laws of elements, packed once.
-
-    Parameters
-    ----------
-    laws : Laws
-        Of E elements.
-    """
+    """Laws of elements, packed once."""
 
     def __init__(self, laws: Laws):
         self._v, self._flow, self._slope = np.empty((3, len(laws.kind)))

@@ -32,12 +32,7 @@ def falling(line: Line) -> bool:
 
 
 class Falls:
-    """What falls along lines, over one unknown each: z0·y.
-
-    Attributes
-    ----------
-    z0 : ndarray, shape (lines,)
-    """
+    """What falls along lines, over one unknown each: z0·y."""
 
     def __init__(self, lines: Mapping[str, Line]):
         self.z0 = np.array([line.z0 for line in lines.values()])

@@ -37,13 +37,7 @@ class Ported(NamedTuple):
 class _Equations:
     """Entries of A and B, collected, and what each equation and unknown belongs to: edges first, then nodes.
 
-    Parameters
-    ----------
-    names : list of str
-    first : int
-        Number of the first node.
-    unit, rate : float
-        Impedance by which flows are multiplied; of s, 1/s.
+    Flows are multiplied by the impedance `unit`, s by 1/rate; nodes are numbered from `first` on.
     """
 
     def __init__(self, names: list[str], first: int, unit: float, rate: float):
@@ -127,14 +121,7 @@ def ported(
 ) -> Ported:
     """The equations; of the edges, which come first, with the inertia of the falling lines among them.
 
-    Parameters
-    ----------
-    edges : list of str
-        Places.
-    falls : ndarray
-        Delays of the falling lines, the first edges.
-    unit : float
-        Impedance by which flows are multiplied.
+    The first edges are falling lines, with their delays.
     """
     rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
@@ -157,12 +144,7 @@ def ported(
 
 
 def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Mapping[str, int]) -> None:
-    """Refuse equations that contradict each other, or leave something open, naming elements.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse equations that contradict each other, or leave something open, naming elements."""
     for at, problem in (
         (limit.rows if limit else [], "nothing takes the flow, or efforts contradict each other"),
         (limit.columns if limit else [], "nothing determines its effort or flow"),

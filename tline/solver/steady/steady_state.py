@@ -47,13 +47,7 @@ def rest(description: Description) -> Before:
 
 
 def steady_state(description: Description) -> tuple[dict[str, float], NDArray]:
-    """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
-
-    Raises
-    ------
-    InputError
-        If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
-    """
+    """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0."""
     effort, flows, *_ = above_level(description)
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
@@ -168,12 +162,7 @@ def _unit(parted: _Parts, laws: EdgeLaws) -> float:
 def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, driving: float) -> None:
     """Refuse what was not found, and a flow that nothing takes.
 
-    Parameters
-    ----------
-    part : ndarray, shape (nodes,)
-        Number of each node's balance.
-    driving : float
-        The largest flow that something drives.
+    `driving` is the largest flow that something drives, `part` the number of each node's balance.
     """
     if not found.worst <= CLOSE:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
@@ -193,13 +182,7 @@ def _driving(parted: _Parts, edges: Edges) -> float:
 
 
 def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, known: NDArray, driving: float) -> NDArray:
-    """The effort of each part, with those of pockets.
-
-    Raises
-    ------
-    InputError
-        What a node starts with would open a valve.
-    """
+    """The effort of each part, with those of pockets."""
     if known.all():
         return effort
     description, number, part = parted.description, parted.number, parted.part

@@ -20,12 +20,7 @@ SAMPLES = 2.0  # times as many in the next run, at least
 class Budget:
     """Computing time from now on for all runs of a search, without what compiling takes.
 
-    Parameters
-    ----------
-    seconds : float, optional
-        How many; ten minutes if not given.
-    shown : bool
-        Whether it is said, after two seconds, how many more are expected.
+    Ten minutes if none is given; where it is shown, it is said after two seconds how many more are expected.
     """
 
     def __init__(self, seconds: float | None = None, shown: bool = False):

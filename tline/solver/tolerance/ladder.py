@@ -109,18 +109,8 @@ class Grids(ABC):
 class Ladder:
     """The runs so far, and the best of them.
 
-    Attributes
-    ----------
-    last : Result
-        The finest run.
-    told : Accuracy
-        Estimated errors after the last step.
-    helps : bool
-        Whether that step converged.
-    stale : int
-        Halvings of the slab in a row that brought nothing.
-    differences : list of Accuracy
-        From each run to the next, where they are taken for errors.
+    `last` is the finest run, `told` its errors after the last step, and whether that converged (`helps`); `stale`
+    counts halvings of the slab in a row that brought nothing.
     """
 
     def __init__(self, grids: Grids, first: Result):
@@ -183,13 +173,7 @@ class Ladder:
 
 
 def refined(grids: Grids) -> Result:
-    """Run on ever finer grids until the estimated error is within the tolerance, or a limit is reached.
-
-    Raises
-    ------
-    InputError
-        The first run cannot be made; no flow is found, say.
-    """
+    """Run on ever finer grids until the estimated error is within the tolerance, or a limit is reached."""
     ladder, missed, limit = Ladder(grids, grids.first()), 0, ""
     while not limit:
         try:

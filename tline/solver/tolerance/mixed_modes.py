@@ -26,11 +26,7 @@ class Doublings(Grids):
     Places are of first order behind jumps, and nearly of second behind corners. Where each doubling leaves the share r
     of the change before, the next ones leave r + r² + …; r counts as a half at most, and as that after the first.
 
-    Parameters
-    ----------
-    search : Search
-    run : callable
-        Of a number of doublings and the tolerance of its slabs.
+    `run` takes a number of doublings and the tolerance of its slabs.
     """
 
     def __init__(self, search: Search, run: Callable[[int, float], Result]):

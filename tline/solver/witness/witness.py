@@ -17,17 +17,7 @@ from tline.solver.witness.stores import store_doubts
 class Witness:
     """Looks at some nodes of a scene; made before its runs, for these keep the waves that it needs.
 
-    Parameters
-    ----------
-    description : Description
-    kept : collection of str
-        Lines whose waves are kept anyway, so that they are not lumped.
-
-    Attributes
-    ----------
-    nodes : list of Balance
-    lines : list of str
-        Whose waves it needs.
+    Lines that are kept anyway are not lumped; `lines` are those whose waves it needs.
     """
 
     def __init__(self, description: Description, kept: Collection[str] = ()):
