@@ -23,8 +23,8 @@ from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import Accuracy
-from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
+from tline.solver.result.merged import record_of
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import ElementRecord, LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.result.states import watched

@@ -11,7 +11,7 @@ from tline.scene.travel import ADDED
 from tline.scene.valve import Orifice
 from tline.solver.description.excitation import varies
 from tline.solver.result.result import Result
-from tline.solver.tolerance.budget import Budget
+from tline.solver.tolerance.ladder import Budget
 from tline.surge.columns import ROUGHLY
 from tline.surge.worst import extremes
 

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.node_maps import Event
-from tline.solver.assembly.settling import settling_step
+from tline.solver.assembly.node_maps import Event, settling_step
 from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
 from tline.solver.description.laws import tools_of

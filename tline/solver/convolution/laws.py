@@ -20,10 +20,9 @@ from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.nodal import Efforts, LinearRest
 from tline.solver.convolution.quadrature import Quadrature
-from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE, Shape
-from tline.solver.description.groups import Group
+from tline.solver.description.groups import Group, parts
 from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.description.switches import Moving
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved

@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.branches import Branch
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
+from tline.solver.description.links import Branch
 from tline.solver.description.nodes import Node
 from tline.solver.description.switches import switches_of
 from tline.solver.stability.scattering import Scattering

@@ -2,6 +2,8 @@
 
 All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
 with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
+
+The envelope of a convolution, from what its lines record.
 """
 
 import time
@@ -14,23 +16,39 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.convolution.envelope import envelope_of
 from tline.solver.convolution.families import Changes, changes_of, family_of, leads, summed
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
-from tline.solver.convolution.passive import gain, gain_of_bundle
-from tline.solver.convolution.quadrature import PADDED, Quadrature
+from tline.solver.convolution.quadrature import PADDED, Quadrature, gain, gain_of_bundle
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
-from tline.solver.description.given import Shape
+from tline.solver.description.given import Height, Shape
 from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.loop.march import Noted
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Basis, basis
-from tline.solver.result.conductor import record_of
+from tline.solver.result.dense_output import extremes
+from tline.solver.result.envelope import Envelope
+from tline.solver.result.merged import record_of
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
+
+
+def envelope_of(description: Description, result: Result) -> Envelope:
+    """Extremes at all nodes at which lines end, all of which are recorded; what their errors are is not known yet."""
+    seen = {
+        node: ProbeResult(node, name, float(side), record, result.slabs, description.heights.get(node, Height()))
+        for name, record in result.lines.items()
+        for side, node in enumerate(description.lines[name].nodes)
+    }
+    found = [extremes(probe, "u") for probe in seen.values()]
+    (low, low_at), (high, high_at) = (np.array(side).T for side in zip(*found, strict=True))
+    start = np.array([sum(wave.before for wave in probe.waves) / 2 for probe in seen.values()])
+    weight, per_metre = (np.array([getattr(p.height, name) for p in seen.values()]) for name in ("weight", "per_metre"))
+    unknown = np.full(len(seen), np.nan)
+    return Envelope((*seen,), start, low, low_at, unknown, high, high_at, unknown, weight, per_metre)
+
 
 SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed

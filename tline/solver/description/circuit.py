@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.branches import Branch
+from tline.solver.description.links import Branch
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 

@@ -1,4 +1,7 @@
-"""Nodes that see each other without delay, and the circuit that stands between their line ends."""
+"""Nodes that see each other without delay, and the circuit that stands between their line ends.
+
+What hangs together.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,15 +13,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.branches import Branch, PlacedBranch, conductors, lc_sections, one_port
 from tline.solver.description.circuit import Circuit, LawPort, circuit, equations
-from tline.solver.description.components import parts
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
+from tline.solver.description.links import Branch, PlacedBranch, conductors, lc_sections, one_port
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
+
+
+def parts(first: NDArray, second: NDArray, n: int) -> NDArray:
+    """Number of the connected part that each of n nodes lies in, for lines from the first nodes to the second."""
+    label, before = np.arange(n), np.full(n, -1)  # the least node of a part gives it its label, along the lines
+    while (label != before).any():
+        before = label.copy()
+        least = np.minimum(label[first], label[second])
+        np.minimum.at(label, first, least)
+        np.minimum.at(label, second, least)
+        label = label[label]
+    return np.unique(label, return_inverse=True)[1]
 
 
 class LumpedLine(NamedTuple):

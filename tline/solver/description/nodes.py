@@ -25,8 +25,7 @@ from tline.scene.source import Source
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
-from tline.solver.description.load_step import StateSpace, reflection
-from tline.solver.description.partial_fractions import reflection_of_poles
+from tline.solver.description.load_step import StateSpace, reflection, reflection_of_poles
 from tline.words.wording import place
 
 SEA_LEVEL = Height()

@@ -91,9 +91,7 @@ def _seen(
     Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
     """
     from tline.solver.kernel.peaks import extremes, find_extremes
-    from tline.solver.many.kernel.advance import CopiesRun, advance_copies
-    from tline.solver.many.kernel.maps import fill_maps, load_maps
-    from tline.solver.many.kernel.values import Values, find_values
+    from tline.solver.many.kernel.advance import CopiesRun, Values, advance_copies, fill_maps, find_values, load_maps
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
     rate, projector = modes_of(order)

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 
 from tline.solver.assembly.fronts import Tally
-from tline.solver.description.components import parts
 from tline.solver.description.description import Description, describe
+from tline.solver.description.groups import parts
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.limits import beyond_limits
 from tline.solver.result.result import ProbeResult, Result

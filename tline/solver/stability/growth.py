@@ -6,8 +6,7 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
-from tline.solver.stability.characteristic import Characteristic
-from tline.solver.stability.zeros import Box, UncountableError, count, rightmost
+from tline.solver.stability.zeros import Box, Characteristic, UncountableError, count, rightmost
 
 NEGLIGIBLE = 1e-3  # growth within a run that counts as none
 PERIODS = 4  # of the shortest line that the search reaches at least beyond the corners of all loads

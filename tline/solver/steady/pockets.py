@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.components import parts
 from tline.solver.description.given import kinds_numbered
+from tline.solver.description.groups import parts
 from tline.solver.kernel.network import Laws as Elements
 
 WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known

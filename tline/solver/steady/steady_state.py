@@ -12,15 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.steady.at_nodes import AtNodes, Joins, Lines, at_nodes, joins_of, lines_of
+from tline.solver.description.groups import parts
 from tline.solver.steady.balance import CLOSE, Balance, EdgeLaws, Linear, balanced, symmetric
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.openings import openings_at_rest, still
 from tline.solver.steady.pockets import settled
-from tline.solver.steady.ports import branches_with_ports, check_limit, ported
+from tline.solver.steady.ports import (
+    AtNodes,
+    Joins,
+    Lines,
+    at_nodes,
+    branches_with_ports,
+    check_limit,
+    joins_of,
+    lines_of,
+    ported,
+)
 from tline.words.wording import place
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal

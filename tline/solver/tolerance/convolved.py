@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.solver.convolution.families import leads
-from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.quadrature import padding, rounding
+from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved
 from tline.solver.convolution.suited import affordable, suits
 from tline.solver.description.given import Scene

@@ -11,7 +11,7 @@ from tline.scene.solver import Solver
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, Waveform, sampled
-from tline.solver.loop.kernel import advance
+from tline.solver.loop.march import advance
 from tline.solver.radau import Basis, gauss
 from tline.study.baseline.method import HALF, MOST_KEPT, BaselineRun, count_steps, delays_of, shortest_delay, within
 
