@@ -85,10 +85,8 @@ def again() -> dict[str, str]:
 
 def pipe() -> str:
     """Least milliseconds of stepping that leave a true error below 1e-3, of slabs and of rthym-moc."""
-    from tline.study.charts.clock import FULL
-    from tline.study.charts.judge import Judge
+    from tline.study.charts.measure import FULL, ChartTable, Judge
     from tline.study.charts.scenes import chart_scene
-    from tline.study.charts.table import ChartTable
     from tline.study.charts.work_precision import add, production
     from tline.study.programs import rthym
 

@@ -20,7 +20,7 @@ from tline.loss import (
     hagen_poiseuille,
     realise,
 )
-from tline.loss.arithmetic import Arithmetic
+from tline.loss.law import Arithmetic
 from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
 from tline.pictures.traces import plot
 from tline.scene.file import read_scene

@@ -3,7 +3,7 @@
 import numpy as np
 from energy import on_lines, silent
 
-from tline.scene.kind import KINDS
+from tline.scene.law import KINDS
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.circuit import equations
 from tline.solver.description.given import Scene

@@ -7,11 +7,11 @@ from tline.errors import InputError, SceneError
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.measure import Probe
-from tline.scene.points import Pulses
 from tline.scene.rational import Impedance, Parallel, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.shape import Step
 from tline.scene.source import Source
+from tline.scene.waveform import Pulses
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 

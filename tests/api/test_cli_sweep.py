@@ -127,7 +127,7 @@ def test_ctrl_c_before_anything_is_done_writes_nothing(folder: Path, monkeypatch
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("tline.sweeps.vectorised.side_by_side", interrupted)
+    monkeypatch.setattr("tline.sweeps.work.side_by_side", interrupted)
     before = sorted(folder.iterdir())
     done = run(f"sweep cable.toml {Z0} --sample random:30 --csv r.csv --npz r.npz --plot r.svg --resume go.npz")
     assert (done.exit_code, done.stdout, done.stderr.strip()) == (130, "", "interrupted")
@@ -141,7 +141,7 @@ def test_ctrl_c_later_keeps_what_is_done_and_exits_with_130(folder: Path, monkey
 
     made = SweepWork.batches
     monkeypatch.setattr(SweepWork, "batches", batches)
-    monkeypatch.setattr("tline.sweeps.vectorised.side_by_side", refused)
+    monkeypatch.setattr("tline.sweeps.work.side_by_side", refused)
     line = "sweep cable.toml --vary lines.cable.z0=40:60:5 --resume go.npz --csv r.csv"
     done = run(line)
     assert done.exit_code == 130

@@ -7,8 +7,7 @@ import pytest
 
 import tline as tl
 from tline.errors import InputError
-from tline.surge.event import Event
-from tline.surge.group import each_of
+from tline.surge.event import Event, each_of
 from tline.surge.operation import operate
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"

@@ -11,8 +11,8 @@ from networks import RING, ring
 from tline.cli.main import main
 from tline.errors import InputError
 from tline.interchange import confined, epanet_run
+from tline.interchange.confined import parse
 from tline.interchange.epanet import read_epanet
-from tline.interchange.epanet_text import parse
 
 pytest.importorskip("wntr")
 TEXT = RING.format(units="LPS", law="H-W", rough=120, exponent=0.5)

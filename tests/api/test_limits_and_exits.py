@@ -18,9 +18,9 @@ from tline.cli.frequency import MOST_POINTS
 from tline.cli.main import main
 from tline.interchange.deck import DEEPEST, MOST_CARDS
 from tline.scene.mistakes import MOST
-from tline.scene.points import MOST_PULSES
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST_FILE
+from tline.scene.waveform import MOST_PULSES
 from tline.solver.description import resolution
 from tline.solver.tolerance import ladder
 from tline.sweeps.design import MOST_RUNS

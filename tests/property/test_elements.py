@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_elements import random_elements
 
-from tline.scene.kind import KINDS
+from tline.scene.law import KINDS
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.stores import gas, rotor, tank

@@ -63,7 +63,7 @@ def test_on_processes_of_which_one_is_killed(here, tmp_path, monkeypatch):
 
 def _after(flag: Path):
     """Make the first run here, and let the next process that looks for the flag be killed."""
-    from tline.sweeps.batches import run_batch
+    from tline.sweeps.executors import run_batch
 
     def run(task, rows):
         batch = run_batch(task, rows)

@@ -5,8 +5,7 @@ import pytest
 
 from tline.errors import InputError
 from tline.frequency.response import respond
-from tline.scene.attenuation import DECIBEL, Attenuation
-from tline.scene.cable_types import TYPES
+from tline.scene.attenuation import DECIBEL, TYPES, Attenuation
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes
 from tline.scene.scene import Scene

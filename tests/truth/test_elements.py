@@ -10,8 +10,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from tline.scene.characteristic import BOLTZMANN, CHARGE
+from tline.scene.pump_curves import RADIAL
 from tline.scene.scene import Scene
-from tline.scene.suter import RADIAL
 from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD, KV = 2e7, 0.1, 6e5, 120.0

@@ -8,8 +8,7 @@ import pytest
 from networks import ring
 
 from tline.interchange.epanet import read_epanet
-from tline.interchange.head_loss import friction_of
-from tline.interchange.water_network import WaterNetwork
+from tline.interchange.water_network import WaterNetwork, friction_of
 from tline.scene.line import Pipe
 from tline.scene.site import GRAVITY
 

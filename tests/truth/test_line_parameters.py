@@ -12,7 +12,7 @@ from pint import UnitRegistry
 from tline import ElectricalLine, HydraulicLine
 from tline.errors import InputError
 from tline.line import electrical
-from tline.line.fluids import water
+from tline.line.materials import water
 from tline.units import PLAIN, PREFIXABLE, PREFIXES, to_si
 
 PINT = UnitRegistry()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
-from tline.scene.expanded import expanded
 from tline.scene.scene import Scene
+from tline.scene.stretches import expanded
 from tline.solver.simulate import simulate
 
 NS, RISE, T_END, SAMPLES = 1e-9, 0.3e-9, 5e-9, 1 << 16

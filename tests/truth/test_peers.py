@@ -3,7 +3,7 @@
 import pytest
 
 from tline.study.charts import inverse_fft
-from tline.study.charts.judge import Judge
+from tline.study.charts.measure import Judge
 from tline.study.charts.scenes import chart_scene
 
 

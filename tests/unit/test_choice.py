@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 import pytest
 from pydantic import ValidationError
 
-from tline.scene.choice import OneOf, validator
 from tline.scene.element import Element
+from tline.scene.mistakes import OneOf, validator
 
 
 class Round(Element):

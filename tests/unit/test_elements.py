@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from tline.scene.factor import Characterised
-from tline.scene.kind import KINDS
-from tline.scene.points import Ramp
+from tline.scene.law import KINDS
 from tline.scene.pump import Pump
-from tline.scene.smooth import Sine
+from tline.scene.waveform import Ramp, Sine
 from tline.solver.description.laws import laws_of
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.stores.gas import expanded

@@ -12,9 +12,9 @@ from tline.pictures.along import effort_along, extremes_along, start_effort
 from tline.pictures.fronts import only_line
 from tline.pictures.map import surges
 from tline.pictures.path import route
-from tline.scene.expanded import expanded
 from tline.scene.file import scene_from, scene_text
 from tline.scene.scene import Scene
+from tline.scene.stretches import expanded
 from tline.solver.description.description import describe
 from tline.solver.many import many_runs
 from tline.solver.result.interior import inside

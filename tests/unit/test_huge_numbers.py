@@ -57,7 +57,7 @@ def test_huge_parameters_are_answered(arguments, statuses):
 
 
 def test_a_count_of_pulses_beyond_doubles_is_refused():
-    from tline.scene.points import Pulses
+    from tline.scene.waveform import Pulses
 
     with pytest.raises(ValueError, match="not a whole number in range, expected one of at most 2\\^53"):
         Pulses.model_validate({"high": 1, "width": 1e-9, "period": 3e-9, "count": 10**400})

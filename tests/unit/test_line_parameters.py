@@ -10,8 +10,7 @@ import pytest
 
 from tline import ElectricalLine, HydraulicLine
 from tline.errors import InputError
-from tline.line.fluids import HYDRAULIC_OIL, water
-from tline.line.walls import WALLS
+from tline.line.materials import HYDRAULIC_OIL, WALLS, water
 
 ROUNDING = 1e-14  # a chain of some ten operations, each to half a unit of the last place
 

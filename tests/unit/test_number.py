@@ -4,7 +4,7 @@ import pytest
 
 import tline as tl
 from tline.errors import InputError
-from tline.scene.number import with_number
+from tline.scene.changed import with_number
 
 RC, VALVE = tl.examples["cable_rc"], tl.examples["valve_closure"]
 PLACES = [

@@ -6,7 +6,7 @@ from networks import ring
 from tline.errors import InputError
 from tline.interchange import confined
 from tline.interchange.epanet import read_epanet
-from tline.interchange.pump_curve import pump_curve
+from tline.interchange.water_network import pump_curve
 
 
 def test_without_wntr_it_says_what_to_install(monkeypatch, tmp_path):

@@ -8,9 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tline.errors import InputError
-from tline.line.given import Given
 from tline.line.parameters import choose
-from tline.line.relations import Relation, Relations, determine, listed, solve
+from tline.line.relations import Given, Relation, Relations, determine, listed, solve
 
 CIRCLE = Relations(
     ({"diameter": 1, "2": -1, "radius": -1}, {"area": 1, "pi": -1, "radius": -2}),

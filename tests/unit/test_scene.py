@@ -18,12 +18,12 @@ from tline.scene.file import read_scene, schema
 from tline.scene.line import Cable, Pipe
 from tline.scene.load import Resistor
 from tline.scene.measure import Probe
-from tline.scene.points import Ramp
 from tline.scene.quantity import Quantity
 from tline.scene.rational import Impedance, Parallel, Series
 from tline.scene.scene import Scene
 from tline.scene.shape import Step
 from tline.scene.source import Source
+from tline.scene.waveform import Ramp
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.description.slab import CHEAP, MOST_KEPT

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from tline.errors import SceneError
-from tline.scene.travel import ADDED, open_loss, opening_of, shares
-from tline.scene.valve import Orifice
+from tline.scene.valve import ADDED, Orifice, open_loss, opening_of, shares
 
 
 def valve_of(**given: Any) -> Orifice:

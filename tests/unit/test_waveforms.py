@@ -8,12 +8,22 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
-from tline.scene.points import MOST_PULSES, PiecewiseLinear, Pulses, Ramp, Table, read_table
 from tline.scene.shape import Constant, Shape, Step
-from tline.scene.smooth import DoubleExponential, Exponential, ModulatedSine, Sine
+from tline.scene.waveform import (
+    MOST_PULSES,
+    DoubleExponential,
+    Exponential,
+    ModulatedSine,
+    PiecewiseLinear,
+    Pulses,
+    Ramp,
+    Sine,
+    Table,
+    read_table,
+)
 from tline.solver.description.excitation import EDGE, just_before
 from tline.solver.radau import basis, gauss
-from tline.study.baseline.pointwise import projected
+from tline.study.baseline.explicit import projected
 
 ROUNDING = 1e-14  # of a level of size 1; a handful of operations
 

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
-from tline.study.charts import peers, work_precision
-from tline.study.charts.clock import QUICK, TimedRun
-from tline.study.charts.judge import Judge
+from tline.study.charts import work_precision
+from tline.study.charts.measure import QUICK, ChartTable, Judge, Row, TimedRun
 from tline.study.charts.picture import draw
 from tline.study.charts.scenes import NAMES, chart_scene
-from tline.study.charts.table import ChartTable, Row
 from tline.study.charts.work_precision import add, fixed, refined, simulated, to_tolerances
 from tline.study.programs import ngspice, rthym, tsnet
 from tline.study.reference import exact
@@ -130,7 +128,7 @@ def test_tolerances_below_what_the_judge_knows_are_left_out():
 
 def test_peers_that_are_not_installed_are_named(monkeypatch):
     monkeypatch.setattr("shutil.which", lambda name: None)
-    notes = peers.peers("hammer", quick=True).notes
+    notes = work_precision.peers("hammer", quick=True).notes
     assert [note.split(" (")[0] for note in notes][:2] == ["absent: ngspice", "absent: scikit-rf, inverse FFT"]
     assert "apt install ngspice" in notes[0]
 

@@ -12,7 +12,7 @@ from tline.cli.from_signature import Command, Output, command, drawn, picture, t
 from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
-    from tline.study.charts.table import ChartTable
+    from tline.study.charts.measure import ChartTable
 
 FILES = {"csv": table("All numbers as a table"), "plot": picture("The chart")}
 EXAMPLES = """\b
@@ -53,14 +53,14 @@ def work_precision(scene: str = "rc", **given: Any) -> Output:
     return _table(measure(scene, **given, progress=sys.stderr.isatty()))
 
 
-@_chart("peers:peers")
+@_chart("work_precision:peers")
 def peers(scene: str = "rc", **given: Any) -> Output:
     """Error against run time of other programs on the same scene, each measured now if it is installed.
 
     ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages; TSNet where the variable
     TSNET_PYTHON names an interpreter that has it. What is absent is named.
     """
-    from tline.study.charts.peers import peers as measure
+    from tline.study.charts.work_precision import peers as measure
 
     return _table(measure(scene, **given, progress=sys.stderr.isatty()))
 

@@ -110,7 +110,7 @@ class Answer(Presentation):
         if not self.has_figure:
             raise InputError(f"exercise {self.letter}", "has no figure", "another letter")
         name, *given = self._draw
-        return getattr(import_module("tline.exercises.pictures"), name)(*given, ax=ax)
+        return getattr(import_module("tline.exercises.lines"), name)(*given, ax=ax)
 
     @property
     def has_figure(self) -> bool:

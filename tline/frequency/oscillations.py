@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.scene.lossless import refuse_losses
+from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.stability.growth import right_of_all

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError, import_extra
-from tline.scene.lossless import refuse_losses
+from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import node_of_end

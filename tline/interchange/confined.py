@@ -1,17 +1,28 @@
-"""EPANET in a process of its own: in a new empty folder, within limits of time and memory."""
+"""EPANET in a process of its own, within limits of time and memory, on the lines of a file that bear on a steady flow.
+
+Its folder is new and empty, and no line that could name another file is among these.
+"""
 
 import json
+import os
+import re
+import stat
 import subprocess
 import sys
 import tempfile
 from contextlib import suppress
+from dataclasses import dataclass, field
 from importlib.util import find_spec
+from math import isfinite
 from pathlib import Path
 from platform import machine
 from typing import Any
 
 from tline.errors import InputError, MissingExtraError
 from tline.interchange import epanet_run
+from tline.interchange.water_network import Position
+from tline.scene.text_file import LARGEST_FILE
+from tline.words.wording import shown
 
 SECONDS, EACH = 20.0, 10.0  # of the processor: for any file, and for each megabyte more
 MOST, WAITING = 300.0, 3.0  # seconds, and those of the clock for each one of the processor
@@ -81,3 +92,149 @@ def _library() -> Path:
         arm = "arm" in machine().lower()
         return folder / ("darwin-arm/libepanet2.dylib" if arm else "darwin-x64/libepanet22.dylib")
     return folder / "linux-x64" / "libepanet22.so"
+
+
+LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
+TITLE = 200  # characters
+END_OF_LINE, SEPARATORS = re.compile(r"\r\n|\r|\n"), re.compile(r"[ \t,]+")
+NO_NUMBER = re.compile(r"[+-]?(nan(\(.*\))?|inf|infinity)", re.IGNORECASE)
+GIVEN = (
+    "JUNCTIONS", "RESERVOIRS", "TANKS", "PIPES", "PUMPS", "VALVES", "EMITTERS", "CURVES", "PATTERNS", "STATUS",
+    "DEMANDS", "CONTROLS", "RULES",
+)  # fmt: skip
+HELD = {"PATTERNS", "CONTROLS", "RULES"}
+LEFT = ("ROUGHNESS", "ENERGY", "QUALITY", "REACTIONS", "SOURCES", "MIXING", "REPORT", "LABELS", "BACKDROP",
+        "TAGS")  # fmt: skip
+OWN = ("TITLE", "COORDINATES", "VERTICES", "OPTIONS", "TIMES", "END")
+SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
+# options and times by how EPANET tells them, from their first letters
+OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "PATT", "DEMA", "EMIT", "MINI", "REQU")
+OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
+                 "BACKF")  # fmt: skip
+TIMES = ("PATT", "HYDR", "RULE", "START")
+
+
+@dataclass
+class EpanetText:
+    """What a file says."""
+
+    network: str = ""  # for EPANET to solve: sections and options that bear on a steady flow at the start of time
+    title: str = ""
+    held: bool = False  # whether there are patterns, controls or rules
+    controls: list[list[str]] = field(default_factory=list)  # words of the lines of controls
+    positions: dict[str, Position] = field(default_factory=dict)  # of nodes
+    vertices: dict[str, list[Position]] = field(default_factory=dict)  # of links
+
+
+def read_text(path: str) -> str:
+    """Text of a file in UTF-8 or UTF-16 with a byte order mark, or else in the alphabet of western Windows."""
+    try:
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:  # a pipe has no writer
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise InputError(path, "cannot be read", "an ordinary file")
+            data = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(path, "cannot be read", got=reason or str(error)) from None
+    if len(data) > LARGEST_FILE:
+        raise InputError(path, "cannot be read", f"at most {LARGEST_FILE:,} bytes")
+    for encoding in ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1"):
+        try:
+            text = data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if not any(ord(c) < 32 and c not in "\t\n\r\f\x1a" for c in set(text)):
+            return text
+        break
+    raise InputError(path, "cannot be read as an EPANET file", "text", "control characters")
+
+
+def parse(text: str, path: str) -> EpanetText:
+    """Sort the lines of a file, each told by its words."""
+    found, section, kept = EpanetText(title=Path(path).stem), None, []
+    titles: list[str] = []
+    for number, line in enumerate(END_OF_LINE.split(text), 1):
+        where, said = f"{path}, line {number}", line.partition(";")[0].strip(" \t,\f\x1a")
+        if said.startswith(("[", '"[')):
+            section = _section(said, where)
+            if section == "END":
+                break
+            kept.append(f"[{section}]")
+        elif section == "TITLE":
+            titles += [line.strip()] if line.strip() else []
+        elif said:
+            _sort(said, section, where, found, kept)
+    if titles:
+        found.title = "".join(c for c in titles[0] if c.isprintable())[:TITLE] or found.title
+    found.network = "\n".join([*kept, "[TIMES]", "DURATION 0", "[OPTIONS]", "QUALITY NONE", "[REPORT]", "STATUS NO",
+                               "[END]", ""])  # fmt: skip
+    return found
+
+
+def _sort(line: str, section: str | None, where: str, found: EpanetText, kept: list[str]) -> None:
+    """Put a line where it belongs."""
+    if section is None:
+        raise InputError(where, "cannot be read as an EPANET file", "a section such as [JUNCTIONS]", shown(line))
+    found.held = found.held or section in HELD
+    if section in LEFT:
+        return
+    words = _words(line, where)
+    if section == "COORDINATES":
+        found.positions[words[0]] = _position(words, where)
+    elif section == "VERTICES":
+        found.vertices.setdefault(words[0], []).append(_position(words, where))
+    elif _bears(section, words, where):
+        kept.append(_joined(words, where))
+        if section == "CONTROLS":
+            found.controls.append(words)
+
+
+def _words(line: str, where: str) -> list[str]:
+    """Words of a line, without the quotes that may stand around one."""
+    words = SEPARATORS.split(line)
+    if '"' in line:
+        if any(word.count('"') % 2 or '"' in word.strip('"') or not word.strip('"') for word in words):
+            raise InputError(where, "a name with quotes or spaces in it", "names without them", shown(line))
+        words = [word.strip('"') for word in words]
+    return words
+
+
+def _section(line: str, where: str) -> str:
+    name = line.partition("]")[0].lstrip("[").strip().upper()
+    section = SECTIONS.get(name.rstrip("S"))
+    if section is None:
+        raise InputError(where, "unknown section", "such as [JUNCTIONS]", shown(line))
+    return section
+
+
+def _bears(section: str, words: list[str], where: str) -> bool:
+    """Whether a line bears on a steady flow."""
+    key = words[0].upper()
+    if section == "OPTIONS":
+        if not key.startswith(OPTIONS + OTHER_OPTIONS):
+            raise InputError(where, "unknown option", "one of EPANET 2.2", shown(" ".join(words)))
+        return key.startswith(OPTIONS)
+    return section in GIVEN or (section == "TIMES" and key.startswith(TIMES))
+
+
+def _joined(words: list[str], where: str) -> str:
+    line = " ".join(words)
+    if words[0].startswith(("[", '"')) or ";" in line:
+        raise InputError(where, "a name that is none", "one that begins with a letter or a digit", shown(line))
+    if any(NO_NUMBER.fullmatch(word) for word in words[1:]):
+        raise InputError(where, "a number that is none", "finite numbers", shown(line))
+    if len(line.encode("utf-8", "replace")) > LONGEST:
+        raise InputError(where, "the line is too long", f"at most {LONGEST} bytes")
+    return line
+
+
+def _position(words: list[str], where: str) -> Position:
+    try:
+        x, y = map(float, words[1:3])
+    except ValueError:
+        x = y = float("nan")
+    if not (isfinite(x) and isfinite(y)):
+        raise InputError(where, "not a place on a map", "a name and two numbers", shown(" ".join(words)))
+    return x, y

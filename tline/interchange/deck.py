@@ -5,15 +5,56 @@ No parser from elsewhere: those that are maintained list devices and leave sourc
 
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
-from tline.errors import InputError
-from tline.interchange.findings import Findings
-from tline.interchange.spice_expression import Parameters, parse_value
-from tline.interchange.spice_functions import PARAMETERS, assignments
+from tline.errors import InputError, SceneError
+from tline.interchange.spice_expression import PARAMETERS, Parameters, assignments, parse_value
+from tline.scene.mistakes import limited
 from tline.scene.text_file import Folder, read_text
+
+
+class Findings:
+    """Mistakes and notes of one file, in the order of their discovery.
+
+    Examples
+    --------
+    >>> found = Findings()
+    >>> with found.gathered():
+    ...     raise InputError("c.cir, line 3, Q1", "a transistor")
+    >>> found.note("c.cir, line 4, .options", "skipped")
+    >>> found.notes, len(found.mistakes)
+    (['c.cir, line 4, .options: skipped'], 1)
+    """
+
+    def __init__(self):
+        self.mistakes: list[InputError] = []
+        self.notes: list[str] = []
+
+    def note(self, where: str, text: str) -> None:
+        """Add a sentence on something that is left out or read in a certain sense, once."""
+        sentence = f"{where}: {text}"
+        if sentence not in self.notes:
+            self.notes.append(sentence)
+
+    @contextmanager
+    def gathered(self) -> Iterator[None]:
+        """Keep a mistake made inside, and go on behind the block."""
+        try:
+            yield
+        except SceneError as error:
+            self.mistakes += error.mistakes
+        except InputError as error:
+            self.mistakes.append(error)
+
+    def check(self) -> None:
+        """Raise all mistakes, if there are any."""
+        distinct = list({str(mistake): mistake for mistake in self.mistakes}.values())
+        if distinct:
+            raise SceneError(limited(distinct, 0))
+
 
 LONGEST = 400  # characters of what is said of a card
 MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20

@@ -8,23 +8,24 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
-from tline.interchange.confined import solved
-from tline.interchange.epanet_text import EpanetText, parse, read_text
-from tline.interchange.head_loss import FOOT
-from tline.interchange.pump_curve import Polyline, PowerLaw, pump_curve
+from tline.interchange.confined import EpanetText, parse, read_text, solved
 from tline.interchange.water_controls import water_controls
 from tline.interchange.water_network import (
+    FOOT,
     LEAST_DROP,
     STILL,
     TRICKLE,
     Basin,
     Friction,
     Pipe,
+    Polyline,
+    PowerLaw,
     Valve,
     WaterJunction,
     WaterNetwork,
     WaterPump,
     listed,
+    pump_curve,
 )
 from tline.scene.site import GRAVITY as STANDARD
 from tline.units import to_si

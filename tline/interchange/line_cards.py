@@ -5,8 +5,7 @@ from math import log, pi
 
 from tline.interchange.deck import Card
 from tline.interchange.netlist import REFERENCE, Netlist, Table
-from tline.interchange.rlgc import UPPER, rlgc_matrices, symmetric
-from tline.interchange.uniform_line import add_conductors, add_uniform
+from tline.interchange.per_length import UPPER, add_conductors, add_uniform, rlgc_matrices, symmetric
 
 NUMERICAL = {  # of LTRA: how that program computes, not what the line is
     "rel", "abs", "nosteplimit", "nocontrol", "lininterp", "quadinterp", "mixedinterp", "compactrel", "compactabs",

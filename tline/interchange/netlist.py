@@ -5,8 +5,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from tline.interchange.deck import Card
-from tline.interchange.findings import Findings
+from tline.interchange.deck import Card, Findings
 from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import GROUND
 

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.interchange.diode import NOMINAL
-from tline.interchange.spice_shape import spice_waveform
+from tline.interchange.elements import NOMINAL
+from tline.interchange.spice_source import spice_waveform
 from tline.scene.characteristic import Diode
-from tline.scene.coupled import refuse_coupled
 from tline.scene.load import Link, Matched, NoFlow, Resistor, Short
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Multiport, Transformer
 from tline.scene.rational import RationalImpedance
+from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
 from tline.words.wording import place
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.interchange.water_network import listed
-from tline.line.walls import WALLS
+from tline.line.materials import WALLS
 from tline.scene.quantity import Quantity
 from tline.scene.text_file import read_text
 from tline.words.wording import shown

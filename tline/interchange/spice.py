@@ -7,15 +7,21 @@ import numpy as np
 
 from tline.errors import InputError, SceneError
 from tline.interchange.coupled_windings import add_coupled, couplings, names_coupled
-from tline.interchange.deck import OVER_FREQUENCY, Card, read_deck
+from tline.interchange.deck import OVER_FREQUENCY, Card, Findings, read_deck
 from tline.interchange.elements import merge_shorts, take
-from tline.interchange.findings import Findings
 from tline.interchange.netlist import REFERENCE, Netlist
-from tline.interchange.spice_commands import SHOWN, nodes_shown, skip, transient, values_at_begin
+from tline.interchange.spice_commands import (
+    MEASURE,
+    SHOWN,
+    measures,
+    nodes_measured,
+    nodes_shown,
+    skip,
+    transient,
+    values_at_begin,
+)
 from tline.interchange.spice_linear import with_linear_sources
-from tline.interchange.spice_measure import MEASURE, measures, nodes_measured
-from tline.interchange.spice_shape import with_generator
-from tline.interchange.spice_source import Transient
+from tline.interchange.spice_source import Transient, with_generator
 from tline.interchange.spice_step import STEP, note_steps, with_first_values
 from tline.interchange.subcircuits import opened
 from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors

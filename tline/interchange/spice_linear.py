@@ -7,8 +7,7 @@ from math import isfinite
 from typing import NamedTuple
 
 from tline.errors import InputError
-from tline.interchange.deck import Card
-from tline.interchange.findings import Findings
+from tline.interchange.deck import Card, Findings
 from tline.interchange.spice_expression import SIGNAL, computed, number
 
 LAW = re.compile(r"(?<![\w.])(value|vol|cur|v|i)\s*=\s*(.+)", re.IGNORECASE)

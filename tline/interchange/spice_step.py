@@ -7,9 +7,8 @@ from shlex import quote
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
-from tline.interchange.deck import Card
-from tline.interchange.findings import Findings
-from tline.interchange.spice_functions import PARAMETERS
+from tline.interchange.deck import Card, Findings
+from tline.interchange.spice_expression import PARAMETERS
 
 STEP, MOST_VALUES = ".step", 100_000
 RATIOS = {"dec": 10.0, "oct": 2.0}

@@ -6,10 +6,8 @@ from functools import partial
 from itertools import count
 
 from tline.errors import InputError
-from tline.interchange.deck import DEEPEST, LUMPED, MOST_CARDS, Card, nodes_of
-from tline.interchange.findings import Findings
-from tline.interchange.spice_expression import Parameters, parse_value
-from tline.interchange.spice_functions import FUNCTION, PARAMETERS, Defined, function
+from tline.interchange.deck import DEEPEST, LUMPED, MOST_CARDS, Card, Findings, nodes_of
+from tline.interchange.spice_expression import FUNCTION, PARAMETERS, Defined, Parameters, function, parse_value
 from tline.interchange.spice_linear import BY_LAW, law_words, with_outside_names
 from tline.interchange.spice_source import PORTNUM
 

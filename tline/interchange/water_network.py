@@ -1,10 +1,120 @@
 """A water network at its operating point, as programs for steady flow know it; in SI, with heads in metres."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from math import log
+from typing import Any
 
-from tline.interchange.pump_curve import Polyline, PowerLaw
+import numpy as np
+
+from tline.errors import InputError
 from tline.interchange.water_controls import WaterControl
+from tline.scene.friction import FOOT
+from tline.scene.site import GRAVITY
+
+SQUARE, STEPS = 2.0, 10  # parts of other power laws
+NEAR = 0.25  # of a step: closer to the operating point than that no other is needed
+Points = list[tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """head = a - b·flow^c, in m and m³/s.
+
+    Examples
+    --------
+    >>> law = PowerLaw(40.0, 1000.0, 2.0)
+    >>> law.head(0.1), law.last
+    (30.0, 0.2)
+    """
+
+    a: float
+    b: float
+    c: float
+
+    def head(self, flow: float) -> float:
+        """Head, m."""
+        return self.a - self.b * flow**self.c
+
+    @property
+    def last(self) -> float:
+        """Flow without head, m³/s."""
+        return (self.a / self.b) ** (1 / self.c)
+
+    def points(self, at: float) -> Points:
+        """Points (flow, head), the one at a flow among them; two of a square law."""
+        if self.c == SQUARE:
+            return [(0.0, self.a), (self.last, 0.0)]
+        step = max(self.last, 1.2 * at) / STEPS
+        flows = {k * step for k in range(STEPS + 1) if abs(k * step - at) > NEAR * step} | {at}
+        return [(flow, self.head(flow)) for flow in sorted(flows)]
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Straight lines between points of rising flow, m³/s, and falling head, m; the outer ones go on.
+
+    Examples
+    --------
+    >>> line = Polyline((0.0, 0.1, 0.2), (40.0, 35.0, 10.0))
+    >>> round(line.head(0.15), 9)
+    22.5
+    """
+
+    flows: tuple[float, ...]
+    heads: tuple[float, ...]
+
+    def head(self, flow: float) -> float:
+        """Head, m."""
+        k = int(np.clip(np.searchsorted(self.flows, flow) - 1, 0, len(self.flows) - 2))
+        slope = (self.heads[k + 1] - self.heads[k]) / (self.flows[k + 1] - self.flows[k])
+        return self.heads[k] + slope * (flow - self.flows[k])
+
+    @property
+    def last(self) -> float:
+        """Largest flow, m³/s."""
+        return self.flows[-1]
+
+    def points(self, at: float) -> Points:
+        """Its own points (flow, head), rest, middles between them, and the one at a flow."""
+        own = sorted({0.0, *self.flows, max(self.last, 1.2 * at)})
+        inner = [(one + two) / 2 for one, two in pairwise(own)]
+        least = NEAR * min(two - one for one, two in pairwise(own))
+        flows = {flow for flow in (*own, *inner) if abs(flow - at) > least} | {at}
+        return [(flow, self.head(flow)) for flow in sorted(flows)]
+
+
+def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
+    """The curve through points (flow, head) in m³/s and m.
+
+    One point (q, h) gives the law 4/3·h - h/3·(flow/q)²; three of which the first has no flow give a - b·flow^c;
+    others are joined by straight lines.
+
+    References
+    ----------
+    EPANET 2.2 User Manual, section 3.1, pumps.
+
+    Examples
+    --------
+    >>> round(pump_curve([(0.1, 30.0)]).head(0.1), 9)
+    30.0
+    """
+    points = sorted((float(q), float(h)) for q, h in points)
+    flows, heads = tuple(q for q, _ in points), tuple(h for _, h in points)
+    level = [one for one, two in pairwise(points) if two[0] <= one[0] or two[1] >= one[1]]
+    if not points or level or flows[0] < 0 or heads[-1] < 0 or points == [(0.0, heads[0])]:
+        got = ", ".join(f"({q:g}, {h:g})" for q, h in points[:8]) or "no points"
+        raise InputError("", "its curve does not fall", "heads that fall as the flow rises", got)
+    if len(points) == 1:
+        q, h = points[0]
+        return PowerLaw(4 / 3 * h, h / 3 / q**2, SQUARE)
+    if len(points) == 3 and flows[0] == 0:
+        a, one, two = heads
+        c = log((a - two) / (a - one)) / log(flows[2] / flows[1])
+        return PowerLaw(a, (a - one) / flows[1] ** c, c)
+    return Polyline(flows, heads)
+
 
 Position = tuple[float, float]
 STILL = 1e-9  # m³/s; a demand below it is none
@@ -118,3 +228,36 @@ class WaterNetwork:
     def nodes(self) -> dict[str, WaterJunction | Basin]:
         """All nodes."""
         return {**self.junctions, **self.basins}
+
+
+EPANETS = 32.2 * FOOT  # m/s², its g
+MANNING = 1.49**2 * FOOT ** (2 - 1.333)  # of its formula in m and s: n²·v²/(this·R^1.333)
+
+
+def friction_of(pipe: Pipe, density: float, viscosity: float) -> dict[str, Any]:
+    """The table of friction of a pipe, which loses the same head at any flow.
+
+    Where EPANET's constants are not those of the scene, friction acts over a slightly different length.
+
+    Parameters
+    ----------
+    pipe : Pipe
+    density, viscosity : float
+        kg/m³, and kinematic in m²/s.
+
+    References
+    ----------
+    EPANET 2.2 User Manual, section 3.1.
+    """
+    friction, ratio = pipe.friction, GRAVITY / EPANETS
+    if friction.formula == "H-W":
+        table, along = {"kind": "hazen-williams", "coefficient": friction.roughness}, 1.0
+    elif friction.formula == "C-M":
+        table = {"kind": "manning", "coefficient": friction.roughness}
+        along = (pipe.diameter / 4) ** (4 / 3 - 1.333) / MANNING
+    else:
+        table = {"kind": "swamee-jain", "roughness": friction.roughness, "viscosity": density * viscosity}
+        along = ratio
+    if along * friction.length != pipe.length:
+        table["length"] = along * friction.length
+    return table | ({"minor_loss": ratio * friction.minor} if friction.minor else {})

@@ -7,7 +7,6 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
-from tline.interchange.head_loss import friction_of
 from tline.interchange.pipe_walls import Keys, keys_of, notes_on, wave_speeds
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_network import (
@@ -20,6 +19,7 @@ from tline.interchange.water_network import (
     WaterJunction,
     WaterNetwork,
     WaterPump,
+    friction_of,
     listed,
 )
 from tline.interchange.water_valves import guesses, is_shut, regulators, valve_link, with_bores

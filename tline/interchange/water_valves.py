@@ -7,7 +7,7 @@ from typing import Any
 
 from tline.interchange.water_network import LEAST_DROP, TRICKLE, WIDE_OPEN, Valve, WaterNetwork, listed
 from tline.scene.site import GRAVITY
-from tline.scene.travel import open_loss, opening_of, shares
+from tline.scene.valve import open_loss, opening_of, shares
 
 KEEPS = {"PRV": "downstream", "PSV": "upstream", "FCV": "flow"}
 WIDE = 3.0  # times the bore of the pipes beside it: no valve's

@@ -4,13 +4,12 @@ import math
 from collections.abc import Mapping
 
 from tline.errors import InputError
-from tline.line.fluids import fluid as named_fluid
-from tline.line.fluids import metastable
-from tline.line.given import AGREE, Given
+from tline.line.materials import fluid as named_fluid
+from tline.line.materials import metastable
+from tline.line.materials import youngs_modulus as named_modulus
 from tline.line.parameters import LineParameters, LineQuantity, read
 from tline.line.plausible import PIPES, unusual
-from tline.line.relations import Relation, Relations, determine
-from tline.line.walls import youngs_modulus as named_modulus
+from tline.line.relations import AGREE, Given, Relation, Relations, determine
 
 QUANTITIES = (
     LineQuantity("radius", "R", "m", "m", "inner radius"),

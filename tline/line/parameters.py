@@ -5,8 +5,7 @@ from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 from tline.errors import InputError
-from tline.line.given import Given
-from tline.line.relations import listed
+from tline.line.relations import Given, listed
 from tline.presentation import Presentation
 from tline.units import engineering, to_si
 

@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from tline.line.given import Given
+from tline.line.relations import Given
 from tline.units import engineering, to_si
 
 GAS, SOUND = 50.0, (100.0, 600.0)  # kg/m^3 and m/s: a gas, and not a liquid in other units

@@ -1,5 +1,6 @@
-"""Circuits of resistors and one kind of store: laws that are rational."""
+"""Circuits of resistors and one kind of store: laws that are rational; and such a law by a table over frequency."""
 
+import math
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -8,9 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tline.errors import InputError
-from tline.loss.arithmetic import Arithmetic
-from tline.loss.check import not_negative, positive
-from tline.loss.law import Law
+from tline.loss.law import Arithmetic, Law, not_negative, positive
 
 if TYPE_CHECKING:
     from passivity import RationalFunction, Verdict
@@ -78,3 +77,88 @@ class Foster(Law):
         from passivity import check_positive_real
 
         return check_positive_real(self.rational)
+
+
+PER_DECADE, BEYOND = 8, 2  # rates offered, and decades of them outside the table on both sides
+MOST_ROWS = 5_000
+
+
+def tabulated(frequencies: ArrayLike, loss: ArrayLike, storage: ArrayLike, tolerance: float) -> Foster:
+    """The law closest to a table of R(f) and L(f), or G(f) and C(f); refused if no causal and passive law is close.
+
+    Loss and storage of a passive line determine each other: a table that holds them as they are at all frequencies is
+    met by a sum of positive relaxations. What is measured or computed badly is not, and no interpolation makes it so.
+
+    Parameters
+    ----------
+    frequencies : array_like of float, shape (n,)
+        Hz, from 0 and ascending, one above 0 at least.
+    loss, storage : array_like of float, shape (n,)
+        R in ohm/m and L in H/m, or G in S/m and C in F/m, at these; loss from 0, storage above 0.
+    tolerance : float
+        Largest |law - (loss + jω storage)|/|loss + jω storage| in the table, 1e-12 to 1.
+
+    Returns
+    -------
+    Foster
+        With at most 8 rates per decade, from two decades below the table to two above.
+
+    Raises
+    ------
+    InputError
+        A bad table, or the row that no passive law comes close to.
+
+    Notes
+    -----
+    Non-negative least squares on a fixed grid of rates.
+
+    References
+    ----------
+    C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, SIAM 1995, chapter 23, doi:10.1137/1.9781611971217.
+
+    Examples
+    --------
+    >>> f = np.geomspace(1e3, 1e8, 30)
+    >>> z = np.sqrt(1 + 2j * math.pi * f / 1e6) + 2j * math.pi * f * 250e-9
+    >>> law = tabulated(f, z.real, z.imag / (2 * math.pi * f), tolerance=1e-3)
+    >>> bool(abs(law.at(2j * math.pi * 3e5) / (np.sqrt(1 + 0.6j * math.pi) + 0.15j * math.pi) - 1) < 1e-3)
+    True
+    """
+    from scipy.optimize import nnls
+
+    f, R, L = _checked(frequencies, loss, storage)
+    if not 1e-12 <= tolerance < 1:
+        raise InputError("tolerance", "out of range", "1e-12 to 1", f"{tolerance}")
+    w = 2 * math.pi * f
+    table = R + 1j * w * L
+    size = np.maximum(np.abs(table), np.finfo(float).tiny)
+    first, last = np.log10(w[w > 0][[0, -1]])
+    rates = np.logspace(first - BEYOND, last + BEYOND, math.ceil((last - first + 2 * BEYOND) * PER_DECADE) + 1)
+    s = 1j * w[:, None]
+    columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / size[:, None]
+    stacked = np.vstack([columns.real, columns.imag])
+    scale = np.linalg.norm(stacked, axis=0)
+    x = nnls(stacked / scale, np.concatenate([(table / size).real, (table / size).imag]))[0] / scale
+    error = np.abs(columns @ x - table / size)
+    if error.max() > tolerance:
+        worst = int(error.argmax())
+        problem = f"no passive law comes closer than {error[worst]:.2g} to the row at {f[worst]:.6g} Hz"
+        raise InputError("table", problem, f"{tolerance:g}, or loss and storage that belong together")
+    kept = x[2:] > 0
+    return Foster(x[0], x[1], x[2:][kept], rates[kept])
+
+
+def _checked(frequencies: ArrayLike, loss: ArrayLike, storage: ArrayLike) -> list[np.ndarray]:
+    columns = [np.atleast_1d(np.asarray(column, float)) for column in (frequencies, loss, storage)]
+    f, R, L = columns
+    if f.ndim != 1 or not f.shape == R.shape == L.shape or not 0 < len(f) <= MOST_ROWS:
+        expected = f"three columns of equal length, 1 to {MOST_ROWS} rows"
+        raise InputError("table", "shape", expected, ", ".join(str(column.shape) for column in columns))
+    good = np.isfinite(f) & np.isfinite(R) & np.isfinite(L) & (f >= 0) & (R >= 0) & (L > 0)
+    if not good.all():
+        row = int(np.argmin(good))
+        got = f"{f[row]:g} Hz, {R[row]:g}, {L[row]:g}"
+        raise InputError(f"table[{row}]", "bad row", "finite, frequency and loss from 0, storage above 0", got)
+    if (np.diff(f) <= 0).any() or f[-1] == 0:
+        raise InputError("frequencies", "not ascending", "each larger than the one before, the last above 0")
+    return columns

@@ -1,18 +1,91 @@
 """A law: the series impedance or the shunt admittance of a metre of line, exactly."""
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 from math import ceil, log2
-from typing import TYPE_CHECKING, Any
+from numbers import Real
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.loss.arithmetic import BALLS, DOUBLES, Arithmetic
 
 if TYPE_CHECKING:
     from flint import acb
+
+
+def positive(**parameters: float) -> None:
+    """Refuse a parameter that is not a finite number above zero.
+
+    Examples
+    --------
+    >>> positive(radius=-1)
+    Traceback (most recent call last):
+    tline.errors.InputError: radius: not positive, expected a finite number above 0, got -1
+    """
+    for name, value in parameters.items():
+        if not (_finite(value) and value > 0):
+            raise InputError(name, "not positive", "a finite number above 0", repr(value))
+
+
+def not_negative(**parameters: float) -> None:
+    """Refuse a parameter that is not a finite number from zero on."""
+    for name, value in parameters.items():
+        if not (_finite(value) and value >= 0):
+            raise InputError(name, "negative or no number", "a finite number from 0 on", repr(value))
+
+
+def _finite(value: object) -> bool:
+    return (type(value) is float or isinstance(value, Real)) and math.isfinite(value)
+
+
+SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
+
+
+class Arithmetic(NamedTuple):
+    """Functions of a complex argument, principal branches."""
+
+    sqrt: Callable[[Any], Any]
+    log1p: Callable[[Any], Any]
+    # (n, z) to z I_n(z)/I_{n+1}(z), I the modified Bessel functions: 2(n+1) + z²/(2(n+2)) + ... at 0 and z + n + 1/2
+    # + ... far out
+    quotient: Callable[[int, Any], Any]
+    log_ratio: Callable[[Any], Any]  # z to z ln((z + 1)/z): 0 at 0 and 1 - 1/(2z) + ... far out; not for Re z < 0
+
+
+def _quotient(n: int, z: NDArray) -> NDArray:
+    from scipy.special import ive
+
+    size = np.abs(z)
+    ordinary = (size > SMALL) & (size < LARGE)
+    inside = np.where(ordinary, z, 1)
+    beside = np.where(size <= SMALL, 2 * (n + 1) + z * z / (2 * (n + 2)), z + n + 0.5)
+    return np.where(ordinary, inside * ive(n, inside) / ive(n + 1, inside), beside)
+
+
+def _log_ratio(z: NDArray) -> NDArray:
+    near = np.abs(z) < 1
+    inside, outside = np.where(near & (z != 0), z, 1), np.where(near, 1, z)
+    return z * np.where(near, np.log(1 + inside) - np.log(inside), 2 * np.arctanh(1 / (2 * outside + 1)))
+
+
+def _ball_quotient(n: int, z: "acb") -> "acb":
+    from flint import acb
+
+    if z == 0:
+        return acb(2 * (n + 1))
+    return z * z.bessel_i(acb(n), scaled=True) / z.bessel_i(acb(n + 1), scaled=True)
+
+
+def _ball_log_ratio(z: "acb") -> "acb":
+    return z if z == 0 else z * (1 / z).log1p()
+
+
+DOUBLES = Arithmetic(np.sqrt, np.log1p, _quotient, _log_ratio)
+BALLS = Arithmetic(lambda z: z.sqrt(), lambda z: z.log1p(), _ball_quotient, _ball_log_ratio)
 
 
 MOST_DIGITS = 1_000
@@ -155,3 +228,37 @@ def points(s: ArrayLike) -> NDArray[np.complex128]:
     if bad.any():
         raise InputError("s", "no value there", "finite points off the negative real axis", f"{found[bad].flat[0]}")
     return found
+
+
+class ConstantLoss(Law):
+    """R + s L as an impedance, G + s C as an admittance, per metre.
+
+    Parameters
+    ----------
+    loss : float
+        R or G, from 0: ohm/m, S/m (Pa s/m⁴, m²/(Pa s)).
+    storage : float
+        L or C, from 0: H/m, F/m (kg/m⁵, m²/Pa).
+
+    Raises
+    ------
+    InputError
+        A negative parameter.
+
+    References
+    ----------
+    O. Heaviside, Electrical Papers II, Macmillan 1892: the telegrapher's equations.
+
+    Examples
+    --------
+    >>> print(ConstantLoss(20, 250e-9).at(1e8j))
+    (20+25j)
+    """
+
+    def __init__(self, loss: float, storage: float = 0.0):
+        not_negative(loss=loss, storage=storage)
+        super().__init__(loss, storage)
+
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """R."""
+        return 0 * s + self.loss

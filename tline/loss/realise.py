@@ -8,13 +8,55 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.loss.check import positive
 from tline.loss.foster import Foster
-from tline.loss.interpolate import interpolate
-from tline.loss.law import Law
+from tline.loss.law import BALLS, Law, positive
 
 if TYPE_CHECKING:
     from passivity import Verdict
+
+
+BITS = 320  # the pencil loses as many digits as the interpolation gains, twice
+
+
+def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
+    """Strengths r_k and rates p_k of loss + s·storage + Σ r_k s/(s + p_k) = F(s) at s = ±j w.
+
+    Parameters
+    ----------
+    law : Law
+    w : ndarray of float, shape (n,)
+        Points, rad/s, above 0, all different.
+
+    Returns
+    -------
+    r, p : ndarray of float, shape (n,)
+        In ascending order of p; positive but for rounding.
+
+    Examples
+    --------
+    >>> from tline.loss import Foster
+    >>> r, p = interpolate(Foster(1, 0, [2, 3], [10, 20]), np.array([1.0, 7.0]))
+    >>> r.round(12).tolist(), p.round(12).tolist()
+    ([2.0, 3.0], [10.0, 20.0])
+    """
+    from flint import acb, acb_mat, ctx
+
+    n = len(w)
+    with ctx.workprec(BITS):
+        s = [acb(0, x) for x in w.tolist()]
+        h = [(law.beyond(x, BALLS).mid() - law.loss) / x for x in s]
+        both = [
+            (a, b.conjugate(), f, g.conjugate()) for a, f in zip(s, h, strict=True) for b, g in zip(s, h, strict=True)
+        ]
+        loewner = acb_mat(n, n, [(f - g) / (a - b) for a, b, f, g in both])
+        shifted = acb_mat(n, n, [(a * f - b * g) / (a - b) for a, b, f, g in both])
+        poles = loewner.solve(shifted, algorithm="approx").eig(algorithm="approx")
+        p = sorted((-pole.real.mid() for pole in poles), key=float)
+        cauchy = acb_mat(n, n, [1 / (x + q) for x in s for q in p])
+        r = cauchy.solve(acb_mat(n, 1, h), algorithm="approx")
+        strengths = [float(x.real.mid()) for x in r.entries()]
+        return np.array(strengths), np.array([float(q) for q in p])
+
 
 FINEST = 1e-10  # least tolerance: errors are measured in doubles
 MOST_TERMS = 40
@@ -79,7 +121,7 @@ def realise(law: Law, band: tuple[float, float], tolerance: float) -> Realisatio
     Notes
     -----
     The circuit agrees with the law at 0 and at as many frequencies of the band as there are terms, which makes it
-    passive (`tline.loss.interpolate`). These frequencies are moved until the peaks of the error between them are level.
+    passive (`interpolate`). These frequencies are moved until the peaks of the error between them are level.
     Each term more divides the error by about exp(π²/ln(16 high/low)), 2.0 for five decades, where the law goes like
     sqrt(s).
 

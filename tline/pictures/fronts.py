@@ -7,9 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.scene.cavities import refuse_cavities
-from tline.scene.coupled import refuse_coupled
-from tline.scene.lossless import refuse_losses
+from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch
 from tline.solver.result.dense_output import AFTER, drawable

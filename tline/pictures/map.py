@@ -21,10 +21,10 @@ from tline.pictures.bounds import scale
 from tline.pictures.layout import Places, course, has_positions, layout, refuse_too_many
 from tline.pictures.spread import spread
 from tline.pictures.style import FAINT, INK, LONGEST_NAME, cells_of, styled
-from tline.scene.coupled import refuse_coupled
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.load import linked_pairs
+from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
 from tline.solver.result.interior import inside
 from tline.solver.result.limits import VACUUM

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
-from tline.scene.coupled import refuse_coupled
 from tline.scene.load import linked_pairs
 from tline.scene.medium import readable
+from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
 from tline.units import handy
 from tline.words.wording import nearest

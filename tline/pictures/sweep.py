@@ -9,7 +9,7 @@ from tline.errors import InputError
 from tline.pictures.style import COLOURS, DASHES, INK, cells_of, styled
 from tline.scene.heights import words
 from tline.sweeps import Sweep
-from tline.sweeps.values import unit_of
+from tline.sweeps.design import unit_of
 from tline.units import handy
 
 WORDS = ("highest", "lowest")

@@ -3,7 +3,6 @@ from tline.scene.cable_loss import CableTable as CableTable
 from tline.scene.cable_loss import LossTangent as LossTangent
 from tline.scene.cable_loss import Skin as Skin
 from tline.scene.cable_loss import Wire as Wire
-from tline.scene.cavities import Cavities as Cavities
 from tline.scene.characteristic import Curve as Curve
 from tline.scene.characteristic import Diode as Diode
 from tline.scene.coupled import Coupled as Coupled
@@ -32,10 +31,6 @@ from tline.scene.multiport import Junction as Junction
 from tline.scene.multiport import Transformer as Transformer
 from tline.scene.outflow import Demand as Demand
 from tline.scene.outflow import Leak as Leak
-from tline.scene.points import PiecewiseLinear as PiecewiseLinear
-from tline.scene.points import Pulses as Pulses
-from tline.scene.points import Ramp as Ramp
-from tline.scene.points import Table as Table
 from tline.scene.pump import Pump as Pump
 from tline.scene.rational import Capacitor as Capacitor
 from tline.scene.rational import Impedance as Impedance
@@ -48,9 +43,6 @@ from tline.scene.scene import Solver as Solver
 from tline.scene.shape import Constant as Constant
 from tline.scene.shape import Step as Step
 from tline.scene.site import Site as Site
-from tline.scene.smooth import DoubleExponential as DoubleExponential
-from tline.scene.smooth import Exponential as Exponential
-from tline.scene.smooth import Sine as Sine
 from tline.scene.source import Source as Source
 from tline.scene.switch import Switch as Switch
 from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport
@@ -61,6 +53,14 @@ from tline.scene.valve import CheckValve as CheckValve
 from tline.scene.valve import Orifice as Orifice
 from tline.scene.valve import ReliefValve as ReliefValve
 from tline.scene.vessel import AirVessel as AirVessel
+from tline.scene.vessel import Cavities as Cavities
 from tline.scene.vessel import Cavity as Cavity
 from tline.scene.vessel import SurgeTank as SurgeTank
 from tline.scene.vessel import VapourCavity as VapourCavity
+from tline.scene.waveform import DoubleExponential as DoubleExponential
+from tline.scene.waveform import Exponential as Exponential
+from tline.scene.waveform import PiecewiseLinear as PiecewiseLinear
+from tline.scene.waveform import Pulses as Pulses
+from tline.scene.waveform import Ramp as Ramp
+from tline.scene.waveform import Sine as Sine
+from tline.scene.waveform import Table as Table

@@ -7,8 +7,7 @@ from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode
-from tline.scene.kind import LawKind
-from tline.scene.law import ElementLaw, OfLiquids, Shown
+from tline.scene.law import ElementLaw, LawKind, OfLiquids, Shown
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.vessel import ATMOSPHERE, Absolute
 

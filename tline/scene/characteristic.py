@@ -10,8 +10,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from tline.errors import InputError
 from tline.scene.element import AtNode, Placed, pair
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.kind import ANY_DROP, Bend, Constants, LawKind
-from tline.scene.law import ElementLaw, NonLinear
+from tline.scene.law import ANY_DROP, Bend, Constants, ElementLaw, LawKind, NonLinear
 from tline.scene.quantity import Quantity, Role
 from tline.scene.text_file import beside, read_rows
 

@@ -8,7 +8,6 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
-from tline.scene.cavities import with_cavities
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.element import is_name
 from tline.scene.factor import check_range
@@ -23,7 +22,7 @@ from tline.scene.regulating import RegulatingValve
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.touchstone import Touchstone
-from tline.scene.vessel import SurgeTank
+from tline.scene.vessel import SurgeTank, with_cavities
 from tline.words.wording import nearest, place, shown
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from tline.scene.element import Element, Name
 from tline.scene.line import Cable, SceneLine
 from tline.scene.mistakes import mistakes
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
-from tline.words.wording import place, shown
+from tline.words.wording import shown
 
 MOST = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
@@ -211,13 +211,6 @@ def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
         if isinstance(line, Coupled)
         for end, nodes in ((1, line.nodes1), (2, line.nodes2))
     ]
-
-
-def refuse_coupled(lines: Mapping[str, SceneLine], what: str) -> None:
-    """Refuse coupled conductors where something does not know them."""
-    for name, line in lines.items():
-        if isinstance(line, Coupled):
-            raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")
 
 
 def single_lines(lines: Mapping[str, SceneLine]) -> Mapping[str, SceneLine]:

@@ -15,8 +15,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError, SceneError
-from tline.scene.choice import validator
-from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register
+from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register, validator
 from tline.words.wording import shown
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import PrivateAttr, SerializeAsAny, ValidationInfo
 
 from tline.errors import InputError
-from tline.scene.choice import Read
+from tline.scene.mistakes import Read
 from tline.scene.quantity import LEVEL
 from tline.scene.shape import Constant, Floats, Shape
 from tline.scene.waveform import Waveform, read_waveform

@@ -12,8 +12,8 @@ from pydantic import Field, ValidationInfo
 from tline.errors import InputError
 from tline.loss import ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic
-from tline.scene.choice import Read, validator
 from tline.scene.element import Element
+from tline.scene.mistakes import Read, validator
 from tline.scene.quantity import Quantity, Role
 from tline.scene.site import GRAVITY
 from tline.words.wording import nearest, shown

@@ -145,12 +145,6 @@ def taken_as_zero(scene: Scene) -> list[str]:
     return [f"nodes: no elevation is given at {named}, but at other nodes: taken as 0 m"]
 
 
-def refuse_heights(scene: Scene, what: str) -> None:
-    """Refuse elevations where something does not know them."""
-    for node in _elevations(scene):
-        raise InputError(place("nodes", node, "elevation"), "heights are not known here", f"none for {what}")
-
-
 def _elevations(scene: Scene) -> dict[str, float]:
     return {name: float(site.elevation) for name, site in scene.nodes.items() if site.elevation is not None}
 

@@ -11,21 +11,19 @@ from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
 from tline.line.electrical import in_air
-from tline.line.fluids import FLUIDS
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
+from tline.line.materials import FLUIDS, WALLS
 from tline.line.parameters import LineQuantity
 from tline.line.relations import listed
-from tline.line.walls import WALLS
 from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_voigt_wall
-from tline.loss.losses import Losses
-from tline.scene.attenuation import Attenuation
+from tline.loss.line import Losses
+from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
-from tline.scene.cable_types import TYPES, cable_type
-from tline.scene.cavities import Cavities
 from tline.scene.element import Element, Name, two_nodes
 from tline.scene.friction import AnyFriction
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
+from tline.scene.vessel import Cavities
 
 ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")

@@ -10,10 +10,10 @@ from pydantic import Field, ValidationInfo, field_validator
 from tline.scene import elements
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
-from tline.scene.choice import OneOf
 from tline.scene.element import AtNode, OneMedium
 from tline.scene.ibis.element import Ibis
 from tline.scene.medium import check_word
+from tline.scene.mistakes import OneOf
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
 from tline.scene.outflow import Demand, Leak
 from tline.scene.pump import Pump

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.choice import OneOf
 from tline.scene.element import Element, Name
 from tline.scene.line import SceneLine
+from tline.scene.mistakes import OneOf
 from tline.scene.quantity import Delay, Duration, Position, Quantity, Role, Whole
 from tline.units import to_si
 from tline.words.wording import shown

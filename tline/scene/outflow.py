@@ -9,8 +9,7 @@ from pydantic import Field, model_validator
 from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.kind import Bend, LawKind
-from tline.scene.law import ElementLaw, OfLiquids
+from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids
 from tline.scene.quantity import ZERO, Quantity, Role
 
 Exponent = Annotated[Quantity, Role("exponent", "", at_least=0.1, at_most=4)]

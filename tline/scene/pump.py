@@ -11,12 +11,10 @@ from pydantic import Field, PrivateAttr, model_validator
 from tline.errors import InputError
 from tline.scene.element import Between, pair
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.kind import Bend, LawKind
-from tline.scene.law import ElementLaw, OfLiquids, Shown
-from tline.scene.points import PiecewiseLinear
-from tline.scene.pump_pieces import PumpPieces, backward, parabola, smooth
+from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
+from tline.scene.pump_curves import PumpPieces, backward, in_four_quadrants, parabola, smooth
 from tline.scene.quantity import Pressure, Quantity, Role
-from tline.scene.suter import in_four_quadrants
+from tline.scene.waveform import PiecewiseLinear
 from tline.words.wording import shown
 
 MOST_OF_A_PARABOLA = 3  # points

@@ -20,9 +20,7 @@ from pydantic import (
 
 from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
-from tline.scene.cavities import refuse_cavities
 from tline.scene.check import conflicts, misplaced
-from tline.scene.choice import Read, validator
 from tline.scene.coupled import Coupled, single_lines
 from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name
@@ -33,8 +31,9 @@ from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Link, Load
 from tline.scene.measure import Measure, Probe
 from tline.scene.medium import MEDIA, check_units
-from tline.scene.mistakes import MOST, limited, mistakes
+from tline.scene.mistakes import MOST, Read, limited, mistakes, validator
 from tline.scene.quantity import Duration, Effort
+from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Shape
 from tline.scene.site import GRAVITY, Site
 from tline.scene.solver import Solver

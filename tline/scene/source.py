@@ -1,6 +1,5 @@
 """Sources: a prescribed effort or flow behind an internal resistance."""
 
-from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -13,12 +12,12 @@ from pydantic import (
 )
 
 from tline.errors import InputError
-from tline.scene.choice import Read
 from tline.scene.element import Element, Name, two_nodes, words_are_required
 from tline.scene.medium import MEDIA
+from tline.scene.mistakes import Read
 from tline.scene.quantity import Resistance
 from tline.scene.waveform import Shape, Waveform, read_waveform
-from tline.words.wording import place, shown
+from tline.words.wording import shown
 
 UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effort, "effort"), (m.flow, "flow"))}
 
@@ -118,10 +117,3 @@ class Source(Element):
             problem = f"beside the {self.kind} it takes all of it"
             raise InputError("resistance", problem, "none for an ideal source", "0")
         return self
-
-
-def refuse_floating(sources: Mapping[str, Source], what: str) -> None:
-    """Refuse sources between two nodes where something does not know them."""
-    for name, source in sources.items():
-        if source.nodes is not None:
-            raise InputError(place("sources", name), "stands between two nodes", f"one at a node for {what}")

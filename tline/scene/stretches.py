@@ -1,17 +1,100 @@
-"""Lines that a run parts in stretches: at cavities, at probes inside lines with losses, and where losses mix modes."""
+"""Lines that a run parts in stretches: where, what they lose there, and the scene with stretches in their place."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from math import ceil
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from tline.scene.cavities import with_cavities
-from tline.scene.mixing import Mixing, mixing_lines
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError
+from tline.scene.coupled import Coupled
+from tline.scene.vessel import with_cavities
+from tline.words.wording import place
 
 if TYPE_CHECKING:
+    from tline.scene.line import SceneLine
+    from tline.scene.measure import Probe
     from tline.scene.scene import Scene
+
+
+FINENESS, FEWEST, MOST_PLACES = 40, 8, 64  # places: per loss over impedance, and bounds, where no more are asked
+
+
+class Mixing(NamedTuple):
+    """Places with losses between the stretches of coupled conductors."""
+
+    name: str  # of the line
+    line: Coupled
+    places: int  # as many; the first and the last stretch are half as long as those between
+
+    @classmethod
+    def of(cls, name: str, line: Coupled, doublings: int) -> Mixing:
+        """With so many places that little is lost at each."""
+        R, G = _lost(line)
+        z0 = np.linalg.inv(line.modes.admittance)
+        lost = max(np.linalg.norm(R @ line.modes.admittance, 2), np.linalg.norm(G @ z0, 2))
+        return cls(name, line, min(max(ceil(FINENESS * lost), FEWEST), MOST_PLACES) * 2**doublings)
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The nodes at all places."""
+        return tuple(node for k in range(1, self.places + 1) for end in (1, 2) for node in self._at(k, end))
+
+    def lines(self) -> dict[str, dict[str, Any]]:
+        """Tables of the stretches."""
+        table = self.line.table()
+        alike = {key: table[key] for key in ("inductance", "capacitance")}
+        near = [self.line.nodes1, *(self._at(k, 2) for k in range(1, self.places + 1))]
+        far = [*(self._at(k, 1) for k in range(1, self.places + 1)), self.line.nodes2]
+        lengths = [
+            float(self.line.length or 0.0) / self.places / (2 if k in (0, self.places) else 1) for k in range(len(near))
+        ]
+        return {
+            f"{self.name}, stretch {k + 1}": alike | {"length": length, "nodes1": list(one), "nodes2": list(other)}
+            for k, (one, other, length) in enumerate(zip(near, far, lengths, strict=True))
+        }
+
+    def links(self) -> dict[str, dict[str, Any]]:
+        """Tables of what is lost at the places: half of R, all of G, half of R."""
+        if self.line.skin:
+            where, expected = (
+                f"{place('lines', self.name)}.skin",
+                "a run from rest to a tolerance of 1e-8 or more, without a ledger",
+            )
+            raise InputError(where, "it makes modes see each other, which other runs do not know", expected)
+        R, G = (lost / self.places for lost in _lost(self.line))
+        one, none = np.eye(len(R)), np.zeros_like(R)
+        # u1 - R i1/2 = u2 - R i2/2 = v, i1 + i2 = G v
+        M = np.block([[one, -one], [G, none]])
+        N = np.block([[-R / 2, R / 2], [-one - G @ R / 2, -one]])
+        z0 = float(np.median(self.line.modes.z0))
+        scattering = np.linalg.solve(N / z0 - M, N / z0 + M)
+        table = {"kind": "junction", "z0": z0, "scattering": scattering.tolist()}
+        return {
+            f"{self.name}, place {k}": table | {"nodes": [*self._at(k, 1), *self._at(k, 2)]}
+            for k in range(1, self.places + 1)
+        }
+
+    def _at(self, k: int, end: int) -> tuple[str, ...]:
+        return tuple(f"{self.name}, place {k}, conductor {j + 1}, end {end}" for j in range(len(self.line.nodes1)))
+
+
+def mixing_lines(lines: Mapping[str, SceneLine | Coupled]) -> dict[str, Coupled]:
+    """Those of the lines whose losses mix the modes."""
+    return {name: line for name, line in lines.items() if isinstance(line, Coupled) and line.mixing}
+
+
+def _lost(line: Coupled) -> tuple[NDArray, NDArray]:
+    """R and G of the whole line, in ohm and S."""
+    k, length = len(line.nodes1), float(line.length or 0.0)
+    R, G = (length * np.array(given or np.zeros((k, k)), float) for given in (line.resistance, line.conductance))
+    return R, G
+
 
 AT_A_PLACE = Fraction(1, 10**9)  # of a line
 
@@ -85,3 +168,82 @@ def _shares(inner: Iterable[Fraction]) -> tuple[Fraction, ...]:
 
 def _lines(name: str, places: int) -> tuple[str, ...]:
     return tuple(f"{name}, stretch {k + 1}" for k in range(places + 1))
+
+
+def expanded(scene: Scene, doublings: int = 0) -> Scene:
+    """The same scene with stretches and nodes in place of the lines that are parted.
+
+    Conductors whose losses mix the modes have twice as many with each doubling.
+
+    Examples
+    --------
+    >>> from tline.scene.scene import Scene
+    >>> pipe = {"nodes": ["tank", "valve"], "z0": "20 MPa s/m^3", "delay": "0.3 s", "cavities": {"places": 2}}
+    >>> probe = {"line": "pipe", "position": "50 %"}
+    >>> scene = Scene(medium="hydraulic", t_end=1, lines={"pipe": pipe}, probes={"p": probe})
+    >>> whole = expanded(scene)
+    >>> list(whole.lines), list(whole.loads)
+    (['pipe, stretch 1', 'pipe, stretch 2', 'pipe, stretch 3'], ['pipe, place 1', 'pipe, place 2'])
+    >>> whole.probes["p"].line, whole.lines["pipe, stretch 2"].shortest
+    ('pipe, stretch 2', 0.09999999999999999)
+    """
+    cut = stretches_of(scene, doublings)
+    if not cut:
+        return scene
+    table = scene.table()
+    lines: dict[str, Any] = {}
+    loads, links, nodes = (dict(table.get(part, {})) for part in ("loads", "links", "nodes"))
+    for name, given in table["lines"].items():
+        if name not in cut:
+            lines[name] = given
+            continue
+        if mixing := cut[name].mixing:
+            lines |= mixing.lines()
+            links |= mixing.links()
+            continue
+        line: Any = scene.lines[name]
+        lines |= _tables_of(scene, name, cut[name], given)
+        loads |= {node: line.cavities.load(node) for node in cut[name].cavities}
+        nodes |= _heights(scene, name, cut[name])
+    probes = {name: _seen(scene, probe, cut) or table["probes"][name] for name, probe in scene.probes.items()}
+    return scene.with_changes(lines=lines, loads=loads, links=links, probes=probes, nodes=nodes)
+
+
+def _tables_of(scene: Scene, name: str, stretches: Stretches, given: dict[str, Any]) -> dict[str, Any]:
+    """Tables of the stretches of a line: as the whole, but for what grows with its length."""
+    line: Any = scene.lines[name]
+    nodes = [line.nodes[0], *stretches.places, line.nodes[1]]
+    alike = {key: value for key, value in given.items() if key not in ("cavities", "vertices")}
+    friction = alike.get("friction") or {}
+    whole = {key: float(getattr(line, key)) for key in ("length", "delay") if key in given}
+    whole_friction = {key: float(getattr(line.friction, key)) for key in ("length", "minor_loss") if key in friction}
+    found = {}
+    for k, (stretch, width) in enumerate(zip(stretches.lines, stretches.widths, strict=True)):
+        found[stretch] = alike | {key: value * width for key, value in whole.items()} | {"nodes": nodes[k : k + 2]}
+        if whole_friction:
+            found[stretch]["friction"] = friction | {key: value * width for key, value in whole_friction.items()}
+    return found
+
+
+def _heights(scene: Scene, name: str, stretches: Stretches) -> dict[str, Any]:
+    """Tables of its places, where heights are known: on the straight line between those of its ends."""
+    if not scene.heights.keys() >= {*scene.lines[name].nodes}:
+        return {}
+    near, far = (scene.heights[node].elevation for node in scene.lines[name].nodes)
+    shares = map(float, stretches.shares[1:-1])
+    elevations = [near + share * (far - near) for share in shares]
+    return {node: {"elevation": z} for node, z in zip(stretches.places, elevations, strict=True)}
+
+
+def _seen(scene: Scene, probe: Probe, cut: dict[str, Stretches]) -> dict[str, Any] | None:
+    """Table of a probe on a line that is cut; at a place it is on the stretch that ends there."""
+    if probe.line is None or probe.line not in cut:
+        return None
+    stretches, line = cut[probe.line], scene.lines[probe.line]
+    if isinstance(line, Coupled):
+        return probe.table() | {"line": stretches.lines[0 if probe.at in line.nodes1 else -1]}
+    share = probe.fraction(line)
+    if probe.at is not None:
+        return {"at": probe.at, "line": stretches.lines[-1 if share else 0]}
+    k, part = stretches.stretch_at(share)
+    return {"line": stretches.lines[k], "position": f"{100 * part!r} %"}

@@ -14,8 +14,7 @@ from tline.scene.element import AtNode, OneMedium
 from tline.scene.line import Cable, SceneLine
 from tline.scene.multiport import Multiport, PortNodes, Ports
 from tline.scene.quantity import FIT_TOLERANCE, Quantity, Role
-from tline.scene.ratio import Ratio
-from tline.scene.rational import RationalImpedance
+from tline.scene.rational import Ratio, RationalImpedance
 from tline.scene.text_file import beside
 
 if TYPE_CHECKING:

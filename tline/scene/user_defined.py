@@ -17,8 +17,7 @@ from pydantic import Field, WrapSerializer, WrapValidator
 from tline.errors import InputError
 from tline.scene.element import AtNode, Between
 from tline.scene.factor import ALWAYS, Factor
-from tline.scene.kind import LawKind
-from tline.scene.law import ElementLaw, NonLinear
+from tline.scene.law import ElementLaw, LawKind, NonLinear
 from tline.words.wording import place
 
 if TYPE_CHECKING:

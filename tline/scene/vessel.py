@@ -1,7 +1,8 @@
 """Vessels at a node: gas above liquid, shut in or open to the air."""
 
+from collections.abc import Mapping
 from math import inf, pi
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +10,13 @@ from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode, Element
-from tline.scene.kind import Bend, LawKind, Volume
-from tline.scene.law import ElementLaw, OfLiquids, Shown
-from tline.scene.quantity import ZERO, Pressure, Quantity, Role
+from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
+from tline.scene.quantity import ZERO, Pressure, Quantity, Role, Whole
 from tline.scene.rating import Rated
+
+if TYPE_CHECKING:
+    from tline.scene.line import SceneLine
+
 
 ATMOSPHERE = Quantity(101_325, "Pa")
 GRAVITY = Quantity(9.80665, "m/s^2")
@@ -274,3 +278,37 @@ class SurgeTank(_Vessel):
     def law(self) -> ElementLaw:  # noqa: D102
         area = pi / 4 * self.tank_diameter**2 if self.tank_diameter is not None else (self.tank_area or ZERO)
         return ElementLaw("tank", (0.0, self.capacity or inf, float(area / (self.density * self.gravity))))
+
+
+MOST_PLACES = 1000  # places
+
+
+class Cavities(Boiling):
+    """Cavities at places inside a pipe: of free gas and vapour (DGCM), or of vapour alone (DVCM).
+
+    Where the ends of the pipe have elevations, that of a place lies on the straight line between them.
+
+    References
+    ----------
+    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapter 8.
+    """
+
+    places: Annotated[int, Whole(1, MOST_PLACES)] = Field(
+        description=f"number of places, from 1 to {MOST_PLACES}, between which are equal stretches"
+    )
+    gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] | None = Field(
+        default=None,
+        description="volume of the free gas at each place at the atmosphere's pressure, often 1e-7 of the liquid's "
+        "between two places; without it vapour alone",
+    )
+
+    def load(self, node: str) -> dict[str, Any]:
+        """The table of the load at a node."""
+        table: dict[str, Any] = {"at": node, "kind": "vapour cavity"}
+        table |= {"vapour_pressure": float(self.vapour_pressure), "atmosphere": float(self.atmosphere)}
+        return table | ({"kind": "cavity", "gas_volume": float(self.gas_volume)} if self.gas_volume is not None else {})
+
+
+def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
+    """Those of the lines that have cavities; coupled conductors never do."""
+    return {name: line for name, line in lines.items() if getattr(type(line), "stretches", None) and line.stretches > 1}

@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-from tline.scene.cavities import refuse_cavities
-from tline.scene.coupled import refuse_coupled
 from tline.scene.heights import words
-from tline.scene.lossless import refuse_losses
 from tline.scene.medium import Medium
+from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import Node

@@ -7,8 +7,7 @@ from tline.errors import InputError
 from tline.scene.pump import Pump
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
-from tline.scene.travel import ADDED
-from tline.scene.valve import Orifice
+from tline.scene.valve import ADDED, Orifice
 from tline.solver.description.excitation import varies
 from tline.solver.result.result import Result
 from tline.solver.tolerance.ladder import Budget

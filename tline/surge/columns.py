@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.cavities import MOST, with_cavities
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.scene import Scene
+from tline.scene.vessel import MOST_PLACES, with_cavities
 from tline.solver.result.result import LineRecord, Result
 from tline.solver.result.states import StateTrace
 from tline.solver.tolerance.ladder import Budget
@@ -112,7 +112,7 @@ def laid(scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches
     delays = {name: float(scene.lines[name].parameters.delay or 0.0) for name in pipes}
     reach = max(max(delays.values(), default=1.0) / stretches, slab)
     for name in delays.keys() - with_cavities(scene.lines).keys():
-        number = min(round(delays[name] / reach), MOST) - 1
+        number = min(round(delays[name] / reach), MOST_PLACES) - 1
         if number > 0:
             tables["lines"][name]["cavities"] = {"places": number}
     return Scene(scene.folder, **tables | {"solver": {"rounded": True, "slab": slab}})

@@ -1,13 +1,18 @@
-"""A scene in which something is operated: valves, pipes, pumps, demands and bursts, by events."""
+"""A network as it is read, and with what is operated in it: valves, pipes, pumps, demands and bursts, by events."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import accumulate, pairwise
 from math import pi
+from pathlib import Path
 from types import UnionType
-from typing import Any
+from typing import Any, NamedTuple
 
 from tline.errors import InputError
+from tline.interchange.any_file import refuse_water
+from tline.interchange.water_controls import WaterControl
+from tline.interchange.water_scene import read_with_controls
+from tline.scene.file import EPANET, as_scene
 from tline.scene.held import held_nodes
 from tline.scene.medium import readable
 from tline.scene.outflow import Leak
@@ -15,8 +20,7 @@ from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
 from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
-from tline.scene.travel import open_loss
-from tline.scene.valve import CheckValve, Orifice
+from tline.scene.valve import CheckValve, Orifice, open_loss
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
 from tline.solver.steady.steady_state import above_level
@@ -315,3 +319,31 @@ def _as_one(events: list[Event]) -> Event:
         for t, share in zip((event.at, event.at + event.duration), sides, strict=True)
     ]
     return first._replace(duration=0.0, flow=peak, course=tuple(course))
+
+
+class Network(NamedTuple):
+    """A network that was read."""
+
+    scene: Scene
+    notes: tuple[str, ...] = ()  # on what is left out of its file
+    controls: tuple[WaterControl, ...] = ()  # of its file, that act within a run
+
+
+def read_network(
+    network: Network | Scene | str | Path | Mapping[str, Any],
+    *,
+    wave_speed: float | str | None = None,
+    material: str | None = None,
+    hour: float | None = None,
+    moving_tanks: bool = False,
+) -> Network:
+    """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`."""
+    water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
+    if isinstance(network, str | Path):
+        suffix = Path(network).suffix.lower()
+        if suffix in EPANET:
+            return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks))
+        if suffix != ".toml":
+            raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
+    refuse_water(water)
+    return network if isinstance(network, Network) else Network(as_scene(network))

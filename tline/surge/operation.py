@@ -18,12 +18,9 @@ from tline.solver.simulate import UnresolvedWarning, as_seconds, simulated
 from tline.solver.tolerance.ladder import Budget
 from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated
-from tline.surge.control import read_control, triggered
-from tline.surge.event import OPERATIONS, Event, read_event
-from tline.surge.file_controls import acting
-from tline.surge.group import each_of
-from tline.surge.network import Network, read_network
-from tline.surge.operate import operated
+from tline.surge.control import acting, read_control, triggered
+from tline.surge.event import OPERATIONS, Event, each_of, read_event
+from tline.surge.operate import Network, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
 from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst

@@ -21,9 +21,8 @@ from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_toml
 from tline.scene.valve import Orifice
-from tline.surge.event import FLOWING, OPERATIONS, TURNED, read_event
-from tline.surge.group import matching
-from tline.surge.network import Network, read_network
+from tline.surge.event import FLOWING, OPERATIONS, TURNED, matching, read_event
+from tline.surge.operate import Network, read_network
 from tline.surge.operation import Operation, operate
 from tline.words.wording import nearest, shown
 

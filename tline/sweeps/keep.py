@@ -12,7 +12,7 @@ from tline.solver.many import ManyRuns
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.quantities import QUANTITIES, in_sweeps
 from tline.solver.result.result import Result
-from tline.sweeps.values import values_or_distribution
+from tline.sweeps.design import values_or_distribution
 from tline.units import to_si
 from tline.words.wording import shown
 

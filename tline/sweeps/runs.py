@@ -13,8 +13,8 @@ from tline.solver.description.given import Scene
 from tline.solver.prepared import prepare
 from tline.solver.result.atomic import check_writable
 from tline.solver.simulate import UnresolvedWarning, asked
-from tline.sweeps.batches import Task
 from tline.sweeps.design import design, whole
+from tline.sweeps.executors import Task
 from tline.sweeps.file import save, take_over
 from tline.sweeps.keep import kept_of
 from tline.sweeps.table import Sweep

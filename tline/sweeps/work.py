@@ -2,8 +2,9 @@
 
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, Future
+from math import isclose
 from multiprocessing import parent_process
 
 import numpy as np
@@ -11,12 +12,25 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.changed import changed
+from tline.scene.quantity import LARGEST, SMALLEST
 from tline.solver.description.given import Scene
+from tline.solver.many import ManyRuns, many_runs
+from tline.solver.many.copies import variable
 from tline.solver.tolerance.search import Start
-from tline.sweeps import vectorised
-from tline.sweeps.batches import Batch, NotSent, Task, run_batch, run_sent, sent
 from tline.sweeps.design import Design
-from tline.sweeps.executors import NoWorkers, Queue, on_executor, on_processes, workers_of
+from tline.sweeps.executors import (
+    Batch,
+    NotSent,
+    NoWorkers,
+    Queue,
+    Task,
+    on_executor,
+    on_processes,
+    run_batch,
+    run_sent,
+    sent,
+    workers_of,
+)
 from tline.sweeps.table import Sweep
 
 LONG = 10.0  # s of work left that are worth starting processes
@@ -64,13 +78,13 @@ class SweepWork:
 
     def _side_by_side(self) -> Batches:
         try:
-            fit, many = vectorised.side_by_side(self._task, self._table, self._samples)
+            fit, many = side_by_side(self._task, self._table, self._samples)
         except InputError as error:
             self._table.method = f"one at a time: {error}"
             return
         self._table.method = "vectorised"
         rows = np.flatnonzero(fit & ~self._table.done)
-        yield from vectorised.batches(self._task, many, rows, np.cumsum(fit)[rows] - 1)
+        yield from batches(self._task, many, rows, np.cumsum(fit)[rows] - 1)
 
     def _first(self) -> Batches:
         """Make a run from which all others know where their searches begin."""
@@ -119,3 +133,48 @@ class SweepWork:
 def _middle(rows: NDArray) -> list[NDArray]:
     """The middle one, the first and the last, each alone."""
     return [rows[k : k + 1] for k in dict.fromkeys([len(rows) // 2, 0, len(rows) - 1])]
+
+
+CHUNK = 20_000  # runs at once
+
+
+def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]]) -> tuple[NDArray, ManyRuns]:
+    """Runs that can be made side by side, as a mask over all, and what makes them.
+
+    Parameters
+    ----------
+    task : Task
+    table : Sweep
+    samples : sequence of (int, Scene)
+        Some runs and their scenes, in which no other numbers may differ than those that vary.
+
+    Raises
+    ------
+    InputError
+        Why they must be made one at a time.
+    """
+    scene, inputs = task.prepared.scene, table.inputs
+    if task.keep.functions or task.tol is None:
+        raise InputError("", "functions of results are kept" if task.keep.functions else "order or slab are fixed")
+    known = variable(scene)
+    for path, values in inputs.items():
+        if path not in known or values.dtype.kind != "f":
+            raise InputError(path, "is no number of lossless lines, resistances, R, L and C")
+    for run, scene_of_run in samples:
+        expected, found = known | {path: values[run] for path, values in inputs.items()}, variable(scene_of_run)
+        if expected.keys() != found.keys() or not all(isclose(found[key], expected[key]) for key in expected):
+            raise InputError("", "what varies has an effect on other numbers")
+    columns = np.stack([*inputs.values()])
+    fit = np.all((columns >= SMALLEST) & (columns <= LARGEST), axis=0)
+    found = many_runs(task.prepared.description, {path: values[fit] for path, values in inputs.items()}, task.tol)
+    if found.estimate > task.tol:
+        raise InputError("solver.tol", f"the estimated error is {found.estimate:.1g} side by side")
+    return fit, found
+
+
+def batches(task: Task, found: ManyRuns, rows: NDArray, copies: NDArray) -> Iterator[tuple[NDArray, Batch]]:
+    """Make runs side by side; `rows` are their numbers in the sweep, `copies` those among the copies."""
+    for k in range(0, len(rows), CHUNK):
+        mine = slice(k, k + CHUNK)
+        kept = task.keep.of_copies(found, copies[mine])
+        yield rows[mine], Batch([*range(len(rows[mine]))], kept, {}, 0.0)

@@ -7,8 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from tline.scene.element import AtNode
-from tline.scene.kind import Bend, LawKind, Volume
-from tline.scene.law import ElementLaw, OfLiquids, Shown
+from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
 from tline.scene.quantity import Quantity, Role
 
 NEAR = 1e-9  # of the way between stops

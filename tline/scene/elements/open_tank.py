@@ -8,8 +8,7 @@ from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import AtNode
-from tline.scene.kind import Bend, LawKind
-from tline.scene.law import ElementLaw, OfLiquids, Shown
+from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
 from tline.scene.quantity import Quantity, Role
 from tline.scene.rating import WATER
 from tline.scene.vessel import GRAVITY, Height

@@ -6,8 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from tline.scene.element import Placed
-from tline.scene.kind import Bend, LawKind
-from tline.scene.law import ElementLaw, OfCables
+from tline.scene.law import Bend, ElementLaw, LawKind, OfCables
 from tline.scene.quantity import Quantity, Role
 
 

@@ -23,8 +23,7 @@ from tline.scene.characteristic import Curve
 from tline.scene.element import AtNode, OneMedium
 from tline.scene.ibis.buffer import ALWAYS, Buffer, CurrentTable, EdgeWaveform, read_buffer
 from tline.scene.quantity import ZERO, Duration, Time
-from tline.scene.ratio import Ratio
-from tline.scene.rational import Capacitor, RationalImpedance, Series, exact
+from tline.scene.rational import Capacitor, Ratio, RationalImpedance, Series, exact
 from tline.scene.shape import Shape
 from tline.scene.source import Source
 from tline.scene.text_file import beside

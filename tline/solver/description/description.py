@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 from numpy.typing import NDArray
 
 from tline.scene.changed import changed, parts_of
-from tline.scene.coupled import Coupled, ends_of, refuse_coupled
-from tline.scene.expanded import expanded
+from tline.scene.coupled import Coupled, ends_of
 from tline.scene.law import NonLinear
 from tline.scene.multiport import Multiport
 from tline.scene.plausible import plausibility_notes
 from tline.scene.rational import RationalImpedance
+from tline.scene.refuse import refuse_coupled
+from tline.scene.stretches import expanded
 from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank

@@ -2,12 +2,11 @@
 
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
-from tline.scene.kind import Bend, LawKind, Volume, kinds_numbered
-from tline.scene.law import OPENING, ElementLaw, Governor
+from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume, kinds_numbered
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
-from tline.scene.ratio import Ratio
+from tline.scene.rational import Ratio
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.source import Source

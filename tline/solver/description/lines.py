@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss
-from tline.loss.losses import Losses
+from tline.loss.line import Losses
 from tline.solver.description.given import End, Height, Probe, Scene
 from tline.words.wording import place
 

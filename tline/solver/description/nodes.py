@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.cavities import refuse_cavities
 from tline.scene.heights import below
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.quantity import ZERO
 from tline.scene.rational import MOST_STATES, RationalImpedance
+from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
 from tline.solver.description.excitation import just_before

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.cavities import refuse_cavities
 from tline.scene.coupled import Coupled
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.rational import Parallel, Series
+from tline.scene.refuse import refuse_cavities
 from tline.solver.description.description import Description
 from tline.solver.description.given import Scene, Shape
 from tline.solver.description.nodes import UNIT, Node, lowered

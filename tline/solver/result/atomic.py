@@ -50,9 +50,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
         raise
 
 
-def write_table(path: str | Path, head: Sequence[str], rows: Iterable[Iterable[object]]) -> None:
-    """Write a CSV file of one header line and rows; reading their floats gives the same ones."""
+def write_table(
+    path: str | Path, head: Sequence[str], rows: Iterable[Iterable[object]], notes: Iterable[str] = ()
+) -> None:
+    """Write a CSV file of one header line and rows, below comments; reading their floats gives the same ones."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        file.writelines(f"# {line}\n" for line in notes)
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(head)
         writer.writerows(rows)

@@ -22,10 +22,18 @@ P. Lax, B. Wendroff, Comm. Pure Appl. Math. 13 (1960) 217, doi:10.1002/cpa.31601
 
 from functools import partial
 
-from tline.study.baseline.explicit import cubic, fdtd, lax_wendroff, linear, moc, moc_grid, no_friction, upwind
-from tline.study.baseline.method import HALF, Baseline
-from tline.study.baseline.nodes import backward_euler, forward_euler
-from tline.study.baseline.pointwise import slabs_pointwise
+from tline.study.baseline.explicit import (
+    cubic,
+    fdtd,
+    lax_wendroff,
+    linear,
+    moc,
+    moc_grid,
+    no_friction,
+    slabs_pointwise,
+    upwind,
+)
+from tline.study.baseline.method import HALF, Baseline, backward_euler, forward_euler
 from tline.study.baseline.sections import lumped_pi, lumped_t, pade, pushes_inductors
 
 BASELINES: dict[str, Baseline] = {

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from tline.pictures.style import COLOURS, DASHES, figure, styled
 from tline.scene.scene import Scene
+from tline.solver.result.atomic import write_table
 from tline.study.charts.picture import OURS, RAISED
-from tline.study.charts.table import write_csv
 
 TRANSITS, QUICK = 10_000, 40
 STEPS = 16  # per transit, about as many for all methods
@@ -101,8 +101,8 @@ def compare(arrived: NDArray, expected: NDArray) -> tuple[float, float, float, f
 def methods(*, quick: bool = False) -> dict[str, Callable[[Scene], tuple[NDArray, NDArray, float]]]:
     """By label: from a scene to instants, efforts at the far end there, and seconds; quickly without `solve_ivp`."""
     from tline.study.baseline import BASELINES
+    from tline.study.baseline.explicit import slabs_pointwise
     from tline.study.baseline.method import BaselineRun
-    from tline.study.baseline.pointwise import slabs_pointwise
 
     def method(run: Callable[[Scene, float], BaselineRun], scene: Scene) -> tuple[NDArray, NDArray, float]:
         t, u, seconds = run(scene, STEPS)
@@ -169,7 +169,7 @@ def save(curves: dict[str, GrowthCurve], path: str | Path) -> None:
         for label, curve in curves.items()
         for k, transits in enumerate(curve.transits)
     )
-    write_csv(path, ("method", "transits", *KINDS), rows)
+    write_table(path, ("method", "transits", *KINDS), rows)
 
 
 @styled

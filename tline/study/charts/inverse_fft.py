@@ -8,7 +8,7 @@ import numpy as np
 
 from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
-from tline.study.charts.clock import TimedRun
+from tline.study.charts.measure import TimedRun
 
 DAMPING = 12.0  # nepers over the window: what wraps round is e^-12 of itself
 REFERENCE = 50.0  # ohm, of its two-ports

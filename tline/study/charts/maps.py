@@ -15,10 +15,18 @@ from numpy.typing import NDArray
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.study.baseline import BASELINES
-from tline.study.baseline.explicit import Weights, cubic, fdtd, lax_wendroff, linear, moc, upwind
-from tline.study.baseline.method import COURANT
-from tline.study.baseline.nodes import backward_euler, forward_euler, trapezoid
-from tline.study.baseline.pointwise import pointwise, slabs_pointwise
+from tline.study.baseline.explicit import (
+    Weights,
+    cubic,
+    fdtd,
+    lax_wendroff,
+    linear,
+    moc,
+    pointwise,
+    slabs_pointwise,
+    upwind,
+)
+from tline.study.baseline.method import COURANT, backward_euler, forward_euler, trapezoid
 from tline.study.charts import boundaries as theory
 
 CELLS, LATE, STEPS = 20, 8, 10  # per transit: grid cells; steps of methods that interpolate; steps beside a load

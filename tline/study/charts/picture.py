@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
 from tline.pictures.style import COLOURS, DASHES, FAINT, INK, figure, styled
-from tline.study.charts.table import ChartTable, Row
+from tline.study.charts.measure import ChartTable, Row
 
 LOWEST, HIGHEST = 1e-16, 10.0  # errors; what blows up or is exact stands at the edge
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

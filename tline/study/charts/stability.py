@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.style import INK, figure, styled
+from tline.solver.result.atomic import write_table
 from tline.study.charts.maps import MAPS, Map, Strip, rate
-from tline.study.charts.table import write_csv
 
 POINTS, QUICK, LONG = 101, 11, 5
 LOWEST, HIGHEST = 1e-2, 10.0  # growth per transit, the ends of the colours
@@ -113,13 +113,13 @@ def save(maps: Iterable[Stability], path: str | Path) -> None:
         for strip in found.strips
         for numbers in zip(strip.x, strip.rates, strip.predicted, strict=True)
     )
-    write_csv(path, ("map", "method", "x", "growth_per_transit", "predicted"), rows)
+    write_table(path, ("map", "method", "x", "growth_per_transit", "predicted"), rows)
 
 
 def save_boundaries(maps: Iterable[Stability], path: str | Path) -> None:
     """Write boundaries as CSV: predicted, measured, difference over the axis."""
     rows = ((found.map.name, *row) for found in maps for row in found.differences())
-    write_csv(path, ("map", "method", "predicted", "measured", "difference_over_axis"), rows)
+    write_table(path, ("map", "method", "predicted", "measured", "difference_over_axis"), rows)
 
 
 @styled

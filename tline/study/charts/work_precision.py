@@ -1,8 +1,20 @@
-"""Error against run time of the production method, of runs to a tolerance, and of baseline methods, on one scene."""
+"""Error against run time on one scene: the production method, runs to a tolerance, baseline methods, other programs.
+
+Programs are measured in the same run as all else; those that are absent are named.
+
+| peer | how | its clock of stepping | of all |
+|---|---|---|---|
+| ngspice | T and O elements, its largest step refined | its own figure, in milliseconds | the process |
+| scikit-rf | two-ports in a row, inverse FFT over a damped window | all but the grid of frequencies | the same |
+| rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included | the same |
+| TSNet | in an environment of its own, one pipe as two | its MOCSimulator() | the process |
+
+Where friction depends on the flow, the textbook's grid of characteristics stands beside them.
+"""
 
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache, partial
 from typing import Any, NamedTuple
 
@@ -11,14 +23,29 @@ import numpy as np
 from tline.errors import InputError
 from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
-from tline.study.charts.clock import FULL, QUICK, Effort, TimedRun, timed
-from tline.study.charts.judge import Judge
+from tline.solver.description.description import describe
+from tline.study.charts import inverse_fft
+from tline.study.charts.measure import FULL, QUICK, ChartTable, Effort, Judge, Row, TimedRun, timed
 from tline.study.charts.scenes import chart_scene
-from tline.study.charts.table import ChartTable, Row
+from tline.study.programs import ngspice, rthym, tsnet
 
 ORDERS = (1, 2, 3, 5, 8)
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 GOOD = 1e-13  # an error that needs no refinement
+PATIENT = FULL._replace(longest=1.0)  # s; peers need it
+TEXTBOOK = "moc_grid"
+PEERS: dict[str, Any] = {
+    "ngspice": ngspice, "scikit-rf, inverse FFT": inverse_fft, "rthym-moc": rthym, "TSNet": tsnet,
+}  # fmt: skip
+
+
+class Rival(NamedTuple):
+    """What stands beside the production method on a chart."""
+
+    label: str
+    kind: str
+    why: str | None  # it is absent
+    run: Callable[[int], TimedRun]  # with so many steps per shortest delay
 
 
 def work_precision(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
@@ -44,52 +71,81 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ch
     >>> all(row.error <= row.asked for row in table.rows if row.kind == "tolerance")
     True
     """
-    from tqdm import tqdm
-
     from tline.study.baseline import BASELINES
 
-    effort = QUICK if quick else FULL
-    with tqdm(total=len(BASELINES) + 1, disable=not progress, unit="method") as bar, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        begun = begin(name, quick)
-        (scene, judge), table = begun[:2], begun.table()
-        bar.update()
-        dynamic = any(isinstance(load, RationalImpedance) for load in scene.loads.values())
-        for key, method in BASELINES.items():
-            idle = key.endswith("_euler") and not dynamic
-            why = method.incompatibility(scene) or ("no load to integrate" if idle else "")
-            if why:
-                table.notes.append(f"absent: {method.label} ({why})")
-            else:
-                run = partial(baseline_run, method, scene)
-                add(table, method.label, "baseline", run, judge, effort)
-            bar.update()
+    scene = chart_scene(name).scene
+    dynamic = any(isinstance(load, RationalImpedance) for load in scene.loads.values())
+    idle = {key for key in BASELINES if key.endswith("_euler") and not dynamic}
+    methods = [_baseline(key, scene, "no load to integrate" if key in idle else "") for key in BASELINES]
+    return _chart(name, methods, quick, QUICK if quick else FULL, progress)
+
+
+def peers(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
+    """Measure other programs, and the production method beside them, on one scene of the charts.
+
+    Parameters
+    ----------
+    name, quick, progress
+        As of `work_precision`.
+
+    Raises
+    ------
+    InputError
+        There is no such scene.
+
+    Examples
+    --------
+    >>> table = peers("rc", quick=True)
+    >>> len(list(table.curves())) > 3
+    True
+    """
+    scene = chart_scene(name).scene
+    textbook = _baseline(TEXTBOOK, scene)
+    programs = [Rival(key, "peer", one.incompatibility(scene), partial(one.run, scene)) for key, one in PEERS.items()]
+    rivals = programs if textbook.why else [textbook, *programs]
+    table = _chart(name, rivals, quick, QUICK if quick else PATIENT, progress)
+    if scene.medium == "hydraulic" and not describe(scene).lossy:
+        table.notes.append("rthym-moc has friction here, which cannot be switched off.")
     return table
 
 
-class Begun(NamedTuple):
-    """A scene of the charts, who judges runs of it, and what all its charts begin with."""
+def _baseline(key: str, scene: Scene, idle: str = "") -> Rival:
+    from tline.study.baseline import BASELINES
 
-    scene: Scene
-    judge: Judge
-    title: str
-    name: str
-    rows: tuple[Row, ...]
-    notes: tuple[str, ...]
+    method = BASELINES[key]
 
-    def table(self) -> ChartTable:
-        """A chart with the production method on it."""
-        return ChartTable(self.name, self.title, [*self.rows], [*self.notes])
+    def run(n: int) -> TimedRun:
+        begun = time.perf_counter()
+        trace = method.run(scene, n)
+        return TimedRun(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
+
+    return Rival(method.label, "baseline", method.incompatibility(scene) or idle or None, run)
+
+
+def _chart(name: str, rivals: Iterable[Rival], quick: bool, effort: Effort, progress: bool) -> ChartTable:
+    """The production method on a scene, and rivals beside it, or why they are absent."""
+    from tqdm import tqdm
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        judge, rows = begin(name, quick)
+        own = f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}."
+        table = ChartTable(name, chart_scene(name).title, [*rows], [own] if judge.own else [])
+        for label, kind, why, run in tqdm(rivals, disable=not progress, unit="curve"):
+            if why:
+                table.notes.append(f"absent: {label} ({why})")
+            else:
+                add(table, label, kind, run, judge, effort)
+    return table
 
 
 @cache
-def begin(name: str, quick: bool) -> Begun:
-    """Measure the production method on one scene, once for all charts of it."""
-    given, effort = chart_scene(name), QUICK if quick else FULL
-    judge = Judge(given.scene, effort.instants)
-    own = f"Errors are against a grid of characteristics, extrapolated, good to {judge.own:.0e}."
-    notes = (own,) if judge.own else ()
-    return Begun(given.scene, judge, given.title, name, tuple(production(given.scene, judge, effort)), notes)
+def begin(name: str, quick: bool) -> tuple[Judge, tuple[Row, ...]]:
+    """Who judges runs of a scene, and the production method on it, measured once for all charts."""
+    effort = QUICK if quick else FULL
+    scene = chart_scene(name).scene
+    judge = Judge(scene, effort.instants)
+    return judge, tuple(production(scene, judge, effort))
 
 
 def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
@@ -147,7 +203,6 @@ def fixed(scene: Scene, order: int, slab: float) -> Scene:
 
 def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     """One run of the production method, or all that a tolerance takes."""
-    from tline.solver.description.description import describe
     from tline.solver.simulate import simulate
 
     describe(scene).known.clear()  # of searches before, which would be repeated as they ended
@@ -160,13 +215,6 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     estimated = accuracy.worst if accuracy else np.inf
     ends = result.t[: result.slabs.whole + 1]
     return TimedRun(ends, u, stepping, seconds, estimated, lambda name, t: probes[name].at(t).u)
-
-
-def baseline_run(method: Any, scene: Scene, n: int) -> TimedRun:
-    """A baseline method's run of n steps per shortest delay."""
-    begun = time.perf_counter()
-    trace = method.run(scene, n)
-    return TimedRun(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
 
 
 def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:

@@ -15,7 +15,7 @@ from tline.errors import InputError
 from tline.interchange.netlist_text import spice_text
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
-from tline.study.charts.clock import TimedRun
+from tline.study.charts.measure import TimedRun
 from tline.study.reference.network import decimal, level, straight
 
 HALF_TICK = 5e-4  # s; ngspice counts time in milliseconds

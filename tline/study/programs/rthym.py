@@ -17,7 +17,7 @@ from tline.scene.friction import darcy
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
-from tline.study.charts.clock import TimedRun
+from tline.study.charts.measure import TimedRun
 from tline.study.programs.ngspice import corners
 
 FOOT, DENSITY = 0.3048, 1000.0  # m, kg/m³

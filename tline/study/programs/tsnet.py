@@ -25,7 +25,7 @@ from tline.scene.friction import darcy
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
-from tline.study.charts.clock import TimedRun
+from tline.study.charts.measure import TimedRun
 from tline.study.programs.ngspice import corners
 
 PYTHON = "TSNET_PYTHON"  # variable that names the interpreter

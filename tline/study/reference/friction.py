@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline
 
 from tline.errors import InputError
-from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Reservoir, Short
+from tline.scene.refuse import refuse_floating, refuse_heights
 from tline.scene.scene import Scene
 from tline.scene.shape import Shape
-from tline.scene.source import refuse_floating
 from tline.study.reference.grid import Pipes, joined, march, steady
 from tline.study.reference.network import decimal, straight
 from tline.words.wording import place

@@ -13,11 +13,10 @@ from flint import acb, arb, ctx
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.loss.arithmetic import BALLS
+from tline.loss.law import BALLS
 from tline.loss.line import LossyLine
-from tline.scene.cavities import refuse_cavities
-from tline.scene.heights import refuse_heights
 from tline.scene.load import NoFlow, Resistor
+from tline.scene.refuse import refuse_cavities, refuse_heights
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.study.reference.exact import Exact

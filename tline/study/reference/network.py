@@ -11,15 +11,12 @@ from flint import acb, acb_poly, arb
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.scene.heights import refuse_heights
 from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.lossless import refuse_losses
-from tline.scene.points import Points, Pulses
 from tline.scene.rational import RationalImpedance
+from tline.scene.refuse import refuse_floating, refuse_heights, refuse_losses
 from tline.scene.scene import Scene
-from tline.scene.source import refuse_floating
 from tline.scene.switch import Switch
-from tline.scene.waveform import Constant, DoubleExponential, Exponential, Shape, Sine, Step
+from tline.scene.waveform import Constant, DoubleExponential, Exponential, Points, Pulses, Shape, Sine, Step
 from tline.study.reference.motion import ExponentialSum, rate, rational, rotation
 from tline.words.wording import nearest, place
 

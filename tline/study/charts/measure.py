@@ -1,6 +1,16 @@
-"""How wrong a run is, against the exact solution."""
+"""Runs of a chart: how their time is taken, how wrong they are against the exact solution, and the table they fill.
 
-from collections.abc import Mapping
+Two clocks: one runs while time is stepped, sampling of sources included; the other from the call to its answer, as a
+user waits for it. Compiling is in neither. A time is the median of several runs.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import astuple, dataclass, field, fields
+from itertools import groupby
+from math import inf
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -8,10 +18,55 @@ from numpy.typing import NDArray
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.study.charts.clock import TimedRun
+from tline.solver.result.atomic import write_table
 from tline.study.reference import Solution
 from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy import LossySolution
+
+RUNS, MOST_RUNS = 5, 5  # of which the median is taken, and how many times that if they are short
+
+
+class Effort(NamedTuple):
+    """How far a chart goes."""
+
+    instants: int  # compared
+    longest: float  # s of one run; refinement ends beyond
+    refinements: int  # halvings of the step, at most
+    runs: int
+
+
+FULL, QUICK = Effort(200, 0.1, 12, RUNS), Effort(40, 0.01, 3, 1)
+
+Traces = dict[str, NDArray]
+
+
+class TimedRun(NamedTuple):
+    """Instants, efforts by probe, seconds of stepping alone and in all, and the error as estimated, if it is.
+
+    Between its instants a run is what its method says, or the straight line that programs draw.
+    """
+
+    t: NDArray
+    u: Traces
+    stepping: float
+    seconds: float
+    estimated: float = np.inf
+    between: Callable[[str, NDArray], NDArray] | None = None
+
+    def at(self, probe: str, t: NDArray) -> NDArray:
+        """Efforts of a probe at any instants."""
+        return self.between(probe, t) if self.between else np.interp(t, self.t, self.u[probe])
+
+
+def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
+    """A run with the medians of its times: of at least as many runs as asked, of more if they are short."""
+    run()  # compiles, or loads what is compiled
+    runs, spent = [], 0.0
+    while len(runs) < effort.runs or (spent < effort.longest and len(runs) < MOST_RUNS * effort.runs):
+        runs.append(run())
+        spent += runs[-1].seconds
+    return runs[0]._replace(stepping=median(r.stepping for r in runs), seconds=median(r.seconds for r in runs))
+
 
 DIGITS, DIGITS_BETWEEN = 18, 15
 SEED = 0
@@ -114,3 +169,39 @@ def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:
         return {probe: solve(scene, probe) for probe in scene.probes}
     solution = FrictionSolution(scene)
     return {probe: Stepped(solution, probe) for probe in scene.probes}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one refinement."""
+
+    method: str  # label of the curve
+    kind: str  # "ours", "tolerance", "baseline" or "peer"
+    setting: str  # what was refined, such as "8 slabs per shortest delay"
+    error: float  # largest error of the efforts at any instant, relative to the largest effort
+    error_at_own: float  # the same at the instants that the method itself computes
+    seconds: float  # median time from the call to its answer, compiled code at hand
+    stepping: float  # median time of stepping alone (peers: as `peers` says)
+    # asked, estimated: for a run to a tolerance: what was asked, and what the solver thinks it reached; else infinite
+    asked: float = inf
+    estimated: float = inf
+
+
+@dataclass
+class ChartTable:
+    """The rows of one chart."""
+
+    name: str  # name, title: of the scene
+    title: str
+    rows: list[Row] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)  # what is absent and why, and what stands beside the clock
+
+    def curves(self) -> Iterator[tuple[str, list[Row]]]:
+        """Methods and their rows, in the order in which they were measured."""
+        for method, rows in groupby(self.rows, key=lambda row: row.method):
+            yield method, list(rows)
+
+    def save(self, path: str | Path) -> None:
+        """Write as CSV; the notes are comments before the heading."""
+        head = [column.name for column in fields(Row)]
+        write_table(path, head, (astuple(row) for row in self.rows), (self.title, *self.notes))

@@ -1,0 +1,60 @@
+"""What something does not know of lines, nodes and sources is refused by name; `what` is that something."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from tline.errors import InputError
+from tline.scene.coupled import Coupled
+from tline.scene.vessel import with_cavities
+from tline.words.wording import place
+
+if TYPE_CHECKING:
+    from tline.scene.line import SceneLine
+    from tline.scene.scene import Scene
+    from tline.scene.source import Source
+
+
+def refuse_losses(scene: Scene, what: str) -> None:
+    """Refuse lines with losses.
+
+    Examples
+    --------
+    >>> from tline.scene.scene import Scene
+    >>> cable = {"nodes": ["a", "b"], "z0": 50, "delay": "5 ns", "length": "1 m", "resistance": "2 ohm/m"}
+    >>> scene = Scene(medium="electrical", t_end=1, lines={"cable": cable}, probes={"p": {"at": "a"}})
+    >>> refuse_losses(scene, "no bounce diagram")
+    Traceback (most recent call last):
+    tline.errors.InputError: lines.cable: it has losses: no bounce diagram, expected lossless lines
+    """
+    for name, line in scene.lines.items():
+        if line.losses is not None:
+            raise InputError(place("lines", name), f"it has losses: {what}", "lossless lines")
+
+
+def refuse_cavities(lines: Mapping[str, SceneLine], what: str) -> None:
+    """Refuse cavities in lines."""
+    for name in with_cavities(lines):
+        raise InputError(place("lines", name, "cavities"), "is non-linear", f"a line without for {what}")
+
+
+def refuse_coupled(lines: Mapping[str, SceneLine], what: str) -> None:
+    """Refuse coupled conductors."""
+    for name, line in lines.items():
+        if isinstance(line, Coupled):
+            raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")
+
+
+def refuse_heights(scene: Scene, what: str) -> None:
+    """Refuse elevations of nodes."""
+    for name, site in scene.nodes.items():
+        if site.elevation is not None:
+            raise InputError(place("nodes", name, "elevation"), "heights are not known here", f"none for {what}")
+
+
+def refuse_floating(sources: Mapping[str, Source], what: str) -> None:
+    """Refuse sources between two nodes."""
+    for name, source in sources.items():
+        if source.nodes is not None:
+            raise InputError(place("sources", name), "stands between two nodes", f"one at a node for {what}")
