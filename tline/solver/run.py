@@ -12,8 +12,7 @@ from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.assembly.node_maps import Event
-from tline.solver.convolution.run import Convolved
-from tline.solver.convolution.suited import affordable, suits
+from tline.solver.convolution.run import Convolved, is_affordable, suits
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
@@ -80,7 +79,7 @@ def _convolved(description: Description, chosen: Resolution, record: Iterable[st
         return None
     try:
         scene = Convolved(description, record, envelope=envelope)
-        if affordable(scene, chosen.s, chosen.h):
+        if is_affordable(scene, chosen.s, chosen.h):
             result = scene.run(chosen._replace(layers=FOLLOWED))
             return replace(result, resolution=chosen, accounts=accounts_of(description))  # as it was asked for
     except InputError:  # there is no answer in s, or no flow was found through laws
@@ -249,7 +248,6 @@ def _slams(assembly: Assembly) -> dict[str, float]:
 
 
 def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float) -> Wave:
-    """What a row of the record holds twice."""
     here, noted = done.pieces.row == row, done.pieces
     pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, 0])
     return Wave(waves[row, 0].reshape(-1, assembly.basis.s), before, assembly.basis, assembly.resolution.h, pieces)

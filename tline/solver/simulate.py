@@ -317,7 +317,6 @@ def asked(scene: Scene, tol: float | None) -> float | None:
 
 
 def _active(description: Description, allowed: bool) -> list[str]:
-    """What there is to say of active elements, if they are allowed."""
     if not description.active:
         return []
     from tline.solver.stability.growth import growth_sentence

@@ -139,7 +139,6 @@ def rewritten(assembly: Assembly, description: Description, chosen: Resolution, 
 
 
 def _now(description: Description, chosen: Resolution, layout: Layout, load: NDArray) -> dict[str, Any]:
-    """What an assembly has of the scene that it is of now."""
     follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     return {
@@ -159,7 +158,6 @@ def _now(description: Description, chosen: Resolution, layout: Layout, load: NDA
 
 
 def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
-    """Room for what is under way."""
     grid, s, lines = layout.grid, order.s, len(layout.grid.delay)
     return State(
         waves=np.empty(2 * int(grid.delay.sum()) * s),

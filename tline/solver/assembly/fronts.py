@@ -127,7 +127,6 @@ def _packed(assembly: Assembly) -> Systems:
 
 
 def _joined(parts: list[NDArray]) -> tuple[NDArray, NDArray]:
-    """Where each begins, and all of them one after the other."""
     return np.cumsum([0, *map(len, parts)])[:-1], np.concatenate([np.empty(0), *parts])
 
 

@@ -79,7 +79,6 @@ class LawsAtPorts:
         return rule.forward(back)
 
     def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> Laws:
-        """The elements as the kernel reads them, in this order and these groups."""
         laws = with_basis(self.packed, order, h, self.packed.record_row)
         each = "kind from_node to_node excitation_row control at state_at governor governor_state source_impedance"
         moved = {name: getattr(laws, name)[chosen] for name in (*each.split(), "before", "record_row")}

@@ -100,7 +100,6 @@ class LinearRest(Scattering):
         """Laws stand behind their impedances, and modes of conductors are lines."""
 
     def _last(self, node: Node) -> float:
-        """Conductance of switches, which are laws."""
         return 0.0
 
     def _branches(self, group: Group) -> list[Branch]:

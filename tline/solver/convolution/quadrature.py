@@ -88,14 +88,12 @@ def derivative(basis: Basis, zeta: NDArray) -> Modes:
 
 
 def _by_decomposition(basis: Basis, zeta: NDArray) -> Modes:
-    """The same at any places."""
     inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
     rates, vectors = np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
     return Modes(rates, vectors, np.linalg.inv(vectors))
 
 
 def _smooth(n: int) -> int:
-    """The next length of which a transform is quick."""
     halved = max(n.bit_length() - 4, 0)
     return min(part * 2**k for part in SMOOTH for k in (halved, halved + 1) if part * 2**k >= n)
 

@@ -94,7 +94,6 @@ class Rays:
                     waves[end ^ 1] = waves.get(end ^ 1, 0.0) + wave
 
     def _efforts(self, group: int, into: dict[int, NDArray]) -> NDArray:
-        """Efforts at all nodes under waves into ends of one group."""
         found = np.zeros(self.answers.shape[:2], complex)
         at = self.groups[group]
         for end, wave in into.items():

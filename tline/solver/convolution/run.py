@@ -4,6 +4,8 @@ All that the scene does is linear and the same at all times. So what it adds to 
 with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
 
 The envelope of a convolution, from what its lines record.
+
+Which scenes are convolutions, and on which slabs these are is_affordable.
 """
 
 import time
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
+from tline.solver.convolution.families import MOST as MOST_FAMILIES
 from tline.solver.convolution.families import Changes, changes_of, family_of, leads, summed
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
@@ -174,7 +177,6 @@ class Convolved:
         return result
 
     def _layers(self, order: Basis, h: float, whole: NDArray, near: int) -> Layers:
-        """Rays to all rows of the record."""
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
         rows = [(int(self.network.node_of[end]), end) for end in ends]
@@ -287,3 +289,27 @@ def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: floa
         here = noted.row == row
         pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + before)
     return Wave(waves[row, side].reshape(-1, order.s) + before, before, order, h, pieces)
+
+
+MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
+MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
+
+
+def suits(description: Description) -> bool:
+    """Whether lines lose linearly, not all of them in diamonds, and the rest but laws and switches stays what it is."""
+    losses = [line.losses for line in description.lines.values() if line.losses is not None]
+    if not (description.dispersive or description.mixing) or not all(each.linear for each in losses):
+        return False
+    moving = any(element.governor is not None or element.kind.breaks for element in description.elements)
+    lifted = description.heights and not description.steady
+    return not (moving or lifted or description.active or (description.mixing and description.steady))
+
+
+def is_affordable(scene: Convolved, s: int, h: float) -> bool:
+    """Whether a scene is convolved on slabs of an order and a width within some seconds."""
+    leads = np.zeros(1) if scene.layered else scene.leads(h)
+    several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
+    points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
+    if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
+        return False
+    return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST

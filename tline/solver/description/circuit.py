@@ -152,7 +152,6 @@ def _solved(F: NDArray, given: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def _norm(matrix: NDArray) -> float:
-    """Largest sum of a column's absolute values."""
     return float(np.abs(matrix).sum(axis=0).max())
 
 

@@ -21,13 +21,11 @@ from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
-from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
+from tline.solver.description.groups import Group, LumpedLine, filling_times, grouped, regrouped, time_scales
 from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
 from tline.solver.description.links import PlacedBranch, branches_of, inductive, resistive
-from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
+from tline.solver.description.nodes import NONE, Levels, Node, levels_of, nodes_anew, nodes_of
 from tline.solver.description.passive import active_parts, impedances
-from tline.solver.description.scales import filling_times, time_scales
-from tline.solver.description.tanks import Levels, levels_of
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes

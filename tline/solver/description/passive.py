@@ -86,7 +86,6 @@ def _equations(scene: Scene, element: Any, terminals: int) -> tuple[Matrix, Matr
 
 
 def _resistance(r: float) -> tuple[Sequence[Fraction], Sequence[Fraction]]:
-    """Numerator and denominator."""
     return ([Fraction(1)], [Fraction(0)]) if np.isinf(r) else ([Fraction(repr(r))], [Fraction(1)])
 
 

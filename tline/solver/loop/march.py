@@ -278,7 +278,6 @@ class Stepper:
                 first += self._stretch(first, last)
 
     def _stretch(self, low: int, high: int) -> int:
-        """Advance by some slabs, at most to `high`."""
         if self.fronts is not None:
             ahead = self.events[np.searchsorted(self.events, low) :]
             front_free = (int(ahead[0]) if len(ahead) else high) - low
@@ -320,14 +319,12 @@ class Stepper:
 
 
 def _snapped(events: list[Event], near: float) -> list[Event]:
-    """Instants nearer than that to a slab's edge put there."""
     return [
         each._replace(at=float(round(each.at))) if abs(each.at - round(each.at)) <= near else each for each in events
     ]
 
 
 def _moving(assembly: Assembly) -> str:
-    """What moves in a scene."""
     return " and ".join(assembly.description.switched)
 
 

@@ -45,7 +45,6 @@ class Slabs(NamedTuple):
 
 @lru_cache(maxsize=8)
 def _ends(slabs: Slabs) -> NDArray:
-    """One array for all probes of a run."""
     return np.append(np.arange(slabs.whole + (slabs.rest > 0)) * slabs.width, slabs.end)
 
 
@@ -65,7 +64,6 @@ def cut_at_end(slabs: Slabs, values: NDArray, pieces: Noted, order: Basis) -> tu
 
 
 def _part(pieces: Noted, low: float, high: float, order: Basis) -> Noted:
-    """What lies between two places of a slab."""
     span = np.clip(pieces.span, low, high)
     kept = span[:, 1] > span[:, 0]
     row, slab, whole, values = (part[kept] for part in pieces)

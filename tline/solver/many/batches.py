@@ -73,7 +73,6 @@ def run(
 
 
 def _line_ends(description: Description) -> dict[str, int]:
-    """Number of the line end that each probe sees."""
     lines, ends = list(description.lines), {}
     for name, probe in description.probes.items():
         if probe.share not in (0.0, 1.0) or not probe.line:
@@ -139,5 +138,4 @@ def _seen(
 
 
 def _rows(there: list[bool]) -> NDArray:
-    """Numbers of those that are there, -1 for the others."""
     return np.where(there, np.cumsum(there) - 1, -1)

@@ -66,7 +66,6 @@ def _seen(probe: ProbeResult, t: NDArray, behind: NDArray, late: float) -> Sampl
 
 
 def _fronts(probe: ProbeResult) -> NDArray:
-    """Instants at which fronts inside slabs pass a probe, s."""
     record, share = probe.record, probe.share
     if share in (0.0, 1.0):
         passing = [(record.a1 if share == 0.0 else record.a2, 0.0)]  # both waves at an end have the same pieces
@@ -103,7 +102,6 @@ def _tail(wave: Wave) -> NDArray:
 
 
 def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
-    """Values just after and just before each slab's edge."""
     first = wave.basis.evaluation([0.0])[0]
     starts, begins = np.append(wave.values @ first, wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
     starts[wave.pieces.slab[begins]] = wave.pieces.values[begins] @ first

@@ -93,7 +93,6 @@ def _without(envelope: Envelope, places: set[str]) -> Envelope:
 
 
 def _summed(ledger: Ledger, description: Description) -> Ledger:
-    """One account for a line, and one for all its cavities."""
     whole: dict[str, str] = {}
     for name, stretches in description.stretches.items():
         whole |= {place("lines", each): place("lines", name) for each in stretches.lines}
@@ -137,7 +136,6 @@ def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecor
 
 
 def _sum(parts: Sequence[tuple[Wave, float]]) -> Wave:
-    """Waves at the ends of one group, whose fronts are the same, times numbers."""
     (first, _), *_ = parts
     values = sum((factor * wave.values for wave, factor in parts), np.zeros_like(first.values))
     before = sum(factor * wave.before for wave, factor in parts)

@@ -189,7 +189,6 @@ def _measured(measure: Measure, probes: Mapping[str, ProbeResult], unit: str) ->
 
 
 def _track(signal: Signal, probes: Mapping[str, ProbeResult]) -> Track:
-    """A probe's effort, or the difference of two."""
     first = _of_probe(probes[signal.probe])
     if signal.minus is None:
         return first
@@ -229,7 +228,6 @@ def _extent(kind: str, track: Track) -> float:
 
 
 def _instant(crossing: LevelCrossing, probes: Mapping[str, ProbeResult]) -> float:
-    """When the level is crossed, not a number if it never is."""
     track, level = _track(crossing, probes), float(crossing.level)
     if crossing.after >= track.t[-1]:
         return nan

@@ -130,7 +130,6 @@ def _moments(s: int, known: bool) -> tuple[int, int]:
 
 @lru_cache
 def _equal(s: int, known: bool) -> NDArray:
-    """Matrix of cells of equal width, with a start or without one."""
     return _pair(s, known, np.ones(1))[0]
 
 

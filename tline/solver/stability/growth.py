@@ -65,7 +65,6 @@ def growth(description: Description) -> Growth | None:
 
 
 def _below(s: complex, box: Box) -> Box:
-    """Where zeros would be that grow as fast and turn less."""
     return box._replace(left=s.real * (1 - ALIKE), high=max(s.imag - ALIKE * box.high, box.low + ALIKE * box.high))
 
 

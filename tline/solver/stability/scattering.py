@@ -109,7 +109,6 @@ class Scattering:
         description.refuse_coupled("a transfer function")
 
     def _last(self, node: Node) -> float:
-        """Conductance of the switches at a node."""
         return node.switched(np.inf)
 
     def _branches(self, group: Group) -> list[Branch]:

@@ -226,5 +226,4 @@ def _standing(description: Description) -> list[PlacedLaw]:
 
 
 def _running(element: PlacedLaw) -> PlacedLaw:
-    """An element as it is while nothing changes."""
     return element._replace(law=element.law._replace(kind=element.kind.steady or element.law.kind))

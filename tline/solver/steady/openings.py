@@ -95,7 +95,6 @@ def _opening(y: float) -> float:
 
 
 def _drive(element: PlacedLaw, before: "Before") -> float:
-    """What moves the opening of an element."""
     governor, through = element.governor, before.through.get(element.where, 0.0)
     assert governor is not None
     seen = [before.effort.get(node or "", 0.0) for node in (element.from_node, element.to_node)]

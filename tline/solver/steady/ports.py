@@ -22,9 +22,8 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.links import PlacedBranch, admittance, capacitive, conductors
-from tline.solver.steady.balance import Linear
+from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
-from tline.solver.steady.slow_limit import Limit, Sparse
 from tline.words.wording import place
 
 

@@ -163,7 +163,6 @@ def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray
 
 
 def _unit(parted: _Parts, laws: EdgeLaws) -> float:
-    """Impedance of the size of efforts over flows."""
     known = laws.impedance if len(laws.impedance) else parted.lines.z0
     return float(np.exp(np.log(known).mean()))
 
@@ -215,7 +214,6 @@ def _starts(description: Description, number: dict[str, int], part: NDArray) -> 
 
 
 def _refuse_flow(description: Description, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
-    """Say that nothing takes the flow into a part."""
     sources = description.scene.sources.items()
     where = next(
         (place("sources", name) for name, source in sources if part[number[source.terminals[0]]] == stuck),
@@ -226,7 +224,6 @@ def _refuse_flow(description: Description, number: dict[str, int], part: NDArray
 
 
 def _least(values: NDArray, part: NDArray) -> NDArray:
-    """Least value in each part, nan where all are nan."""
     least = np.full(part.max() + 1, np.nan)
     np.fmin.at(least, part, values)
     return least

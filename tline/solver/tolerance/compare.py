@@ -97,7 +97,6 @@ def relative(
 
 
 def _share(error: float, amplitude: float, least: float) -> float:
-    """An error over an amplitude, if that is more than the least."""
     return max(error / amplitude, ROUNDING) if amplitude > least and error > 0 else 0.0
 
 
@@ -145,7 +144,6 @@ def unseen(description: Description, result: Result, followed: bool) -> float:
 
 
 def _over(result: Result, decays: Sequence[float]) -> float:
-    """What a run resolves over the fastest of some decays."""
     return max((result.resolution.resolved / decay for decay in decays if decay > 0), default=0.0)
 
 

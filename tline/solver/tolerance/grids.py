@@ -143,7 +143,6 @@ class Doublings(Grids):
 
 
 def _changes(coarse: Result, fine: Result) -> Accuracy:
-    """Largest differences of two runs at any instant, over amplitudes."""
     n = min(max(INSTANTS, PER_SLAB * fine.slabs.number), MOST)
     t = (np.arange(n) + OFF) / (n + 1) * fine.slabs.end
     found = {}

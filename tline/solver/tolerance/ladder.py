@@ -77,7 +77,6 @@ def _passed() -> float:
 
 
 def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: float) -> float:
-    """Seconds of all runs to come, at the pace so far."""
     told = [attempt.estimate for attempt in attempts if attempt.estimate]
     pace = min(told[-1] / told[-2], PACE) if len(told) > 1 and told[-1] > 0 else PACE
     runs = max(ceil(log(tol / told[-1]) / log(pace)), 1) if told else 1

@@ -16,14 +16,11 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
-from tline.solver.description.resolution import Resolution
-from tline.solver.description.short_lines import short_lines
+from tline.solver.description.resolution import Resolution, short_lines
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.run import run
-from tline.solver.witness.balance import Doubt, balance_doubts, line_doubts
 from tline.solver.witness.nodes import lines_at, watched
-from tline.solver.witness.seen import Seen
-from tline.solver.witness.stores import store_doubts
+from tline.solver.witness.seen import Doubt, Seen, balance_doubts, line_doubts, store_doubts
 
 WINDOWS = 8  # of the run, over which is integrated
 SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # of the samples of all runs to the tolerance, that plain ones may take
