@@ -103,7 +103,7 @@ def surge(
     from tline.pictures.path import route
     from tline.scene.file import scene_text
     from tline.solver.simulate import as_seconds
-    from tline.solver.tolerance.budget import Budget
+    from tline.solver.tolerance.ladder import Budget
     from tline.surge.operation import carried_out
     from tline.surge.report import as_text, band_text
 
