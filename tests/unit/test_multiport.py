@@ -10,7 +10,7 @@ import pytest
 from flint import fmpq, fmpq_mat, fmpz_mat, fmpz_poly
 
 from passivity import ExpressionError, RationalFunction, Status
-from passivity.delayed.two_port import check_line_two_port
+from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix
