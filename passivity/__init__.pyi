@@ -7,8 +7,8 @@ from passivity.calculus.derivation import admittance_identity as admittance_iden
 from passivity.calculus.derivation import derive as derive
 from passivity.calculus.derivation import reflection_identity as reflection_identity
 from passivity.delayed.line import check_line as check_line
-from passivity.delayed.roots import roots_right as roots_right
 from passivity.delayed.line import check_line_two_port as check_line_two_port
+from passivity.delayed.roots import roots_right as roots_right
 from passivity.errors import ExpressionError as ExpressionError
 from passivity.evidence import verify as verify
 from passivity.exact.margin import margins as margins
