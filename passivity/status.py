@@ -76,6 +76,8 @@ class Decided(Presentation):
         ExpressionError
             If there is none.
         """
+        if self.picture:
+            return super().plot(ax)
         raise ExpressionError("plot", "there is no picture of this", "a rational function of one port, or samples")
 
     def __bool__(self) -> NoReturn:
