@@ -118,10 +118,11 @@ class Enforced(Decided):
     def text_lines(self) -> list[str]:
         """The verdict, the worst value before and after, and the distances."""
         (before, _), (after, f) = self.worst
+        name = worst_name(self.samples.parameter, self.samples.ports)
         return [
             f"nearest passive model, {self.model.order} poles: {self.status.value}",
             f"  because {self.why}",
-            f"  {worst_name(self.samples.parameter, self.samples.ports)} = {before:.6g} before, {after:.6g} after, at {f:.6g} Hz",
+            f"  {name} = {before:.6g} before, {after:.6g} after, at {f:.6g} Hz",
             f"  it misses the samples by {self.misfit.rms:.3g} (rms, relative), "
             f"the best fit by {self.misfit_before.rms:.3g}; being passive cost {self.change.rms:.3g}",
         ]

@@ -74,10 +74,8 @@ class PoleResidueModel(Presentation):
             raise ExpressionError(f"poles[{k}]", "below the real axis", expected, f"{a[k]:.6g}")
         for k in np.flatnonzero((a.imag == 0) & (r.imag != 0).any(tuple(range(1, r.ndim)))):
             raise ExpressionError(f"residues[{k}]", "not real at a real pole", "real numbers", f"{r[k]}")
-        object.__setattr__(
-            self, "proportional", np.zeros_like(d) + self.proportional if d.ndim else float(self.proportional)
-        )
-        object.__setattr__(self, "constant", d if d.ndim else float(d))
+        for name, value in (("constant", d), ("proportional", np.zeros_like(d) + self.proportional)):
+            object.__setattr__(self, name, value if d.ndim else float(value))
 
     def text_lines(self) -> Iterator[str]:
         """What it is of, and its poles."""
