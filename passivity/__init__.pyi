@@ -23,9 +23,6 @@ from passivity.exact.verdict import Margin as Margin
 from passivity.exact.verdict import Margins as Margins
 from passivity.exact.verdict import Verdict as Verdict
 from passivity.exact.verdict import Witness as Witness
-from passivity.rational.elements import circulator_scattering as circulator_scattering
-from passivity.rational.elements import gyrator_impedances as gyrator_impedances
-from passivity.rational.elements import gyrator_scattering as gyrator_scattering
 from passivity.rational.elements import impedances as impedances
 from passivity.rational.elements import scattering as scattering
 from passivity.rational.elements import transformer_scattering as transformer_scattering

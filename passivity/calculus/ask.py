@@ -174,8 +174,8 @@ def of_text(
         and not symbols(plain) & facts.keys()
         and symbols(plain) <= {"s", *numbers}
     ):
-        pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
-        return _exact(made, kind, RationalFunction(pair.p, pair.q), (text, numbers, {}))
+        # with what numerator and denominator have in common, and 1/0
+        return _exact(made, kind, of_tree(plain, numbers), (text, numbers, {}))
     graph = Graph(facts)
     value = read(graph, text, numbers)
     question = Question(graph, value, CLAIMS[kind], text, numbers)

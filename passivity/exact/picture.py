@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, Margins
 from passivity.exact.verdict import Verdict
-from passivity.rational.quotient import Quotient
+from passivity.rational.function import RationalFunction
 from passivity.status import Kind
 
 POINTS = 1200
@@ -57,7 +57,7 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
     return figure
 
 
-def frequencies(function: Quotient, also: list[float]) -> NDArray:
+def frequencies(function: RationalFunction, also: list[float]) -> NDArray:
     """Angular frequencies that show all of a function, increasing; what can be drawn of `also` is among them."""
     moduli = [m for f in (function.p, function.q) for m in _moduli(f)] or [0.0]
     marks = [math.log10(x) for x in also if 0 < x < math.inf]
