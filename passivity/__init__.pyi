@@ -48,6 +48,6 @@ from passivity.status import Status as Status
 from passivity.symbolic.assumption import Range as Range
 from passivity.symbolic.assumption import parse_assumption as parse_assumption
 from passivity.symbolic.check import check_symbolic as check_symbolic
-from passivity.symbolic.counterexample import Counterexample as Counterexample
 from passivity.symbolic.verdict import Condition as Condition
+from passivity.symbolic.verdict import Counterexample as Counterexample
 from passivity.symbolic.verdict import SymbolicVerdict as SymbolicVerdict

@@ -23,6 +23,6 @@ def shown(given: object, write: Callable[[object], str] = str) -> str:
         return f"{type(given).__name__} of over 4300 digits"
 
 
-def shorten(text: str) -> str:
-    """The text as a message quotes it: at most 30 characters."""
-    return text if len(text) <= 30 else text[:27] + "..."
+def shorten(text: str, length: int = 30) -> str:
+    """The text as a message quotes it: at most 30 characters, or another length."""
+    return text if len(text) <= length else text[: length - 3] + "..."

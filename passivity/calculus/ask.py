@@ -30,8 +30,7 @@ from passivity.expression.tree import symbols
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic.assumption import Range, assumed
-from passivity.symbolic.counterexample import random_values
+from passivity.symbolic.assumption import Range, assumed, random_values
 
 _EACH = VERDICT // 2  # of the ways to decide
 _EACH_NODE = 1_000_000  # more, of the first way

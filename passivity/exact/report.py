@@ -5,6 +5,7 @@ from fractions import Fraction
 from typing import Any
 
 from passivity.budget import VERDICT, if_affordable
+from passivity.errors import shorten
 from passivity.exact.certificate import verify
 from passivity.exact.robustness import Robustness
 from passivity.exact.verdict import Certificate, Margin, Margins, StorageCertificate, Verdict, Witness
@@ -99,8 +100,7 @@ def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = Non
         words = {True: "the same", False: "not the same for all", None: "not shown to be the same"}[robust.same]
         lines.append(f"  within {digits(robust.tolerance, 3)} of each coefficient: {words}")
         if robust.exception is not None:
-            text = str(robust.exception)
-            lines.append(f"    such as {text if len(text) <= 100 else text[:97] + '...'}")
+            lines.append(f"    such as {shorten(str(robust.exception), 100)}")
     against = f"   H = (Z - z0)/(Z + z0), z0 = {z0}" if verdict.kind is Kind.PR else ""
     for key, margin in margins._asdict().items():
         if margin and several:
