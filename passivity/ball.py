@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from flint import acb, arb, fmpq
 
-from passivity.size import MAX_BITS
+from passivity.budget import MAX_BITS
 
 Real: TypeAlias = Fraction | float  # a float is an infinity
 

@@ -248,7 +248,7 @@ class Verdict(Decided):
     @cached_property
     def why(self) -> str:
         """The reason in plain words: band, pole, residue, degree."""
-        from passivity.exact.reason import reason
+        from passivity.exact.report import reason
 
         short = "it fails at the witness" if self.witness else "the exact test holds"
         return if_affordable(ASIDE, reason, self) or f"{short}; the frequencies take too long to find"

@@ -5,12 +5,11 @@ from fractions import Fraction
 
 from flint import arb, fmpq, fmpq_mat, fmpz_poly
 
-from passivity.budget import spend
+from passivity.budget import bits_of, spend
 from passivity.exact.storage import negative_direction
 from passivity.exact.verdict import Parts, Witness
 from passivity.polynomial.roots import candidates, power_of_two, reducing_cost, scaled_value, square_roots, to_fmpq
 from passivity.rational.matrix import RationalMatrix
-from passivity.size import bits_of
 from passivity.status import Kind
 
 Test = Callable[[Fraction, Fraction], Witness | None]  # a point as a witness, None if it is none

@@ -1,6 +1,14 @@
-"""Roots of integer polynomials: positive ones in intervals, those in the right half plane as rational points nearby."""
+"""Roots of integer polynomials: positive ones in intervals, bands between them, and on which side of the axis they lie.
 
-from collections.abc import Iterator
+Those in the right half plane are approached by rational points.
+
+References
+----------
+F. R. Gantmacher, "The Theory of Matrices", vol. 2, chapter XV (Routh's scheme, Hurwitz determinants).
+"""
+
+import math
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import isqrt
@@ -9,10 +17,8 @@ from typing import NamedTuple
 from flint import acb, arb, arb_poly, ctx, fmpq, fmpz, fmpz_poly
 
 from passivity.ball import near
-from passivity.budget import spend
-from passivity.polynomial.hurwitz import pivots
-from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, split
-from passivity.size import bits_of
+from passivity.budget import bits_of, spend
+from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, split, squarefree
 
 _FARTHEST = 1000  # binary exponent of a modulus
 SHIFT = 256  # where the scheme ends early, it is tried again for f(s - 1/SHIFT)
@@ -245,3 +251,73 @@ def to_fmpq(x: Fraction) -> fmpq:
 def power_of_two(x: Fraction) -> Fraction:
     """A power of two of about the size of x > 0."""
     return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())
+
+
+def routh_column(f: fmpz_poly) -> tuple[arb, ...] | None:
+    """Routh's column of an integer polynomial, as balls above zero; None if a root has a real part >= 0.
+
+    The rows start at the low powers, so the column belongs to s^n f(1/s), whose roots lie in the same half plane. The
+    product of the first k entries is a Hurwitz determinant, a whole number: when a ball leaves only zero for it, it
+    *is* zero. So doubling the precision ends in every case, without exact elimination.
+    Zero counts as having roots everywhere.
+    """
+    if not f:
+        return None
+    if f.leading_coefficient() < 0:
+        f = -f
+    if not all(c > 0 for c in f.coeffs()):
+        return None
+    bits = 64 + 4 * f.degree()
+    while True:
+        spend(10_000 * len(f) + len(f) ** 2 * bits // 2, f"Routh's scheme of degree {f.degree()}")
+        # the precision is global to the process: what counts is the accuracy found, not asked for
+        with ctx.workprec(bits):
+            column, determinant = [], arb(1)
+            for pivot in pivots(f):
+                if not pivot > 0:
+                    break
+                determinant *= pivot
+                column.append(pivot)
+            else:
+                return tuple(column)
+            if pivot < 0 or abs(determinant * pivot / column[0]) < 1:
+                return None
+        bits *= 2
+
+
+def pivots(f: fmpz_poly) -> Iterator[arb]:
+    """Routh's column as far as its entries are known not to be zero, and the next; at the present precision."""
+    c = f.coeffs()
+    upper, lower = arb_poly(c[::2]), arb_poly(c[1::2])
+    yield upper[0]
+    for _ in range(f.degree()):
+        yield lower[0]
+        if lower[0].contains(0):
+            return
+        upper, lower = lower, (upper - lower * (upper[0] / lower[0])).right_shift(1)
+
+
+def violations(sums: Sequence[fmpz_poly]) -> list[tuple[float, float]]:
+    """Intervals of w = sqrt(x) where at least one of some polynomials in x is negative, to double precision.
+
+    Examples
+    --------
+    >>> violations([fmpz_poly([1, 1]), fmpz_poly([3, -4, 1])])  # (x - 1)(x - 3)
+    [(1.0, 1.7320508075688772)]
+    """
+    found: list[tuple[float, float]] = []
+    for low, high in sorted(band for a in sums if a for band in _negative(a)):
+        joined = found and low <= found[-1][1]
+        if joined:
+            low, before = found.pop()
+            high = max(before, high)
+        found.append((low, high))
+    return found
+
+
+def _negative(a: fmpz_poly) -> list[tuple[float, float]]:
+    """The intervals of one polynomial: counted down from infinity, its sign changes at each root of odd order."""
+    roots = [root for f, power in squarefree(a) if power % 2 and f[0] for root in positive_roots(f)]
+    ends = [0.0, *sorted(root.frequency for root in roots), math.inf]
+    negative = a.leading_coefficient() < 0
+    return [band for k, band in enumerate(reversed(list(pairwise(ends)))) if (k % 2 == 0) == negative]

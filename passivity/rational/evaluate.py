@@ -8,12 +8,12 @@ from typing import TypeAlias
 
 from flint import fmpz_poly
 
+from passivity.budget import check_size
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import fraction, not_a_number
 from passivity.expression.parse import parse
 from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
 from passivity.rational.function import RationalFunction
-from passivity.size import check_size
 
 MAX_WORK = 300_000_000  # bits in all intermediate results of one expression: half a second
 

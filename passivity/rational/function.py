@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Self, TypeAlias
 
 from flint import acb, ctx, fmpq, fmpq_poly, fmpz_poly
 
+from passivity.budget import powered
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import fraction
-from passivity.size import powered
 
 if TYPE_CHECKING:
     from passivity.rational.evaluate import Exact

@@ -12,7 +12,7 @@ from passivity.exact.positive_real import by_storage, check
 from passivity.exact.verdict import Verdict
 from passivity.floats.axis import AxisAnalysis, analyse
 from passivity.floats.system import FloatSystem
-from passivity.polynomial.bands import violations
+from passivity.polynomial.roots import violations
 from passivity.rational.state_space import StateSpace
 from passivity.sampled.check import excess, worst_values
 from passivity.sampled.model import PoleResidueModel

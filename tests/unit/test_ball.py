@@ -8,9 +8,8 @@ from flint import arb
 
 from passivity import ExpressionError, RationalFunction
 from passivity.ball import MAX_EXPONENT, ends, near
-from passivity.budget import UndecidedError, budget, if_affordable, spend
+from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.expression.number import written
-from passivity.size import MAX_BITS, powered
 
 
 @pytest.mark.parametrize("exponent", [10**30, -(10**30), 1, -1, 10**400, -(10**400), 10**5, -(10**5)])

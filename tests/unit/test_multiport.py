@@ -14,10 +14,10 @@ from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix
-from passivity.exact.report import as_dict
+from passivity.exact.report import as_dict, in_words
 from passivity.exact.storage import is_semidefinite, negative_direction
 from passivity.exact.verdict import Certificate, Margins, StorageCertificate
-from passivity.polynomial.bands import in_words, violations
+from passivity.polynomial.roots import violations
 from passivity.polynomial.sign import SignProof
 from passivity.rational.elements import impedances, scattering, transformer_scattering
 from passivity.rational.matrix import RationalMatrix

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from passivity import ExpressionError, RationalFunction, Status, check_bounded_real, check_positive_real
-from passivity.polynomial.bands import violations
+from passivity.polynomial.roots import violations
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce, least_change
 from passivity.sampled.fit import fit
