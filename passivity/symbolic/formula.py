@@ -21,20 +21,11 @@ _RELATIONS: dict[str, Callable[[Fraction | int, int], bool]] = {">=": ge, ">": g
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """A product of powers of polynomials, compared with 0.
-
-    Parameters
-    ----------
-    factors : tuple of (fmpz_mpoly, int)
-    relation : str
-        ``>=``, ``>`` or ``=``.
-    written : str
-        How to write it, if not as the factors tell.
-    """
+    """A product of powers of polynomials, compared with 0."""
 
     factors: tuple[tuple[fmpz_mpoly, int], ...]
-    relation: str
-    written: str = ""
+    relation: str  # >=, > or =
+    written: str = ""  # how to write it, if not as the factors tell
 
     def holds(self, values: Mapping[str, Fraction]) -> bool:
         """Whether it is true of these parameters."""

@@ -35,22 +35,12 @@ _MAX_DOUBLINGS = 200
 
 @dataclass(frozen=True)
 class Question:
-    """Is p/q, behind a delay if any, positive real or bounded real?
+    """Is p/q, behind a delay if any, positive real or bounded real?"""
 
-    Parameters
-    ----------
-    kind : Kind
-        BR where there is a delay: p/q is then the reflection H2 behind it.
-    whole, function, delay : Pair
-        The function with its delay; p/q; and tau of exp(-tau s), 0 without one.
-    expansion : Expansion
-        Where they come from.
-    """
-
-    kind: Kind
-    whole: Pair
-    function: Pair
-    delay: Pair
+    kind: Kind  # BR where there is a delay: p/q is then the reflection H2 behind it
+    whole: Pair  # the function with its delay
+    function: Pair  # p/q
+    delay: Pair  # tau of exp(-tau s), 0 without one
     expansion: Expansion
 
     @classmethod
@@ -137,13 +127,7 @@ class Question:
 
 
 def _as_reflection(kind: Kind, function: Pair, tau: Pair, expansion: Expansion) -> tuple[Pair, Pair]:
-    """H2 and its delay of a function H1, or Z, of s and exp(-tau s) that has this form.
-
-    Raises
-    ------
-    ExpansionError
-        If it has not.
-    """
+    """H2 and its delay of a function H1, or Z, of s and exp(-tau s) that has this form; else ExpansionError."""
     p, q = function
     h = Pair(p, q) if kind is Kind.BR else Pair(p - q, p + q).reduced()
     (over, m), (under, n) = (_single_power(f) for f in h)
