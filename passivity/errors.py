@@ -8,6 +8,11 @@ from tline.errors import InputError
 class ExpressionError(InputError):
     """One mistake in a given impedance: at ``column 7``, ``parameter L``, ``numerator[2]``."""
 
+    def within(self, where: str) -> "ExpressionError":
+        """The same mistake in a part of something."""
+        place = ", ".join(x for x in (where, self.where) if x)
+        return ExpressionError(place, self.problem, self.expected, self.got)
+
 
 def shown(given: object, write: Callable[[object], str] = str) -> str:
     """What was given, as a message quotes it: at most 60 characters, by `str` or `repr`.

@@ -21,21 +21,15 @@ POINTS = 1200
 MOST = 307.0  # decades of a frequency
 DECADES_BEYOND = 1.5  # below the smallest and above the largest modulus of a pole or zero
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_CURVE, _BAD, _INK = "#0072B2", "#D55E00", "#222222"
 BEYOND = "#F7DFD0"  # where |H| > 1
 _LEVELS = (0.2, 0.5, 1.0, 2.0, 5.0)
-_CURVE, _BAD, _GRID = "#0072B2", "#D55E00", "#B8B8B8"
+_CURVE, _BAD, _INK, _GRID = "#0072B2", "#D55E00", "#222222", "#B8B8B8"
 
 
 def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes | None = None) -> Any:
     """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| against z0 with its largest value.
 
     On `ax` the Smith chart alone.
-
-    Raises
-    ------
-    ExpressionError
-        If z0 or the ratio of two coefficients is beyond the range of doubles.
     """
     verdict.function.to_floats()
     if not sys.float_info.min <= z0 < math.inf:

@@ -87,13 +87,7 @@ def sqrt(x: fmpq) -> float:
 
 
 def positive_roots(f: fmpz_poly) -> list[Root]:
-    """All positive roots, increasing.
-
-    Parameters
-    ----------
-    f : fmpz_poly
-        Without double roots, f(0) not zero.
-    """
+    """All positive roots, increasing, of a polynomial without double roots that is not 0 at 0."""
     pieces, found = [half_line(f)], []
     while pieces:
         piece = pieces.pop()
@@ -161,13 +155,7 @@ def _natural_frequencies(f: fmpz_poly) -> list[complex]:
 
 
 def value(f: fmpz_poly, re: Fraction, im: Fraction) -> tuple[Fraction, Fraction]:
-    """Exact value of a polynomial at a rational complex point.
-
-    Examples
-    --------
-    >>> value(fmpz_poly([0, 0, 1]), Fraction(1, 2), Fraction(1))
-    (Fraction(-3, 4), Fraction(1, 1))
-    """
+    """Exact value of a polynomial at a rational complex point."""
     size = max(bits_of(re), bits_of(im))
     spend(5_000 + 10 * reducing_cost(len(f) * size + f.height_bits()), "a value")
     u, v = scaled_value(f, re, im, f.degree())
@@ -298,13 +286,7 @@ def pivots(f: fmpz_poly) -> Iterator[arb]:
 
 
 def violations(sums: Sequence[fmpz_poly]) -> list[tuple[float, float]]:
-    """Intervals of w = sqrt(x) where at least one of some polynomials in x is negative, to double precision.
-
-    Examples
-    --------
-    >>> violations([fmpz_poly([1, 1]), fmpz_poly([3, -4, 1])])  # (x - 1)(x - 3)
-    [(1.0, 1.7320508075688772)]
-    """
+    """Intervals of w = sqrt(x) where at least one of some polynomials in x is negative, to double precision."""
     found: list[tuple[float, float]] = []
     for low, high in sorted(band for a in sums if a for band in _negative(a)):
         joined = found and low <= found[-1][1]

@@ -63,8 +63,7 @@ def exact(value: Exact, where: str) -> Fraction:
         tree = parse(value)
         constant = None if symbols(tree) else _Evaluation({}).of(tree)
     except ExpressionError as error:
-        place = ", ".join(x for x in (where, error.where) if x)
-        raise ExpressionError(place, error.problem, error.expected, error.got) from None
+        raise error.within(where) from None
     if constant is None or constant.is_infinite:
         raise not_a_number(value, where)
     return constant.numerator[0] / constant.denominator[0]

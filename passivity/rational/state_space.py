@@ -252,18 +252,7 @@ class StateSpace:
 
 
 def from_system(system: Any) -> RationalMatrix | StateSpace:
-    """Network of a scipy.signal.lti or python-control system with as many outputs as inputs.
-
-    Parameters
-    ----------
-    system : object
-        Continuous: a state space, transfer functions, or with one port zeros, poles and gain. Taken exactly as the
-        floats it holds; zeros and poles pass through their own rounding ``to_tf()``.
-
-    Raises
-    ------
-    ExpressionError
-        For a discrete system, another number of outputs than of inputs, or any other object.
+    """Network of a continuous scipy.signal.lti or python-control system with as many outputs as inputs.
 
     Examples
     --------

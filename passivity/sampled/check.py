@@ -202,10 +202,10 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     <Status.NO_VIOLATION: 'no violation seen'>
     """
     values, parameter = response.values, response.parameter
-    worst, (left, right) = worst_values(values, parameter), worst_vectors(values, parameter)
+    worst, (_, left, right) = worst_values(values, parameter), worst_first(values, parameter)
     if by_digits := tolerance is None and response.rounding is not None:
         assert response.rounding
-        tolerance = np.minimum(response.rounding.reach(left, right), LARGEST)
+        tolerance = np.minimum(response.rounding.reach(left[:, :, 0], right[:, :, 0]), LARGEST)
     given = array(0.0 if tolerance is None else tolerance, float, "tolerance")
     if given.shape not in ((), response.f.shape) or (given < 0).any():
         expected = f"a number >= 0, or {len(response.f)} of them"
@@ -213,7 +213,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
     beyond = excess(worst, parameter) - bars
     k = int(np.argmax(beyond))
-    witness = _witness(response, k, right[k], Fraction(float(bars[k]))) if beyond[k] > 0 else None
+    witness = _witness(response, k, right[k, :, 0], Fraction(float(bars[k]))) if beyond[k] > 0 else None
     status = Status.REFUTED if witness else Status.NO_VIOLATION
     return SampleVerdict(response, status, worst, bars, _bands(response, worst, beyond > 0), witness, by_digits)
 
@@ -232,13 +232,13 @@ def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
     return np.linalg.eigvalsh((values + values.conj().swapaxes(1, 2)) / 2)[:, 0]
 
 
-def worst_vectors(values: NDArray, parameter: Parameter) -> tuple[NDArray, NDArray]:
-    """Left and right singular vector of the largest singular value, or the eigenvector of the smallest eigenvalue."""
+def worst_first(values: NDArray, parameter: Parameter) -> tuple[NDArray, NDArray, NDArray]:
+    """How far each singular value or eigenvalue is beyond the bound; its vectors, left and right, as columns."""
     if parameter is Parameter.S:
-        u, _, v = np.linalg.svd(values)
-        return u[:, :, 0], v[:, 0].conj()
-    x = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)[1][:, :, 0]
-    return x, x
+        left, sizes, right = np.linalg.svd(values)
+        return sizes - 1, left, right.conj().swapaxes(1, 2)
+    sizes, vectors = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)
+    return -sizes, vectors, vectors
 
 
 def excess(worst: NDArray, parameter: Parameter) -> NDArray:

@@ -337,11 +337,6 @@ def least_change(rows: NDArray, bounds: NDArray) -> NDArray | None:
 
     Lawson and Hanson's least distance programming: the residual of a least-squares problem with nonnegative unknowns
     points to x. No row is zero; some bound is above zero.
-
-    Examples
-    --------
-    >>> least_change(np.array([[1.0, 1.0], [1.0, 0.0]]), np.array([5.0, 4.0])).round(9)
-    array([4., 1.])
     """
     from scipy.optimize import nnls
 

@@ -14,7 +14,7 @@ from passivity.floats.axis import AxisAnalysis, analyse
 from passivity.floats.system import FloatSystem
 from passivity.polynomial.roots import violations
 from passivity.rational.state_space import StateSpace
-from passivity.sampled.check import excess, worst_values
+from passivity.sampled.check import excess, worst_first, worst_values
 from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter
 from passivity.status import Status
@@ -44,19 +44,12 @@ def seen(model: PoleResidueModel) -> AxisAnalysis:
     A, B, C, D = model.realised()
     if not len(A):  # a state that does nothing
         A, B, C = -np.eye(1), np.zeros((1, len(D))), np.zeros((len(D), 1))
-    system = StateSpace.from_entries(*(x.tolist() for x in (A, B, C, D)))
-    return analyse(FloatSystem.of(model.parameter.kind, system))
+    return analyse(FloatSystem.of(model.parameter.kind, StateSpace.from_entries(*(x.tolist() for x in (A, B, C, D)))))
 
 
 def places_of(model: PoleResidueModel, w: NDArray) -> list[Place]:
     """The worst value at each frequency, and others beyond the bound."""
-    values = model.matrices(w)
-    if model.parameter is Parameter.S:
-        left, sizes, right = np.linalg.svd(values)
-        beyond, right = sizes - 1, right.conj().swapaxes(1, 2)
-    else:
-        sizes, left = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)
-        beyond, right = -sizes, left
+    beyond, left, right = worst_first(model.matrices(w), model.parameter)
     chosen = [(i, j) for i, j in np.ndindex(beyond.shape) if j == 0 or beyond[i, j] > 0]
     return [(float(w[i]), float(beyond[i, j]), left[i, :, j], right[i, :, j]) for i, j in chosen]
 
@@ -91,10 +84,6 @@ def inside(low: float, high: float) -> list[float]:
     return [low, math.sqrt(low * high) or high / 2, (low + high) / 2, high]
 
 
-def _beyond(model: PoleResidueModel, w: NDArray) -> NDArray:
-    return excess(worst_values(model.matrices(w), model.parameter), model.parameter)
-
-
 def extremes_on_grid(model: PoleResidueModel, w: NDArray, also: NDArray) -> list[Place]:
     """Frequencies beyond the bound, wherever the worst value has an extreme."""
     grid = grid_of(model, np.concatenate([w, also]))
@@ -121,7 +110,8 @@ def off_poles(model: PoleResidueModel, w: NDArray) -> NDArray:
 
 def _peaks(model: PoleResidueModel, grid: NDArray) -> NDArray:
     """Where the worst value is beyond the bound and no better than at the neighbours."""
-    beyond = np.pad(_beyond(model, grid), 1, constant_values=-math.inf)
+    beyond = excess(worst_values(model.matrices(grid), model.parameter), model.parameter)
+    beyond = np.pad(beyond, 1, constant_values=-math.inf)
     inner = beyond[1:-1]
     peaks = np.flatnonzero((inner > 0) & (inner >= beyond[:-2]) & (inner > beyond[2:]))
     return np.sort(peaks[np.argsort(-inner[peaks])[:MOST]])  # where a value is nearly constant, rounding makes many

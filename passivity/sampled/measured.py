@@ -308,15 +308,12 @@ def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:
     return replace(response, values=turned[:, :, None] * response.values * turned[:, None, :], rounding=None)
 
 
-def _misfit(model: PoleResidueModel, samples: SampledResponse) -> float:
-    return float(np.abs(model.matrices(2 * np.pi * samples.f) - samples.values).max())
-
-
 def _misfit_at(response: SampledResponse, delay: ArrayLike, order: int) -> float:
     """Of so many poles, on a part of the samples."""
     rest, stride = _without(response, delay), -(-len(response.f) // SCOUTED)
     rest = SampledResponse(rest.f[::stride], rest.values[::stride], Parameter.S)
-    return _misfit(fit(rest, min(order, len(rest.f) - 2)), rest)
+    model = fit(rest, min(order, len(rest.f) - 2))
+    return DelayedModel(delay, model, model, rest).error
 
 
 def _rough_delay(response: SampledResponse, whole: float, ratio: ArrayLike = 1.0) -> float:

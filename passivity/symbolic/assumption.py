@@ -131,13 +131,7 @@ def collect(assumptions: Iterable[str | Range]) -> dict[str, Range]:
 
 
 def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
-    """What is assumed of each name, as facts, and the constants that each may be.
-
-    Examples
-    --------
-    >>> assumed(["R > 0", "H bounded real"])[0]["R"]
-    ('real', Fraction(0, 1), inf)
-    """
+    """What is assumed of each name, as facts, and the constants that each may be."""
     opaque: dict[str, Fact] = {}
     ranges: list[str | Range] = []
     for text in assume:
