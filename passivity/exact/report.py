@@ -13,8 +13,8 @@ from passivity.exact.certificate import verify
 from passivity.exact.robustness import Robustness
 from passivity.exact.verdict import Certificate, Margin, Margins, StorageCertificate, Verdict, Witness
 from passivity.expression.number import complex_text, digits, written
-from passivity.polynomial.roots import positive_roots, routh_column, violations
-from passivity.polynomial.sign import allowance, parts, product, squarefree
+from passivity.polynomial.roots import positive_roots, roots_on_axis, routh_column, violations
+from passivity.polynomial.sign import allowance, product, squarefree
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import degree
@@ -225,14 +225,12 @@ def _fault(z: RationalFunction) -> str:
         return f"Z has a pole of order {order} at s = 0"
     if order and p[0] * q[1] < 0:
         return "Z has a pole at s = 0 with negative residue"
-    u, v = parts(q.right_shift(order))
-    for factor, power in squarefree(u.gcd(v)):  # of the poles whose mirror images are poles
-        for root in positive_roots(factor) if factor.degree() > 0 else []:
-            place = f"on the axis at ω = {root.frequency:.6g}"
-            if power > 1:
-                return f"Z has a pole of order {power} {place}"
-            if root.sign_of(product(p, q.derivative())) < 0:
-                return f"Z has a pole {place} with negative residue"
+    for root, power in roots_on_axis(q.right_shift(order)):
+        place = f"on the axis at ω = {root.frequency:.6g}"
+        if power > 1:
+            return f"Z has a pole of order {power} {place}"
+        if root.sign_of(product(p, q.derivative())) < 0:
+            return f"Z has a pole {place} with negative residue"
     return "Z has a pole in Re s > 0"
 
 
@@ -248,9 +246,8 @@ def _fault_of_matrix(z: RationalMatrix) -> str:
 
 def _on_axis(f: fmpz_poly) -> bool:
     """Whether all roots of a polynomial, which come with their mirror images, lie on the imaginary axis."""
-    rest = parts(f.right_shift(next(k for k, c in enumerate(f.coeffs()) if c)))[0]
-    found = [(g, power) for g, power in squarefree(rest) if g.degree() > 0]
-    return sum(power * len(positive_roots(g)) for g, power in found) == rest.degree()
+    rest = f.right_shift(next(k for k, c in enumerate(f.coeffs()) if c))
+    return 2 * sum(power for _, power in roots_on_axis(rest)) == rest.degree()
 
 
 def in_words(intervals: Sequence[tuple[float, float]]) -> str:

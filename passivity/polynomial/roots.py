@@ -18,7 +18,7 @@ from flint import acb, arb, arb_poly, ctx, fmpq, fmpz, fmpz_poly
 
 from passivity.ball import near
 from passivity.budget import bits_of, spend
-from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, split, squarefree
+from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, parts, split, squarefree
 
 _FARTHEST = 1000  # binary exponent of a modulus
 SHIFT = 256  # where the scheme ends early, it is tried again for f(s - 1/SHIFT)
@@ -105,6 +105,13 @@ def positive_roots(f: fmpz_poly) -> list[Root]:
                 raise UndecidedError(f"the roots of a polynomial of degree {f.degree()} take over {MAX_PIECES} pieces")
             pieces += reversed(split(piece))
     return found
+
+
+def roots_on_axis(f: fmpz_poly) -> list[tuple[Root, int]]:
+    """The roots jw with w > 0 of any polynomial, as places x = w^2, and how often each is one."""
+    u, v = parts(f)
+    factors = squarefree(common) if (common := u.gcd(v)) else ()
+    return [(root, power) for factor, power in factors if factor[0] for root in positive_roots(factor)]
 
 
 def _bound(f: fmpz_poly) -> fmpq:
