@@ -31,8 +31,7 @@ from passivity.expression.tree import symbols
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic.assumption import Range, assumed
-from passivity.symbolic.counterexample import random_values
+from passivity.symbolic.assumption import Range, assumed, random_values
 
 _EACH = VERDICT // 2  # of the ways to decide
 _EACH_NODE = 1_000_000  # more, of the first way
@@ -176,8 +175,8 @@ def of_text(
         and not symbols(plain) & facts.keys()
         and symbols(plain) <= {"s", *numbers}
     ):
-        pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
-        return _exact(made, kind, RationalFunction(pair.p, pair.q), (text, numbers, {}))
+        # with what numerator and denominator have in common, and 1/0
+        return _exact(made, kind, of_tree(plain, numbers), (text, numbers, {}))
     graph = Graph(facts)
     value = read(graph, text, numbers)
     question = Question(graph, value, CLAIMS[kind], text, numbers)

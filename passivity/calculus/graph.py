@@ -9,10 +9,9 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any, TypeAlias
 
-from passivity.budget import spend
+from passivity.budget import MAX_BITS, bits_of, check_size, spend
 from passivity.calculus.fact import Fact
 from passivity.errors import ExpressionError
-from passivity.size import MAX_BITS, bits_of, check_size
 from passivity.verifier import Graph as Nodes
 
 Value: TypeAlias = tuple[Fraction, int]

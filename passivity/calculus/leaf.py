@@ -16,7 +16,7 @@ from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, margins
 from passivity.exact.verdict import Verdict
 from passivity.expression.number import written
-from passivity.polynomial.hurwitz import routh_column
+from passivity.polynomial.roots import routh_column
 from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
