@@ -174,7 +174,7 @@ def plot_path_waves(result: Result, way: Route) -> Picture:
     size, unit = handy(float(abs(both).max()), result.medium.shown["effort"])
     norm = Normalize(*spread(float(both.min() / size), float(both.max() / size)))
     picture = figure(9.0, 4.8, result.scene.title)
-    panels = picture.subplots(1, 2, sharey=True)
+    panels = picture.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.06})  # so that names of nodes stay apart
     labels = (f"a = u + z0·y, toward {way.nodes[-1]}", f"b = u - z0·y, toward {way.nodes[0]}")
     for axes, values, label in zip(panels, both, labels, strict=True):
         _draw_image(axes, values / size, result, way, colormaps["viridis"], norm)
