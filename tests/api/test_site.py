@@ -14,11 +14,31 @@ from tline.cli.main import COMMANDS
 from tline.exercises.answer import letters
 
 ROOT = Path(__file__).parents[2]
-INDEX = (ROOT / "docs" / "site" / "index.md").read_text(encoding="utf-8")
+HOME = ROOT / "docs" / "site" / "index.md"
+INDEX = HOME.read_text(encoding="utf-8")
 ASSEMBLED = runpy.run_path(str(ROOT / "docs" / "site" / "assemble.py"))
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 MADE = {"gallery", "reference", "commands", *(f"exercise/{letter}" for letter in letters())}
+
+
+TREE = re.compile(r"```{toctree}\n(.*?)```", re.DOTALL)
+
+
+def pages_from(page):
+    """Pages that a page leads to, by links and by what the index lists beside all of them."""
+    text = page.read_text(encoding="utf-8")
+    listed = [f"{line}.md" for tree in TREE.findall(text) for line in tree.splitlines() if line[:1] != ":"]
+    folder = ROOT if page == HOME else page.parent
+    found = {(folder / target).resolve() for target in (*re.findall(r"\]\(([^)#\s]+\.md)", text), *listed)}
+    return {each for each in found if each.exists()}
+
+
+def test_every_page_is_two_clicks_from_the_index():
+    once = pages_from(HOME)
+    reached = once.union(*map(pages_from, once))
+    pages = [*(ROOT / "docs").glob("*.md"), *(ROOT / "benchmarks" / "pages").glob("*.md")]
+    assert [page.name for page in pages if page not in reached] == []
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\(([^)#]+)\.md\)", INDEX))))
@@ -27,7 +47,7 @@ def test_entrances_lead_somewhere(target):
 
 
 def test_pages_are_listed_once():
-    listed = [line for tree in re.findall(r"```{toctree}\n(.*?)```", INDEX, re.DOTALL) for line in tree.splitlines()]
+    listed = [line for tree in TREE.findall(INDEX) for line in tree.splitlines()]
     pages = [line for line in listed if not line.startswith(":")]
     assert len(pages) == len({*pages}) > 30
     assert all(page in MADE or (ROOT / f"{page}.md").exists() for page in pages)

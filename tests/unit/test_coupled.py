@@ -6,7 +6,7 @@ import pytest
 from tline.errors import InputError, SceneError
 from tline.interchange.netlist_text import spice_text
 from tline.line.modes import even_and_odd, modes
-from tline.pictures.fronts import only_line
+from tline.pictures.lattice import only_line
 from tline.pictures.path import route
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes

@@ -9,7 +9,7 @@ import pytest
 from tline.errors import InputError, SceneError
 from tline.frequency.response import respond
 from tline.pictures.along import effort_along, extremes_along, start_effort
-from tline.pictures.fronts import only_line
+from tline.pictures.lattice import only_line
 from tline.pictures.map import surges
 from tline.pictures.path import route
 from tline.scene.file import scene_from, scene_text

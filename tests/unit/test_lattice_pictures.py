@@ -5,8 +5,7 @@ from itertools import combinations
 import pytest
 from picture_scenes import JOUKOWSKY, RC_END, TANK, cables, quietly, texts, water_hammer
 
-from tline.pictures.fronts import MOST_LEGS, bounces
-from tline.pictures.lattice import plot_lattice
+from tline.pictures.lattice import MOST_LEGS, bounces, plot_lattice
 from tline.scene.scene import Scene
 
 

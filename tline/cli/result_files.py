@@ -56,7 +56,7 @@ def writers(
         "profile": drawn("tline.pictures.profile:plot_profile", result, way),
         "map": drawn("tline.pictures.map:plot_map", result),
         "space_time": drawn("tline.pictures.profile:plot_space_time", result, way),
-        "plot_waves": drawn("tline.pictures.waves:plot_path_waves", result, way),
+        "plot_waves": drawn("tline.pictures.profile:plot_path_waves", result, way),
         "lattice": drawn("tline.pictures.lattice:plot_lattice", result),
         "load_lines": lambda file: _draw_load_lines(result.scene, file),
         "animate": lambda file: _animate(result, way, file),

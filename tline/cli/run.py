@@ -164,7 +164,7 @@ def instants(text: str, where: str) -> "NDArray":
 def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route | None":
     """The path that pictures show, None if none does."""
     if "lattice" in wanted:
-        from tline.pictures.fronts import only_line
+        from tline.pictures.lattice import only_line
 
         only_line(scene)
     if "load_lines" in wanted:

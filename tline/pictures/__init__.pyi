@@ -9,10 +9,10 @@ from tline.pictures.network import plot_network as plot_network
 from tline.pictures.path import Route as Route
 from tline.pictures.path import route as route
 from tline.pictures.player import Animation as Animation
+from tline.pictures.profile import plot_line_waves as plot_line_waves
 from tline.pictures.profile import plot_profile as plot_profile
 from tline.pictures.profile import plot_space_time as plot_space_time
 from tline.pictures.style import save_figure as save_figure
 from tline.pictures.traces import draw_probes as draw_probes
 from tline.pictures.traces import plot as plot
-from tline.pictures.waves import plot_line_waves as plot_line_waves
-from tline.pictures.waves import plot_waves as plot_waves
+from tline.pictures.traces import plot_waves as plot_waves

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.pictures.along import extremes_along, waves_along
-from tline.pictures.bounds import Bound, bounds, scale
+from tline.pictures.bounds import Bound, bounds, scale, spread
 from tline.pictures.path import Route, axis
 from tline.pictures.player import Animation, player
-from tline.pictures.spread import spread
 from tline.solver.result.result import Result
 from tline.units import handy
 

@@ -53,6 +53,13 @@ def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
     return Scale(words(scene).effort, *handy(largest, words(scene).shown["effort"]))
 
 
+def spread(low: float, high: float) -> tuple[float, float]:
+    """Limits of an axis for values from low to high: apart, even if only rounding tells these from each other."""
+    largest = max(abs(low), abs(high))
+    apart = 0.0 if high - low > 1e-9 * largest else 0.05 * largest or 1.0
+    return float(low) - apart, float(high) + apart
+
+
 def one_liquid(scene: Scene, lines: Iterable[str]) -> float | None:
     """Density·g, Pa/m, where all nodes of lines have heights and hold the same liquid; else None."""
     nodes = {node for line in lines for node in scene.single_lines[line].nodes}

@@ -12,15 +12,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Bbox, BboxBase
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.bounds import scale
+from tline.pictures.bounds import scale, spread
 from tline.pictures.layout import Places, course, has_positions, layout, refuse_too_many
-from tline.pictures.spread import spread
-from tline.pictures.style import FAINT, INK, LONGEST_NAME, cells_of, styled
+from tline.pictures.style import FAINT, HALO, INK, add_bar, cells_of, short, styled, write_name
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.load import linked_pairs
@@ -105,8 +103,7 @@ SCALE = ListedColormap(colormaps["viridis_r"](np.linspace(0.06, 1.0, 256)))  # w
 WIDE = 1.3  # width over height from which one map stands above the other
 NAMED = 60  # nodes that have their names written
 MARK = 8  # half the room of a node's mark, pixels
-CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))  # of a mark, where its name may stand
-HALO = [withStroke(linewidth=2.5, foreground="white")]
+CORNERS = ((6, 4), (-6, 4), (6, -4), (-6, -4))  # of a mark, where its name may stand, points
 
 
 @styled
@@ -161,14 +158,16 @@ def draw_surges(scene: Scene, *both: Surge, ax: Axes | None = None) -> Any:
         colours = ScalarMappable(Normalize(0.0, spread(0.0, largest / size)[1]), SCALE)
         _draw(axes, scene, places, surge, colours, size)
         axes.set_title(f"{word} {before}", loc="left")
-        bar = axes.figure.colorbar(colours, ax=axes, pad=0.02, fraction=0.05)
-        bar.set_label(f"{word.split()[0]} of {effort} [{unit}]")
-        bar.outline.set_visible(False)
+        add_bar(colours, axes, f"{word.split()[0]} of {effort} [{unit}]", fraction=0.05)
     if ax is None:
         _explain(drawn, scene, bool(held_nodes(scene)), any(surge.beyond for surge in both))
     panels[0].figure.canvas.figure.draw_without_rendering()
     for axes in panels:
-        _name(axes, places)
+        taken: list[BboxBase] = [
+            Bbox.from_extents(*at - MARK, *at + MARK) for at in axes.transData.transform([*places.values()])
+        ]
+        for node, place in places.items() if len(places) <= NAMED else ():
+            write_name(axes, short(node), place, CORNERS, taken)
     return drawn
 
 
@@ -196,30 +195,6 @@ def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: Scala
     axes.spines[:].set_visible(False)
     axes.margins(0.1)
     axes.set_aspect("equal", adjustable="datalim")
-
-
-def _name(axes: Axes, places: Places) -> None:
-    """Names of nodes, beside them where there is room; the picture has its final size."""
-    taken = [Bbox.from_extents(*at - MARK, *at + MARK) for at in axes.transData.transform([*places.values()])]
-    for node, place in places.items() if len(places) <= NAMED else ():
-        text = node if len(node) <= LONGEST_NAME else node[: LONGEST_NAME - 1] + "…"
-        for x, y in CORNERS:
-            name = axes.annotate(
-                text,
-                place,
-                xytext=(6 * x, 4 * y),
-                textcoords="offset points",
-                ha="left" if x > 0 else "right",
-                va="bottom" if y > 0 else "top",
-                fontsize=9,
-                zorder=5,
-                path_effects=HALO,
-            )
-            box = name.get_window_extent()
-            if not any(box.overlaps(other) for other in taken):
-                taken.append(box)
-                break
-            name.remove()
 
 
 def _explain(picture: Figure, scene: Scene, held: bool, beyond: bool) -> None:

@@ -9,19 +9,17 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.transforms import BboxBase
 from numpy.typing import NDArray
 
 from tline.pictures.layout import Places, conductors, course, delay_of, has_positions, layout
-from tline.pictures.style import COLOURS, FAINT, INK, LONGEST_NAME, figure, styled
+from tline.pictures.style import COLOURS, FAINT, INK, figure, short, styled, write_name
 from tline.scene.line import SceneLine
 from tline.scene.load import linked_pairs
 from tline.scene.scene import Scene
 from tline.units import handy
 
 NAMED = 40  # nodes that have their names written, and what stands there
-HALO = [withStroke(linewidth=3, foreground="white")]
 WIDTH, FLATTEST, TALLEST = 8.0, 2.6, 6.0  # inches
 MARKS = {"source": (">", COLOURS[1]), "load": ("s", COLOURS[0]), "probe": ("o", COLOURS[2])}
 LETTER = 0.16  # inches, a line of text
@@ -82,7 +80,10 @@ def plot_network(scene: Scene) -> Figure:
                  for node, place in places.items()}  # fmt: skip
         above = dict(_lines_named(scene, ways)) | dict(_links_named(scene, places))
         picture.draw_without_rendering()
-        _write(axes, below | inner, above)
+        taken: list[BboxBase] = []
+        for names, side in ((below | inner, -9), (above, 5)):
+            for name, place in names.items():
+                write_name(axes, name, place, [(0, side)], taken)
     return picture
 
 
@@ -120,7 +121,7 @@ def _standing(scene: Scene) -> Iterator[tuple[str, list[tuple[str, str]]]]:
     found += [(load.at, "load", name) for name, load in scene.loads.items()]
     found += [(probe.at, "probe", name) for name, probe in scene.probes.items() if probe.at]
     for node, here in groupby(sorted(found, key=lambda each: each[0]), key=lambda each: each[0]):
-        yield node, [(word, _cut(name)) for _, word, name in here]
+        yield node, [(word, short(name)) for _, word, name in here]
 
 
 def _inner_probes(scene: Scene, ways: Mapping[tuple[str, int], NDArray]) -> Iterator[tuple[str, tuple[float, float]]]:
@@ -128,7 +129,7 @@ def _inner_probes(scene: Scene, ways: Mapping[tuple[str, int], NDArray]) -> Iter
         line = scene.lines.get(probe.line or "")
         if probe.line and probe.position is not None and isinstance(line, SceneLine):
             x, y = (np.interp(probe.fraction(line), SHARES, column) for column in ways[probe.line, 0].T)
-            yield _cut(name), (float(x), float(y))
+            yield short(name), (float(x), float(y))
 
 
 def _lines_named(scene: Scene, ways: Mapping[tuple[str, int], NDArray]) -> Iterator[tuple[str, tuple[float, float]]]:
@@ -137,13 +138,13 @@ def _lines_named(scene: Scene, ways: Mapping[tuple[str, int], NDArray]) -> Itera
         size, unit = handy(delay_of(line), "s")
         x, y = ways[name, 0][len(SHARES) // 2]
         if name not in scene.delay_lines:
-            yield f"{_cut(name)}\n{delay_of(line) / size:.3g} {unit}", (x, y)
+            yield f"{short(name)}\n{delay_of(line) / size:.3g} {unit}", (x, y)
 
 
 def _links_named(scene: Scene, places: Places) -> Iterator[tuple[str, tuple[float, float]]]:
     for name, link in scene.links.items():
         x, y = np.mean([places[node] for node in dict.fromkeys(link.nodes)], axis=0)
-        yield _cut(name), (x, y)
+        yield short(name), (x, y)
 
 
 def _mark(axes: Axes, word: str, place: tuple[float, float]) -> None:
@@ -152,20 +153,6 @@ def _mark(axes: Axes, word: str, place: tuple[float, float]) -> None:
     if word == "probe":
         look = {"markersize": 13, "zorder": 5, "markerfacecolor": "none", "markeredgewidth": 1.8}
     axes.plot(*place, marker=marker, color=colour, **look)
-
-
-def _write(axes: Axes, below: Mapping[str, tuple[float, float]], above: Mapping[str, tuple[float, float]]) -> None:
-    """Write names, but those that would cover one that is written."""
-    kept: list[BboxBase] = []
-    for names, side, anchor in ((below, -9, "top"), (above, 5, "bottom")):
-        for name, place in names.items():
-            text = axes.annotate(name, place, (0, side), textcoords="offset points", ha="center", va=anchor, fontsize=9,
-                                 linespacing=1.3, path_effects=HALO, zorder=9)  # fmt: skip
-            box = text.get_window_extent()
-            if any(box.overlaps(other) for other in kept):
-                text.remove()
-            else:
-                kept.append(box)
 
 
 def _explain(picture: Figure, scene: Scene, there: set[str]) -> None:
@@ -178,7 +165,3 @@ def _explain(picture: Figure, scene: Scene, there: set[str]) -> None:
         handles.append(Line2D([], [], color=INK, linestyle=":", label="link"))
     title = "" if has_positions(scene) or len(scene.lines) == 1 else "laid out by delays"
     picture.legend(handles=handles, title=title, loc="outside lower center", ncols=4, fontsize=9, title_fontsize=9)
-
-
-def _cut(name: str) -> str:
-    return name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"

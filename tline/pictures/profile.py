@@ -1,4 +1,4 @@
-"""Effort along a route: its extremes with what bounds them, and an image over place and time."""
+"""Along a route: extremes of the effort with what bounds them, and images of effort and waves over place and time."""
 
 from typing import Any
 
@@ -7,14 +7,17 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from numpy.typing import NDArray
 
-from tline.pictures.along import effort_along, extremes_along, start_effort
-from tline.pictures.bounds import Bound, bounds, scale
-from tline.pictures.path import Route, axis
-from tline.pictures.spread import spread
-from tline.pictures.style import COLOURS, DASHES, DIVERGING, INK, figure, name_nodes, styled
+from tline.errors import InputError
+from tline.pictures.along import effort_along, extremes_along, start_effort, waves_along
+from tline.pictures.bounds import Bound, bounds, scale, spread
+from tline.pictures.path import Leg, Route, axis
+from tline.pictures.style import COLOURS, DASHES, DIVERGING, INK, Picture, add_bar, figure, name_nodes, styled
 from tline.solver.result.result import Result
 from tline.units import handy
+from tline.words.wording import nearest, shown
 
 WIDTH, HEIGHT = 8.0, 5.0  # inches
 MARGIN = 0.06  # of the range, above and below
@@ -91,7 +94,7 @@ def draw_bounds(axes: Axes, limits: list[Bound]) -> None:
             axes.fill_between(bound.x, bound.effort, axes.get_ylim()[0], color=GROUND, alpha=0.15, linewidth=0)
 
 
-PIXELS = 700, 900  # places, instants
+PIXELS, WAVE_PIXELS = (700, 900), (300, 600)  # places, instants
 ONE_SIDED = 0.1  # of the range; less than this below or above the start is no reason for two colours
 
 
@@ -115,34 +118,14 @@ def plot_space_time(result: Result, path: Route) -> Figure:
     InputError
         A line of the route was not recorded.
     """
-    across, down = PIXELS
-    end, t_end = path.marks[-1], float(result.t[-1])
-    x = (np.arange(across) + 0.5) / across * end
-    t = (np.arange(down) + 0.5) / down * t_end
-    effort = effort_along(result, path, x, t)
+    effort = effort_along(result, path, *_grid(result, path, *PIXELS))
     word, size, unit = scale(result.scene, path.lines, float(abs(effort).max()))
     effort = effort / size
     low, high = spread(effort.min(), effort.max())
-    colours, norm = _colours(low, high, start_effort(result, path) / size)
-    second, time_unit = handy(t_end, "s")
-    length, place = axis(path, result.scene)
     picture = figure(8.0, 5.4, result.scene.title)
     axes = picture.subplots()
-    image = axes.imshow(
-        effort,
-        cmap=colours,
-        norm=norm,
-        extent=(0.0, end / length, t_end / second, 0.0),
-        aspect="auto",
-        interpolation="antialiased",
-    )
-    name_nodes(axes, {mark / length: name for mark, name in path.labels.items()})
-    axes.set_xlabel(place)
-    axes.set_ylabel(f"time [{time_unit}]")
-    bar = picture.colorbar(image, ax=axes, pad=0.02, fraction=0.06)
-    bar.set_label(f"{word} [{unit}]")
-    bar.outline.set_visible(False)
-    bar.ax.set_ylim(low, high)
+    image = _draw_image(axes, effort, result, path, *_colours(low, high, start_effort(result, path) / size))
+    add_bar(image, axes, f"{word} [{unit}]").ax.set_ylim(low, high)
     return picture
 
 
@@ -152,3 +135,68 @@ def _colours(low: float, high: float, start: float) -> tuple[Colormap, Normalize
         reach = max(high - start, start - low)
         return LinearSegmentedColormap.from_list("", DIVERGING, N=512), Normalize(start - reach, start + reach)
     return colormaps["viridis"], Normalize(low, high)
+
+
+def plot_line_waves(result: Result, line: str) -> Picture:
+    """Both waves on a line over place and time, which runs down: a leans one way, b the other.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run in which the line was recorded.
+    line : str
+        Name of a line.
+
+    Raises
+    ------
+    InputError
+        There is no such line, or it was not recorded.
+    """
+    if line not in result.scene.lines:
+        raise InputError("line", "no such line", nearest(str(line), [*result.scene.lines]), shown(line))
+    parameters, nodes = result.scene.single_lines[line].parameters, result.scene.single_lines[line].nodes
+    end, unit = (parameters.length, "m") if parameters.length else (parameters.delay or 0.0, "s")
+    return plot_path_waves(result, Route((nodes[0], nodes[1]), (Leg(line, True, 0.0, (0.0, end)),), (0.0, end), unit))
+
+
+@styled
+def plot_path_waves(result: Result, way: Route) -> Picture:
+    """Both waves along a route over place and time, which runs down.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run in which the route's lines were recorded.
+    way : Route
+        From `route(scene)`.
+    """
+    both = waves_along(result, way, *_grid(result, way, *WAVE_PIXELS))
+    size, unit = handy(float(abs(both).max()), result.medium.shown["effort"])
+    norm = Normalize(*spread(float(both.min() / size), float(both.max() / size)))
+    picture = figure(9.0, 4.8, result.scene.title)
+    panels = picture.subplots(1, 2, sharey=True, gridspec_kw={"wspace": 0.06})  # so that names of nodes stay apart
+    labels = (f"a = u + z0·y, toward {way.nodes[-1]}", f"b = u - z0·y, toward {way.nodes[0]}")
+    for axes, values, label in zip(panels, both, labels, strict=True):
+        _draw_image(axes, values / size, result, way, colormaps["viridis"], norm)
+        axes.set_title(label, loc="left", fontsize=10, pad=22)
+    panels[1].set_ylabel("")
+    add_bar(panels[0].images[0], panels, f"wave [{unit}]")
+    return picture
+
+
+def _grid(result: Result, way: Route, across: int, down: int) -> tuple[NDArray, NDArray]:
+    """Middles of pixels: places and instants."""
+    return (np.arange(across) + 0.5) / across * way.marks[-1], (np.arange(down) + 0.5) / down * float(result.t[-1])
+
+
+def _draw_image(
+    axes: Axes, values: NDArray, result: Result, way: Route, colours: Colormap, norm: Normalize
+) -> AxesImage:
+    """Values over place and time, which runs down, with the names of nodes above."""
+    t_end = float(result.t[-1])
+    (second, time_unit), (length, place) = handy(t_end, "s"), axis(way, result.scene)
+    look: Any = {"aspect": "auto", "interpolation": "antialiased", "cmap": colours, "norm": norm}
+    image = axes.imshow(values, extent=(0.0, way.marks[-1] / length, t_end / second, 0.0), **look)
+    name_nodes(axes, {mark / length: name for mark, name in way.labels.items()})
+    axes.set(xlabel=place, ylabel=f"time [{time_unit}]")
+    return image

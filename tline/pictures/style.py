@@ -1,14 +1,18 @@
 """One look for all pictures: colours that everyone can tell apart, sizes, and how a figure becomes a file."""
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import BboxBase
 
 from tline.solver.result.atomic import replacing
 
@@ -18,6 +22,7 @@ DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.6, 1.2)), (0, (6, 1.4, 1.4
 UP, DOWN, INK, FAINT = "#B2182B", "#2166AC", "#222222", "#8A8A8A"
 DIVERGING = (DOWN, "#67A9CF", "#F7F7F7", "#EF8A62", UP)
 POINTS = 96  # of a notebook's page, per inch
+HALO = [withStroke(linewidth=2.5, foreground="white")]
 LONGEST_NAME, ONE_ROW = 18, 80  # letters of a node's name, and of all names beside each other
 LOOK: dict[Any, Any] = {
     "font.family": "sans-serif",
@@ -88,6 +93,34 @@ def cells_of(
     return blank, [*blank.subplots(rows, columns, squeeze=False, **shared).ravel()]
 
 
+def add_bar(colours: ScalarMappable, axes: Any, label: str, fraction: float = 0.06) -> Colorbar:
+    """A colour bar beside axes."""
+    beside = [axes] if isinstance(axes, Axes) else [*axes]
+    bar = beside[0].figure.colorbar(colours, ax=beside, label=label, pad=0.02, fraction=fraction)
+    bar.outline.set_visible(False)
+    return bar
+
+
+def short(name: str) -> str:
+    """A name, cut where it is long."""
+    return name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"
+
+
+def write_name(
+    axes: Axes, name: str, place: tuple[float, float], sides: Iterable[tuple[float, float]], taken: list[BboxBase]
+) -> None:
+    """Write a name beside a place, at the first side, points, where it covers nothing that is taken; else nowhere."""
+    for x, y in sides:
+        across, up = "center" if not x else "left" if x > 0 else "right", "bottom" if y > 0 else "top"
+        text = axes.annotate(name, place, (x, y), textcoords="offset points", ha=across, va=up, fontsize=9,
+                             linespacing=1.3, path_effects=HALO, zorder=9)  # fmt: skip
+        box = text.get_window_extent()
+        if not any(box.overlaps(other) for other in taken):
+            taken.append(box)
+            return
+        text.remove()
+
+
 def name_nodes(axes: Axes, labels: Mapping[float, str]) -> None:
     """Write the nodes of a route above the axes, as many as there is room for, and mark the inner ones."""
     marks, names = list(labels), list(labels.values())
@@ -98,7 +131,7 @@ def name_nodes(axes: Axes, labels: Mapping[float, str]) -> None:
             kept.append(k)
     kept.append(len(marks) - 1)
     top = axes.secondary_xaxis("top")
-    texts = [name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…" for name in names]
+    texts = [*map(short, names)]
     top.set_xticks([marks[k] for k in kept], [texts[k] for k in kept])
     top.tick_params(length=3, color=FAINT, labelcolor=INK)
     top.spines["top"].set_visible(False)

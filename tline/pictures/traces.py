@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.pictures.spread import spread
+from tline.pictures.bounds import spread
 from tline.pictures.style import COLOURS, DASHES, Picture, figure, styled
 from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import Quantity, in_tables
@@ -22,6 +22,7 @@ WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel
 ONE = 3.6  # for a single panel
 MARGIN = 0.08  # of the range, above and below
 ENTRY = 0.11  # inches per letter in the legend
+LABELS = ("a = u + z0·y, toward end 2", "b = u - z0·y, toward end 1")
 UNIT = re.compile(r"\[(.+)\]$")  # of an axis, in its label
 
 
@@ -104,6 +105,48 @@ def plot(
     if len(traces) > 1:
         names = [f" {name}" for name in handles]  # a name that begins with '_' would be left out
         picture.legend(handles.values(), names, loc="outside lower center", ncols=min(columns, len(names)))
+    return picture
+
+
+@styled
+def plot_waves(result: Result, probe: str | None = None) -> Picture:
+    """Both waves at a probe over time, and the effort, which is half their sum.
+
+    Parameters
+    ----------
+    result : Result
+        A finished run.
+    probe : str, optional
+        Not needed if there is one only.
+
+    Raises
+    ------
+    InputError
+        There is no such probe, several and none is named, or no line ends where it stands.
+    """
+    if probe is None and len(result.probes) > 1:
+        raise InputError("probe", "several, and none is named", nearest("", [*result.probes]))
+    name = next(iter(result.probes)) if probe is None else probe
+    if name not in result.probes:
+        raise InputError("probe", "no such probe", nearest(str(name), [*result.probes]), shown(name))
+    if not result.probes[name].has_flow:
+        raise InputError("probe", f"no line ends at '{name}', so no waves pass", "a probe on a line")
+    seen = curve(result.probes[name])
+    size, unit = handy(float(max(abs(seen.a).max(), abs(seen.b).max())), result.medium.shown["effort"])
+    second, time_unit = handy(float(result.t[-1]), "s")
+    picture = figure(8.0, 4.2, result.scene.title)
+    axes = picture.subplots()
+    line = result.probes[name].line
+    for k, (values, label) in enumerate(zip((seen.a, seen.b), LABELS, strict=True)):
+        axes.plot(seen.t / second, values / size, color=COLOURS[k], linestyle=DASHES[k], label=label)
+    axes.plot(
+        seen.t / second, seen.u / size, color=COLOURS[6], linewidth=0.9, label=f"{result.medium.effort} u = (a + b)/2"
+    )
+    axes.set_xlabel(f"time [{time_unit}]")
+    axes.set_ylabel(f"waves of {line} at {name} [{unit}]")
+    axes.grid(True)
+    axes.margins(x=0)
+    picture.legend(loc="outside lower center", ncols=3)
     return picture
 
 
