@@ -165,7 +165,8 @@ def fit_behind_delay(
         got = f"{response.parameter} of {response.ports} port{'s' * (response.ports > 1)}"
         raise ExpressionError("samples", "not a reflection", "S of one port", got)
     passive = _is_passive(response, tolerance, nearest)
-    otherwise = f", or the delay, if it may be over {_longest(response):.3g} s" if delay is None else ""
+    longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
+    otherwise = f", or the delay, if it may be over {longest:.3g} s" if delay is None else ""
     candidates = (
         DelayedModel(chosen, model, model, _without(response, chosen)) for chosen, model in _candidates(response, delay)
     )
@@ -295,11 +296,6 @@ def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tupl
     many = [fits(_without(response, chosen), orders[len(few) - 1 :]) for chosen in both]  # begin with the last of few
     for models in islice(zip(*many, strict=True), 1, None):
         yield from zip(both, models, strict=True)
-
-
-def _longest(response: SampledResponse) -> float:
-    """The delay, s, from which on the phase turns by more than half a turn between two samples: others look shorter."""
-    return float(1 / (4 * np.diff(response.f).max()))
 
 
 def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:
