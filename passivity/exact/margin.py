@@ -9,7 +9,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import NamedTuple
 
-from flint import fmpq_mat, fmpz_poly
+from flint import fmpz_poly
 
 from passivity.budget import ASIDE, budget
 from passivity.exact.verdict import Margin, Margins, Verdict
@@ -18,8 +18,8 @@ from passivity.polynomial.infimum import infimum
 from passivity.polynomial.sign import allowance, find_sign, product
 from passivity.rational.evaluate import Exact, positive
 from passivity.rational.function import RationalFunction
-from passivity.rational.matrix import RationalMatrix, real_form
-from passivity.rational.polynomial_matrix import PolynomialMatrix, add, axis_sums, degree, identity, scaled
+from passivity.rational.matrix import RationalMatrix
+from passivity.rational.polynomial_matrix import PolynomialMatrix, add, axis_sums, identity, scaled
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
 
@@ -128,26 +128,15 @@ class _Place(NamedTuple):
 def _place(kind: Kind, matrix: RationalMatrix, w: float) -> _Place:
     import numpy as np
 
-    exact = _at_infinity(*matrix.fraction) if w == math.inf else matrix.at(Fraction(0), Fraction(w))
-    if exact is None:
-        return _Place(math.inf, 0.0, w)
-    try:
-        value = np.array([[float(Fraction(int(x.p), int(x.q))) for x in row] for row in exact.tolist()])
-    except OverflowError:  # all but a pole
+    far = w == math.inf
+    value = np.array([[double(x.at_infinity()) for x in row] for row in matrix.rows] if far else matrix(1j * w))
+    if not np.isfinite(value).all():  # a pole, or all but one
         return _Place(math.inf, 0.0, w)
     if kind is Kind.BR:
         size = float(np.linalg.norm(value, 2))
         return _Place(-size, size, w)
-    eigenvalues = np.linalg.eigvalsh(value / 2 + value.T / 2)
+    eigenvalues = np.linalg.eigvalsh(value / 2 + value.conj().T / 2)
     return _Place(float(eigenvalues[0]), float(abs(eigenvalues).max()), w)
-
-
-def _at_infinity(n: PolynomialMatrix, d: fmpz_poly) -> fmpq_mat | None:
-    """Limit of n/d as `RationalMatrix.at` writes it, None if there is none."""
-    if degree(n, d) > d.degree():
-        return None
-    u = [[Fraction(int(x[d.degree()]), int(d.leading_coefficient())) for x in row] for row in n]
-    return real_form(u, [[Fraction(0)] * len(n)] * len(n))
 
 
 def _beyond(kind: Kind, n: PolynomialMatrix, d: fmpz_poly, bound: Fraction) -> Fraction | None:

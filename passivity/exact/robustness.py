@@ -20,7 +20,7 @@ from passivity.errors import ExpressionError, shown
 from passivity.exact.positive_real import check_positive_real
 from passivity.exact.verdict import Verdict, Witness
 from passivity.polynomial.roots import routh_column
-from passivity.polynomial.sign import SignProof, find_sign
+from passivity.polynomial.sign import SignProof, find_sign, parts
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
@@ -96,15 +96,9 @@ def _exception(eps: Fraction, p: fmpz_poly, q: fmpz_poly) -> Robustness:
 
 def _corners(f: fmpz_poly, eps: Fraction) -> tuple[list[fmpz_poly], list[fmpz_poly]]:
     """Lowest and highest even part u(x), and odd part v(x), of f(jw) = u + jw v; times the denominator of eps."""
-    found = []
-    for c in (f.coeffs()[::2], f.coeffs()[1::2]):
-        middle = [-a if k % 2 else a for k, a in enumerate(c)]
-        found.append([fmpz_poly([_edge(a, eps, side) for a in middle]) for side in (-1, 1)])
-    return found[0], found[1]
-
-
-def _edge(c: fmpz, eps: Fraction, side: int) -> fmpz:
-    return c * eps.denominator + side * abs(c) * eps.numerator
+    up, down = eps.numerator, eps.denominator
+    u, v = ([fmpz_poly([c * down + side * abs(c) * up for c in g.coeffs()]) for side in (-1, 1)] for g in parts(f))
+    return u, v
 
 
 def _whole(u: fmpz_poly, v: fmpz_poly) -> fmpz_poly:

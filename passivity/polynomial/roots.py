@@ -198,7 +198,7 @@ def candidates(f: fmpz_poly) -> Iterator[tuple[Fraction, Fraction]]:
         spend(100 * len(f) ** 2 * (f.height_bits() + accuracy), f"the roots of a polynomial of degree {f.degree()}")
         with ctx.workprec(accuracy):
             roots: list = f.complex_roots()
-            root = max((root for root, _ in roots), key=_cosine)
+            root = max((root for root, _ in roots), key=lambda root: float((root.real / abs(root)).mid()))
         yield from _rounded(near(root.real), near(root.imag), accuracy - 10)
         accuracy *= 4
 
@@ -222,10 +222,6 @@ def _rounded(re: Fraction, im: Fraction, bits: int) -> Iterator[tuple[Fraction, 
         yield left, up
         yield left + grid, up
         shown *= 2
-
-
-def _cosine(root: acb) -> float:
-    return float((root.real / abs(root)).mid())
 
 
 def square_roots(x: Fraction) -> Iterator[Fraction]:

@@ -165,11 +165,9 @@ def fit_behind_delay(
         got = f"{response.parameter} of {response.ports} port{'s' * (response.ports > 1)}"
         raise ExpressionError("samples", "not a reflection", "S of one port", got)
     passive = _is_passive(response, tolerance, nearest)
-    otherwise = f", or the delay, if it may be over {_longest(response):.3g} s" if delay is None else ""
-    candidates = (
-        DelayedModel(chosen, model, model, _without(response, chosen)) for chosen, model in _candidates(response, delay)
-    )
-    return _first_that_meets(candidates, tolerance, nearest, passive, progress, otherwise)
+    longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
+    otherwise = f", or the delay, if it may be over {longest:.3g} s" if delay is None else ""
+    return _first_that_meets(_candidates(response, delay), tolerance, nearest, passive, progress, otherwise)
 
 
 def fit_scattering(
@@ -280,8 +278,8 @@ def _port_delays(response: SampledResponse) -> NDArray:
     return ratio * _fine_delay(response, MOST_SCOUTS, _rough_delay(response, T.max(), ratio), ratio)
 
 
-def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tuple[float, Any]]:
-    """Delays and models of ever more poles: without a delay and behind the best one, unless it is known."""
+def _candidates(response: SampledResponse, delay: float | None) -> Iterator[DelayedModel]:
+    """Models of ever more poles: without a delay and behind the best one, unless it is known."""
     orders = [k for k in MEETING if k <= len(response.f) - 2]
     turned = -np.angle(response.values[1:] * response.values[:-1].conj()).sum()
     whole = float(turned / (4 * np.pi * np.ptp(response.f)))
@@ -291,15 +289,13 @@ def _candidates(response: SampledResponse, delay: float | None) -> Iterator[tupl
         T = _fine_delay(response, order, rough) if delay is None else delay
         both = (0.0, T) if delay is None and T else (T,)
         for chosen in both:
-            yield chosen, fit(_without(response, chosen), order)
-    many = [fits(_without(response, chosen), orders[len(few) - 1 :]) for chosen in both]  # begin with the last of few
+            rest = _without(response, chosen)
+            yield DelayedModel(chosen, model := fit(rest, order), model, rest)
+    rests = [_without(response, chosen) for chosen in both]
+    many = [fits(rest, orders[len(few) - 1 :]) for rest in rests]  # begin with the last of few
     for models in islice(zip(*many, strict=True), 1, None):
-        yield from zip(both, models, strict=True)
-
-
-def _longest(response: SampledResponse) -> float:
-    """The delay, s, from which on the phase turns by more than half a turn between two samples: others look shorter."""
-    return float(1 / (4 * np.diff(response.f).max()))
+        for chosen, model, rest in zip(both, models, rests, strict=True):
+            yield DelayedModel(chosen, model, model, rest)
 
 
 def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:

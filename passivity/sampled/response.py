@@ -41,23 +41,6 @@ class Rounding:
     right: NDArray[np.complex128] | None = None
     second: NDArray | float = 0.0  # what is then left to be added, shape (n,)
 
-    @classmethod
-    def of_pairs(cls, form: str, first: NDArray, second: NDArray, halves: NDArray) -> Self:
-        """Of numbers in a file; `halves` are the half units of first and second, shape (2, n, p, p).
-
-        The form is ``ri`` for real and imaginary part, ``ma`` for modulus and angle in degrees, or ``db`` for decibels.
-        """
-        one, two = halves
-        if form == "ri":
-            return cls(np.ones_like(first, dtype=complex), one, two)
-        with np.errstate(over="ignore"):
-            size = np.minimum(np.abs(first) if form == "ma" else 10 ** (first / 20), LARGEST)
-            radial = np.minimum(one if form == "ma" else size * np.expm1(one * np.log(10) / 20), LARGEST)
-        direction = np.exp(1j * np.radians(second)) * np.where((form == "ma") & (first < 0), -1, 1)
-        turn = np.minimum(np.radians(two), np.pi)
-        top = size + radial
-        return cls(direction, radial + top * (1 - np.cos(turn)), top * np.sin(np.minimum(turn, np.pi / 2)))
-
     def transposed(self) -> Self:
         """Of the transposed matrices."""
         return type(self)(*(x.swapaxes(1, 2) for x in (self.direction, self.along, self.across)))
@@ -95,17 +78,25 @@ class Rounding:
 
 
 def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
-    """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest."""
+    """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest.
+
+    The form is ``ri`` for real and imaginary part, ``ma`` for modulus and angle in degrees, or ``db`` for decibels.
+    """
     shape = len(rows), ports, ports, 2
     numbers = np.array([[float(x) for x in row] for row in rows]).reshape(shape)
     halves = np.array([[half_unit(x) for x in row] for row in rows]).reshape(shape)
-    first, second = numbers[..., 0], numbers[..., 1]
-    rounding = Rounding.of_pairs(form, first, second, np.moveaxis(halves, 3, 0))
+    (first, second), (one, two) = np.moveaxis(numbers, 3, 0), np.moveaxis(halves, 3, 0)
     if form == "ri":
-        return rounding, first + 1j * second
+        return Rounding(np.ones_like(first, dtype=complex), one, two), first + 1j * second
     with np.errstate(over="ignore"):
         size = np.abs(first) if form == "ma" else 10 ** (first / 20)
-    return rounding, size * rounding.direction
+        held = np.minimum(size, LARGEST)
+        radial = np.minimum(one if form == "ma" else held * np.expm1(one * np.log(10) / 20), LARGEST)
+    direction = np.exp(1j * np.radians(second)) * np.where((form == "ma") & (first < 0), -1, 1)
+    turn = np.minimum(np.radians(two), np.pi)
+    top = held + radial
+    across = top * np.sin(np.minimum(turn, np.pi / 2))
+    return Rounding(direction, radial + top * (1 - np.cos(turn)), across), np.asarray(size * direction, complex)
 
 
 class Parameter(StrEnum):

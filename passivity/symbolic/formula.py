@@ -52,7 +52,7 @@ class Claim:
         if len(generators) != 1 or not linear or self.relation == "=":
             return None
         name = self.factors[0][0].context().names()[generators.pop()]
-        roots = sorted(Fraction(-_constant(f), int(f.leading_coefficient())) for f, _ in self.factors)
+        roots = sorted(-value(f, {name: Fraction(0)}) / int(f.leading_coefficient()) for f, _ in self.factors)
         ends = [None, *roots, None]
         pieces = [pair for pair in pairwise(ends) if self.holds({name: _between(*pair)})]
         if len(pieces) != 1:
@@ -137,10 +137,6 @@ def value(f: fmpz_mpoly, values: Mapping[str, Fraction]) -> Fraction:
     names = f.context().names()
     used = [(gen, values[names[gen]]) for gen, d in enumerate(f.degrees()) if d > 0]
     return sum((prod((x ** int(m[gen]) for gen, x in used), start=Fraction(int(c))) for m, c in f.terms()), Fraction(0))
-
-
-def _constant(f: fmpz_mpoly) -> int:
-    return int(f[(0,) * len(f.degrees())])
 
 
 def _between(low: Fraction | None, high: Fraction | None) -> Fraction:
