@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from friction.kernel import Drive
 
 STEEPEST = 1e30  # N/s; products of slopes and times stay finite
+MOST_DELAYED = 10_000  # periods of a sampled controller
 
 
 class Force(Protocol):
@@ -123,14 +124,29 @@ class Spring(Parameters, example=("Spring(20.0, 0.05).speed", "0.05")):
 
 @dataclass(frozen=True)
 class PID(Parameters, example=("PID(100.0, integral=50.0).derivative", "0.0")):
-    """A controller: proportional·e + integral·∫e dt + derivative·ė, with the error e = target + speed·t − x."""
+    """A controller: proportional·e + integral·∫e dt + derivative·ė, with the error e = target + speed·t − x.
+
+    With a period it sees e at its multiples: ∫e dt is then a sum that has the newest e in it, ė a difference to the one
+    before, and the force is held from a delay later on until the next.
+    """
 
     proportional: float
     integral: float = 0.0
     derivative: float = 0.0
     target: float = 0.0
     speed: float = 0.0
+    limit: float | None = None
+    period: float = 0.0
+    delay: float = 0.0
     place = "controller"
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.delay and not self.period:
+            raise InputError("controller.delay", "without a period", "a sampled controller", f"{self.delay:g}")
+        if self.delay > MOST_DELAYED * self.period:
+            expected = f"at most {MOST_DELAYED} periods"
+            raise InputError("controller.delay", "too long", expected, f"{self.delay:g}")
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,22 @@
 """Compiled code of the package: it knows arrays and numbers and nothing else."""
 
 from friction.kernel.automaton import automaton
+from friction.kernel.diagram import (
+    FRICTION,
+    HELD,
+    INPUT,
+    NET,
+    PRODUCT,
+    RAMP,
+    STATE,
+    SUM,
+    Diagram,
+    HybridRun,
+    Inputs,
+    N,
+    Sampled,
+    unsampled,
+)
 from friction.kernel.fixed import march, passed
 from friction.kernel.law import (
     BLOWN_UP,
@@ -17,6 +33,7 @@ from friction.kernel.law import (
     ZONE,
     Drive,
     Law,
+    Z,
     applied,
     friction,
     jacobian,
@@ -31,5 +48,5 @@ from friction.kernel.rodas import TERMS
 from friction.kernel.roots import first_root
 from friction.kernel.series import TERMS as TAYLOR_TERMS
 from friction.kernel.spot import FREE, observe
-from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, compared, fixed_run, hybrid_run
+from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, compared, fixed_run
 from friction.kernel.tolerance import solve
