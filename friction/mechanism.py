@@ -1,7 +1,7 @@
 """Mechanisms put together signal by signal: masses, springs, gains, limits, gaps, controllers, contacts.
 
-`Mechanism` writes down a diagram of `friction.kernel`: what moves is linear but for products (works and powers), ramps
-max(0, u), of which limits, slack and backlash are made, and contacts with dry friction.
+`Mechanism` writes down a diagram of `friction.kernel`: what moves is linear but for products (works and powers), the
+larger of two signals, of which limits, slack and backlash are made, and contacts with dry friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,11 +22,11 @@ class Mechanism:
 
     Examples
     --------
-    A mass of 2 kg that 3 N push out of a spring's gap of 1 m:
+    A mass of 2 kg that 3 N push through a gap of 1 m before a spring of 50 N/m:
 
     >>> m = Mechanism()
     >>> v, x = m.state(), m.state()
-    >>> push = m.add({m.ramp(m.add({x: 1.0}, -1.0)): -50.0}, 3.0)
+    >>> push = m.add({m.larger(m.add({x: 1.0}, -1.0), m.add({})): -50.0}, 3.0)
     >>> m.integrate(v, m.add({push: 0.5}))
     >>> m.integrate(x, v)
     >>> status, run = m.run([0.0, 1.0], {"x": x})
@@ -66,32 +66,33 @@ class Mechanism:
         self.sources[state] = (rate, 0, 0)
 
     def add(self, terms: Mapping[Signal, float], constant: float = 0.0) -> Signal:
-        """Signals by their factors, and a constant."""
+        """Signals by their factors, and a constant; what is alone and as it is stays the same signal."""
+        terms = {signal: float(factor) for signal, factor in terms.items() if factor}
+        if not constant and list(terms.values()) == [1.0]:
+            return next(iter(terms))
         return self._new(kernel.SUM, terms=terms, constant=float(constant))
 
     def multiply(self, one: Signal, other: Signal) -> Signal:
         """A product."""
         return self._new(kernel.PRODUCT, one, other)
 
-    def ramp(self, u: Signal) -> Signal:
-        """The larger of u and 0."""
-        self.watched.append(u)
-        return self._new(kernel.RAMP, u)
-
     def larger(self, one: Signal, other: Signal) -> Signal:
         """The larger of two."""
-        return self.add({one: 1.0, self.ramp(self.add({other: 1.0, one: -1.0})): 1.0})
+        return self._switch(self.add({one: 1.0, other: -1.0}), one, other)
 
     def smaller(self, one: Signal, other: Signal) -> Signal:
         """The smaller of two."""
-        return self.add({one: 1.0, self.ramp(self.add({one: 1.0, other: -1.0})): -1.0})
+        return self._switch(self.add({one: -1.0, other: 1.0}), one, other)
+
+    def _switch(self, difference: Signal, one: Signal, other: Signal) -> Signal:
+        self.watched.append(difference)
+        return self._new(kernel.SWITCH, difference, one, other)
 
     def limited(self, u: Signal, limit: float) -> Signal:
         """A signal between ± a limit; itself if that is infinite."""
         if limit == inf:
             return u
-        over, under = (self.ramp(self.add({u: sign}, -limit)) for sign in (1.0, -1.0))
-        return self.add({u: 1.0, over: -1.0, under: 1.0})
+        return self.smaller(self.larger(u, self.add({}, -limit)), self.add({}, limit))
 
     def contact(self, law: Model, v: Signal, applied: Signal) -> tuple[Signal, Signal]:
         """Dry friction on a state v, and the applied force less it, which is to be what accelerates v."""

@@ -212,7 +212,7 @@ def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, e
     works = m.state(watched=False), m.state(watched=False)
     f_a = m.input()
     if drive.stiffness or drive.integral or drive.derivative:
-        gap, closing = m.state(drive.target), m.add({v: -1.0}, drive.speed)
+        gap, closing = m.state(drive.target, watched=bool(drive.integral)), m.add({v: -1.0}, drive.speed)
         m.integrate(gap, closing)
         if pid and pid.period:
             gains, rate = (drive.stiffness, drive.integral, drive.derivative), drive.derivative / pid.period

@@ -1,4 +1,5 @@
-"""Diagrams as hybrid automata: contacts stuck or sliding one way, ramps up or not, until a guard vanishes.
+"""Diagrams as hybrid automata: contacts stuck or sliding one way, switches one way or
+the other, until a guard vanishes.
 
 Which guard vanished says what happens, and the state is put exactly there: v = 0 at a stop, F_a = ±F_s at a
 break-away. A motion that reaches rest always sticks; if the force does not hold it there, it breaks away at the same

@@ -1,7 +1,7 @@
 """Small mechanisms as diagrams of signals, expanded in series of the time since the start of a leg.
 
-A signal is an input, a state (the integral of a signal), a sum, a product, a ramp max(0, u), what a sampled controller
-holds, or the friction of a contact. All but integrands stand before the signals made of them, so one pass finds term k
+A signal is an input, a state (the integral of a signal), a sum, a product, a switch between two, what a sampled
+controller holds, or the friction of a contact. All but integrands stand before the signals made of them, so one pass finds term k
 of all series from the terms before.
 
 A contact keeps its applied force less stiction, and the drop of friction from its peak, as series of their own, so that
@@ -17,7 +17,7 @@ from friction.kernel.roots import first_root_within
 from tline.compiled.structure import Floats, Floats2, Integers, Integers2
 from tline.compiled.unit import function
 
-INPUT, HELD, STATE, SUM, PRODUCT, RAMP, FRICTION, NET = range(8)  # kinds of signals; NET, the applied force less
+INPUT, HELD, STATE, SUM, PRODUCT, SWITCH, FRICTION, NET = range(8)  # kinds of signals; NET, the applied force less
 # friction, stands behind its FRICTION
 F_C, F_S, F_V, V_S, DELTA = range(5)  # of a contact's law
 STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: within a dead zone, but too hard to hold
@@ -32,8 +32,8 @@ class Diagram(NamedTuple):
     """Signals in order."""
 
     kind: Integers  # (n,)
-    source: Integers2  # (n, 3) number of an input or of what is held; integrand; factors; argument of a ramp; velocity,
-    # applied force and number of a contact
+    source: Integers2  # (n, 3) number of an input or of what is held; integrand; factors; difference of what a switch
+    # has for one sign and the other, and both; velocity, applied force and number of a contact
     first: Integers  # (n + 1,) of the terms of each sum
     term: Integers  # signals that are added
     factor: Floats  # by which
@@ -89,7 +89,7 @@ class HybridRun(NamedTuple):
     counts: Integers  # (4,)
     state: Floats  # (n,) of signals that are states
     mode: Integers  # (contacts,)
-    side: Integers  # (n,) sign of the argument of a ramp
+    side: Integers  # (n,) sign of the difference at a switch
     known: Floats  # (n,) what an event says that a signal is; NaN otherwise
     clock: Floats  # (3,)
     series: Floats2  # (n, N + 1)
@@ -107,38 +107,38 @@ def unsampled() -> Sampled:
 @function
 def expand(run, number):
     """Series of all signals, while one piece of the inputs lasts."""
-    d, c, source, known = run.diagram, run.series, run.diagram.source, run.known
-    for i in range(d.kind.size):
-        if d.kind[i] <= HELD:
+    d, c, known, side, state = run.diagram, run.series, run.known, run.side, run.state
+    kinds, source, first, term, factor = d.kind, d.source, d.first, d.term, d.factor
+    for i in range(kinds.size):
+        if kinds[i] <= HELD:
             expand_input(run, number, i)
     for k in range(N):
-        for i in range(d.kind.size):
-            kind = d.kind[i]
+        for i in range(kinds.size):
+            kind = kinds[i]
             if kind == STATE:
-                c[i, k] = run.state[i] if k == 0 else c[source[i, 0], k - 1] / k
+                c[i, k] = state[i] if k == 0 else c[source[i, 0], k - 1] / k
             elif kind == SUM:
                 total = d.constant[i] if k == 0 else 0.0
-                for j in range(d.first[i], d.first[i + 1]):
-                    total += d.factor[j] * c[d.term[j], k]
+                for j in range(first[i], first[i + 1]):
+                    total += factor[j] * c[term[j], k]
                 c[i, k] = total
             elif kind == PRODUCT:
                 total, one, other = 0.0, source[i, 0], source[i, 1]
                 for j in range(k + 1):
                     total += c[one, j] * c[other, k - j]
                 c[i, k] = total
-            elif kind == RAMP:
-                u = c[source[i, 0], k]
+            elif kind == SWITCH:
                 if k == 0:
-                    run.side[i] = 0
-                if run.side[i] == 0:
-                    run.side[i] = int(np.sign(u))
-                c[i, k] = u if run.side[i] > 0 else 0.0
+                    side[i] = 0
+                if side[i] == 0:
+                    side[i] = int(np.sign(c[source[i, 0], k]))
+                c[i, k] = c[source[i, 1 if side[i] > 0 else 2], k]
             elif kind == FRICTION:
                 rub(d, run.mode, run.bell, c, i, k)
             if k == 0 and not isnan(known[i]):
                 c[i, 0] = known[i]
-    for i in range(d.kind.size):
-        if d.kind[i] == STATE:
+    for i in range(kinds.size):
+        if kinds[i] == STATE:
             c[i, N] = c[source[i, 0], N - 1] / N
 
 
@@ -244,16 +244,16 @@ def first_guard(run, h):
     """Time at which the first guard vanishes, inf if none does, of which signal, and which: 0 or 1.
 
     Stuck: −F_a and +F_a reach F_s. Sliding: the speed falls to δ. Pushed: the speed rises to δ, the force falls to F_s.
-    Ramp: its argument keeps its sign.
+    Switch: the difference keeps its sign.
     """
     d, c, p, best, which, border = run.diagram, run.series, run.p, inf, 0, 0
     for i in range(d.kind.size):
         mode = side = run.side[i]
         if d.kind[i] == FRICTION:
             mode = run.mode[d.source[i, 2]]
-        elif d.kind[i] != RAMP or side == 0:
+        elif d.kind[i] != SWITCH or side == 0:
             continue
-        for b in range(1 if d.kind[i] == RAMP or abs(mode) == SLIDING else 2):
+        for b in range(1 if d.kind[i] == SWITCH or abs(mode) == SLIDING else 2):
             row, sign, shift = d.source[i, 0], copysign(1.0, mode), 0.0
             if d.kind[i] == FRICTION:
                 law = d.law[d.source[i, 2]]
