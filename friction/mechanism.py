@@ -15,6 +15,7 @@ from friction.models import Model
 from tline.compiled.structure import pack
 
 Signal = int
+MOST_LEGS = 1_000_000
 
 
 class Mechanism:
@@ -29,14 +30,14 @@ class Mechanism:
     >>> push = m.add({m.larger(m.add({x: 1.0}, -1.0), m.add({})): -50.0}, 3.0)
     >>> m.integrate(v, m.add({push: 0.5}))
     >>> m.integrate(x, v)
-    >>> status, run = m.run([0.0, 1.0], {"x": x})
+    >>> status, run, _ = m.run([0.0, 1.0], {"x": x})
     >>> status, round(float(run["x"][-1]), 9)
     (0, 0.75)
     """
 
     def __init__(self):
         self.kinds: list[int] = []
-        self.sources: list[tuple[int, int, int]] = []
+        self.sources: list[list[int]] = []
         self.sums: list[tuple[Mapping[Signal, float], float]] = []
         self.start: dict[Signal, float] = {}
         self.laws: list[Model] = []
@@ -45,7 +46,7 @@ class Mechanism:
 
     def _new(self, kind: int, *source: int, terms: Mapping[Signal, float] | None = None, constant: float = 0.0) -> int:
         self.kinds.append(kind)
-        self.sources.append((*source, 0, 0, 0)[:3])
+        self.sources.append([*source, 0, 0, 0][:3])
         self.sums.append((terms or {}, constant))
         return len(self.kinds) - 1
 
@@ -63,7 +64,7 @@ class Mechanism:
 
     def integrate(self, state: Signal, rate: Signal) -> None:
         """Say whose integral a state is."""
-        self.sources[state] = (rate, 0, 0)
+        self.sources[state][0] = rate
 
     def add(self, terms: Mapping[Signal, float], constant: float = 0.0) -> Signal:
         """Signals by their factors, and a constant; what is alone and as it is stays the same signal."""
@@ -146,10 +147,10 @@ class Mechanism:
         )  # fmt: skip
 
     def run(
-        self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "kernel.Inputs | None" = None,
-        budget: int = 1_000_000,
-    ) -> tuple[int, dict[str, NDArray]]:  # fmt: skip
-        """Status, and signals at times by their names."""
-        run = self.prepared(times, list(shown.values()), inputs)
+        self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "kernel.Inputs | None" = None, *,
+        places: Sequence[Signal] = (), events: int = 1, budget: int = MOST_LEGS,
+    ) -> tuple[int, dict[str, NDArray], NDArray]:  # fmt: skip
+        """Status, signals at times by their names, and changes of contacts, told with the signals `places`."""
+        run = self.prepared(times, list(shown.values()), inputs, places=places, events=events)
         status = kernel.automaton(pack(run), budget)
-        return status, dict(zip(shown, run.record[:, 1:].T, strict=False))
+        return status, dict(zip(shown, run.record[:, 1:].T, strict=False)), run.events[: run.counts[2]]

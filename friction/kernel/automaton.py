@@ -71,7 +71,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         ends = h >= left and root == inf
         t = until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
         if h > 0.0:
-            row = sample(run, row, t, start, h)
+            row = sample(run, row, t, ends, start, h)
         if t > run.t_end:
             return DONE
         advance(run, h)
@@ -167,10 +167,10 @@ def tell(events, met, before, after, t, x, contact):
 
 
 @function
-def sample(run, row, t, start, h):
-    """Keep the samples of a leg that ends at t; the number of the next."""
+def sample(run, row, t, ends, start, h):
+    """Keep the samples of a leg that ends at t, where inputs may jump: their values there are those of the next leg."""
     times, record, shown, clock = run.times, run.record, run.shown, run.clock
-    while row < times.size and times[row] <= t:
+    while row < times.size and (times[row] < t or (times[row] == t and not ends)):
         at = min(max(((times[row] - start) - clock[CLOCK]) + clock[LOST], 0.0), h)
         record[row, 0] = times[row]
         for column in range(shown.size):

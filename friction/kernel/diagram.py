@@ -1,8 +1,8 @@
 """Small mechanisms as diagrams of signals, expanded in series of the time since the start of a leg.
 
 A signal is an input, a state (the integral of a signal), a sum, a product, a switch between two, what a sampled
-controller holds, or the friction of a contact. All but integrands stand before the signals made of them, so one pass finds term k
-of all series from the terms before.
+controller holds, or the friction of a contact. All but integrands stand before the signals made of them, so one pass
+finds term k of all series from the terms before.
 
 A contact keeps its applied force less stiction, and the drop of friction from its peak, as series of their own, so that
 at a break-away, where F_a = F_s and v = 0, nothing is left of rounding that could push the wrong way.
