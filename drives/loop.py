@@ -220,7 +220,8 @@ def _saturated(parts: Parts, design: Design, limit: float, antiwindup: bool, q0:
         m.integrate(q[k], m.add({errors[k]: 1.0, less[0]: back[k, 0], less[1]: back[k, 1]}))
     names = "q_speed", "q_tension", "T1", "T2"
     parts.shown.update(zip(names, (*q, *given), strict=True))
-    parts.move(*(m.add({given[i]: 1.0, m.input(2 + i): 1.0}) for i in range(2)))
+    first, second = (m.add({given[i]: 1.0, m.input(2 + i): 1.0}) for i in range(2))
+    parts.move(first, second)
 
 
 def _diagonal(entries: list) -> fmpq_mat:
