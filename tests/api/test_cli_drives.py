@@ -40,7 +40,7 @@ def told(command):
         ("bode --radius '10 cm, 5 cm' --inertia '1e-3 kg m^2, 2e-3 kg m^2'", "x_k/T2 = ("),
         ("step --t1 0.1Nm --t2 0.1Nm", "tension [N]             0     0.999683"),
         ("step --t2 '-0.1 N m' --slack", "tension [N]  0"),
-        ("step --coulomb '0.04 N m, 0 N m'", "events of the left spool (1): break-away at 0"),
+        ("step --coulomb '0.04 N m, 0 N m'", "events of the left spool (1): stop at 0.356"),
         ("control", "gain 0.40325, integral time 0.01 s"),
         ("control --limit '2 N m' --no-antiwindup", "energy [J]"),
     ],
