@@ -83,7 +83,8 @@ class Run(Presentation):
     def to_dict(self) -> dict[str, Any]:
         """Samples of the outputs, the energies at the end, notes and verdicts."""
         parts = {"t": self.t, "outputs": self.outputs, "energy": self._energies()}
-        return plain(parts | {"notes": self.notes, "verdicts": self.verdicts, "events": self.events})
+        events = {"events": self.events} if self.events else {}
+        return plain(parts | {"notes": self.notes, "verdicts": self.verdicts} | events)
 
     def _energies(self) -> dict[str, float]:
         names = ("stored", "dissipated", "supplied", "imbalance")
