@@ -42,6 +42,7 @@ TOLD = {
     "limits": Told("N", "Force at which each element slides", above=0.0),
     "peak": Told("", "Ratio F_s/F_c", least=1.0),
     "speed": Told("m/s", "Speed of the spring's far end, or of the target"),
+    "play": Told("m", "Free way of the spring, either way", least=0.0),
     "proportional": Told("N/m", "Gain of the error", least=0.0),
     "integral": Told("N/(m s)", "Gain of its integral", least=0.0),
     "derivative": Told("N s/m", "Gain of its rate", least=0.0),

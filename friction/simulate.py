@@ -84,8 +84,9 @@ def simulate(
     """
     check_number("t_end", t_end, above=0.0)
     chosen = method_for(model, method)
-    if bench.controller and chosen.step != "events":
-        raise InputError("method", f"'{chosen.name}' knows no controller", "events, with coulomb or karnopp")
+    unknown = "controller" if bench.controller else "play" if bench.spring and bench.spring.play else None
+    if unknown and chosen.step != "events":
+        raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp")
     if chosen.step == "fixed":
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
             if given is not None:
@@ -207,14 +208,16 @@ def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, e
     from friction.kernel import Inputs
     from friction.mechanism import Mechanism
 
-    m, drive, pid = Mechanism(), bench.drive, bench.controller
+    m, drive, pid, play = Mechanism(), bench.drive, bench.controller, bench.spring and bench.spring.play
     v, x = m.state(bench.v0), m.state(watched=False)
     works = m.state(watched=False), m.state(watched=False)
     f_a = m.input()
     if drive.stiffness or drive.integral or drive.derivative:
         gap, closing = m.state(drive.target, watched=bool(drive.integral)), m.add({v: -1.0}, drive.speed)
         m.integrate(gap, closing)
-        if pid and pid.period:
+        if play:
+            pull = m.add({gap: drive.stiffness, m.limited(gap, play): -drive.stiffness})
+        elif pid and pid.period:
             gains, rate = (drive.stiffness, drive.integral, drive.derivative), drive.derivative / pid.period
             law = [[1, 0], [0, 0]], [[pid.period], [1]], [gains[1], -rate], gains[0] + gains[1] * pid.period + rate
             limit = inf if pid.limit is None else pid.limit

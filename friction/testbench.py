@@ -115,10 +115,11 @@ class Table(_Points, example=("Table([0.0, 2.0], [0.0, 1.0]).pieces()[2].tolist(
 
 @dataclass(frozen=True)
 class Spring(Parameters, example=("Spring(20.0, 0.05).speed", "0.05")):
-    """A spring, slack at x = 0, whose far end moves: the stick–slip rig."""
+    """A spring, slack at x = 0, whose far end moves: the stick–slip rig; with play it is slack that far either way."""
 
     stiffness: float
     speed: float
+    play: float = 0.0
     place = "spring"
 
 
@@ -162,7 +163,7 @@ class Testbench(Parameters):
     v0 : float, optional
         Velocity at t = 0 [m/s].
     spring : Spring, optional
-        Adds stiffness·(speed·t − x) to the applied force.
+        Adds stiffness·(speed·t − x) to the applied force; with play, for `events`, the method of the static laws.
     controller : PID, optional
         Adds its force, in place of a spring; for `events`, the method of the static laws.
 

@@ -111,7 +111,10 @@ def _slip(model: Model, v: NDArray, z: NDArray) -> NDArray:
 def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[str, NDArray, NDArray, NDArray]]:
     """Applied force, friction and energy at each sample."""
     t, x, v, z, mode, f_a = (run[name] for name in ("t", "x", "v", "z", "mode", "F_a"))
-    pull = bench.spring.stiffness * (bench.spring.speed * t - x) if bench.spring else 0.0 * t
+    pull = 0.0 * t
+    if spring := bench.spring:
+        pull = spring.speed * t - x
+        pull = spring.stiffness * (pull - np.clip(pull, -spring.play, spring.play))
     found = f_a if bench.controller else _applied(bench.force, t) + pull
     grain = DIGITS * (np.abs(found).max() + np.abs(x).max() * (bench.spring.stiffness if bench.spring else 0.0))
     if isinstance(bench.force, Steps | Table):  # at jumps both values are right
@@ -191,6 +194,9 @@ def _undisturbed(bench: Testbench, at: Columns, events: Sequence[float]) -> NDAr
     hit = np.zeros(len(t), bool)
     if pid and pid.period:
         hit |= np.ptp(np.ceil((t[:, [0, -1]] - pid.delay) / pid.period + 1e-9 * np.array([-1, 1])), axis=1) > 0
+    elif bench.spring and bench.spring.play:
+        slack = np.abs(bench.spring.speed * t - at["x"]) < bench.spring.play
+        hit |= np.ptp(slack.astype(int), axis=1) > 0
     elif pid and pid.limit is not None:
         hit |= (np.abs(at["F_a"] - _applied(force, t)) >= pid.limit * (1.0 - 1e-9)).any(axis=1)
     for instants in (events, force.times if isinstance(force, Steps | Table) else []):

@@ -72,6 +72,8 @@ def test_answers(command, words):
         ("run coulomb --target 1", "--target: needs its partner, expected --pid beside it"),
         ("run coulomb --pid 1,2,3,4", "--pid: too many gains"),
         ("run coulomb --pid 1,-2", "--pid: too small"),
+        ("run coulomb --play '1 mm'", "--play: needs its partner, expected --spring beside it"),
+        ("run lugre --spring 1 --pull 1 --play '1 mm'", "--method: 'rosenbrock' knows no play"),
         ("run coulomb --limit 1", "--limit: needs its partner, expected --pid beside it"),
         ("run coulomb --pid 1 --limit '0 N'", "--limit: too small, expected more than 0"),
         ("run coulomb --pid 1 --delay '1 ms'", "--delay: without a period"),

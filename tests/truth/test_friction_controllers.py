@@ -1,10 +1,10 @@
-"""Controllers with a limit, and such that look now and then, against SciPy from event to event."""
+"""Controllers with a limit, such that look now and then, and springs with play, against SciPy from event to event."""
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from friction import PID, Karnopp, Ramp, Status, Testbench, simulate
+from friction import PID, Karnopp, Ramp, Sine, Spring, Status, Testbench, simulate
 
 LAW = Karnopp(F_c=1.0, F_s=1.5, F_v=0.3, v_s=0.05)
 
@@ -132,3 +132,38 @@ def test_looks_of_a_sampled_controller_are_those_of_its_recursion(pid, mass):
     assert run.status is Status.DONE
     assert run.event_count > 0
     np.testing.assert_allclose(run.x, exact, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("v0", [0.0, 0.4])
+def test_a_spring_with_play_is_slack_where_scipy_says(v0):
+    """A sine beside it takes the mass to and fro through the play."""
+    spring, mass, t, y, way, found = Spring(200.0, 0.01, 0.02), 1.0, 0.0, np.array([0.0, v0]), int(v0 > 0.0), []
+
+    def force(t, y):
+        away = spring.speed * t - y[0]
+        return 1.8 * np.sin(2.0 * np.pi * 0.7 * t) + 200.0 * (away - np.clip(away, -0.02, 0.02)), []
+
+    while t < 10.0:
+        if way == 0:  # the force of the sine and the spring at rest, found by halving
+            grid = np.linspace(t, 10.0, 200_001)
+            away = spring.speed * grid - y[0]
+            pull = 1.8 * np.sin(2.0 * np.pi * 0.7 * grid) + 200.0 * (away - np.clip(away, -0.02, 0.02))
+            over = np.flatnonzero(np.abs(pull) > LAW.F_s)
+            if not over.size:
+                break
+            low, high = grid[max(over[0] - 1, 0)], grid[over[0]]
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                low, high = (low, middle) if abs(force(middle, y)[0]) > LAW.F_s else (middle, high)
+            t, way = high, int(np.sign(force(high, y)[0]))
+            found.append((t, y[0]))
+        t, y, stopped = slid(y, t, 10.0, mass, force, way)
+        if stopped:
+            y[1] = 0.0
+            f = force(t, y)[0]
+            way = int(np.sign(f)) if abs(f) > LAW.F_s else 0
+            found.append((t, y[0]))
+    run = simulate(LAW, Testbench(Sine(1.8, 0.7), mass, v0, spring), 10.0)
+    assert run.status is Status.DONE
+    assert len(found) == len(run.events) > 10
+    np.testing.assert_allclose([event[1:] for event in run.events], found, rtol=0.0, atol=1e-8)

@@ -34,6 +34,7 @@ NAMED = {  # options by the package's names
     "times": "--samples",
     "spring.stiffness": "--spring",
     "spring.speed": "--pull",
+    "spring.play": "--play",
     "controller.speed": "--pull",
     "controller.target": "--target",
     "controller.limit": "--limit",
@@ -73,6 +74,7 @@ def run(
     table: str | None = None,
     hold: bool = False,
     spring: str | None = None,
+    play: str | None = None,
     pid: str | None = None,
     target: str | None = None,
     pull: str | None = None,
@@ -105,6 +107,8 @@ def run(
         Hold each row of the table until the next, instead of straight lines.
     spring : N/m
         Stiffness of a spring that pulls [N/m], with --pull.
+    play : m
+        How far the spring is slack, either way [m].
     pid : P,I,D
         Gains of a controller of the place, such as '100 N/m, 200 N/(m s), 5 N s/m'; later ones are 0 if not given.
     target : m
@@ -127,7 +131,7 @@ def run(
 
     numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
     asked = {"target": target, "limit": limit, "period": period, "delay": delay}
-    si = run.in_si(numbers | {"spring": spring, "pull": pull} | asked | given)
+    si = run.in_si(numbers | {"spring": spring, "play": play, "pull": pull} | asked | given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
     bench = {key: si[key] for key in ("mass", "v0") if key in si}
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
@@ -195,7 +199,9 @@ def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
         raise InputError("--pid", "beside a spring", "one of both")
     if pid is None and ("spring" in si) != ("pull" in si):
         raise InputError("--spring", "needs its partner", "--spring and --pull together")
-    return Spring(si["spring"], si["pull"]) if "spring" in si else None
+    if "play" in si and "spring" not in si:
+        raise InputError("--play", "needs its partner", "--spring beside it")
+    return Spring(si["spring"], si["pull"], si.get("play", 0.0)) if "spring" in si else None
 
 
 def _controller(si: dict[str, float], pid: str | None) -> "PID | None":
