@@ -37,8 +37,7 @@ from friction.kernel.law import (
     applied,
     friction,
     jacobian,
-    piece,
-    piece_at,
+    mode_of,
     push_at,
     respond,
     steady,
@@ -47,6 +46,5 @@ from friction.kernel.prescribed import Course, deflect, prescribed_run
 from friction.kernel.rodas import TERMS
 from friction.kernel.roots import first_root
 from friction.kernel.series import TERMS as TAYLOR_TERMS
-from friction.kernel.spot import FREE, observe
-from friction.kernel.structures import RUN, Bench, SmoothRun, Spot, compared, fixed_run
+from friction.kernel.structures import RUN, Bench, SmoothRun, compared, fixed_run
 from friction.kernel.tolerance import solve

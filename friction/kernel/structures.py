@@ -29,16 +29,6 @@ class FixedRun(NamedTuple):
     middle: Floats  # (5,)
 
 
-class Spot(NamedTuple):
-    """A contact at one instant, and what moves it."""
-
-    law: Law
-    drive: Drive
-    mass: float
-    y: Floats  # (5,) x, v, z and the works
-    found: Floats  # (7,) time derivatives of these, the applied force, and friction
-
-
 class Bench(NamedTuple):
     """The mass that a contact holds, what moves it, and for how long."""
 
