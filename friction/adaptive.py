@@ -3,7 +3,6 @@
 With events, a static law is stuck or sliding one way at a time, and the solver starts afresh at each change.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,11 +29,11 @@ class Motion:
         """Take the piece of the applied force that begins at t or goes on there."""
         self.push = kernel.push_at(self.drive, t)
 
-    def applied(self, t: float, y: Sequence[float]) -> float:
+    def applied(self, t: float, y: Any) -> float:
         """Applied force."""
         return kernel.applied(self.push, t, y[0])[0]
 
-    def forces(self, t: float, y: Sequence[float]) -> tuple[float, float, float]:
+    def forces(self, t: float, y: Any) -> tuple[float, float, float]:
         """Applied force, friction, and rate of the bristles."""
         f_a = self.applied(t, y)
         if self.mode == FREE:
