@@ -228,7 +228,7 @@ def simulate_slack(
     ------
     InputError
         A step or t_end that is not more than 0; too many samples; an unknown state; a law that knows no events; belts
-        so stiff beside their damping that a million steps do not suffice.
+        so stiff beside their damping that ten million steps do not suffice.
 
     Examples
     --------

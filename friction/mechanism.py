@@ -15,7 +15,7 @@ from friction.models import Model
 from tline.compiled.structure import pack
 
 Signal = int
-MOST_LEGS = 1_000_000
+MOST_LEGS = 10_000_000
 
 
 class Mechanism:
