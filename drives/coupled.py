@@ -22,8 +22,7 @@ from functools import cached_property
 
 from flint import fmpq, fmpq_mat
 
-from drives.names import known_names
-from drives.number import rational
+from drives.number import known_names, rational
 from drives.parts import Belt, Pulley, Spool
 from drives.state_space import StateSpace
 from drives.symbolic import INPUTS, OUTPUTS, transfer

@@ -1,4 +1,4 @@
-"""Steps of a run: exact where inputs are linear in time, by `scipy.integrate.solve_ivp` where it is not linear.
+"""Steps of a linear run, exact where inputs are linear in time.
 
 z = (x, u, du/dt) obeys z' = F z, so z(t + h) = exp(F h) z(t), whatever h. A quadratic form integrates to another one:
 the integral of z'Qz over a step is z(t)'G z(t) with G(2h) = G(h) + E(h)'G(h)E(h), E(2h) = E(h)^2; the first, short step
@@ -7,7 +7,6 @@ by C. F. Van Loan, Computing integrals involving the matrix exponential, 1978, d
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from math import frexp
 
 import numpy as np
@@ -123,35 +122,3 @@ def _refined(compute: Callable[[], arb_mat]) -> NDArray[np.float64]:
                 return np.array([float(x.mid()) for x in entries]).reshape(found.nrows(), found.ncols())
         bits *= 2
     raise InputError("step", "too long for these numbers", "a step that spans fewer time constants")
-
-
-RELATIVE, ABSOLUTE = 1e-13, 1e-15
-
-
-def integrate(
-    rates: Callable[[NDArray, NDArray], NDArray], x0: NDArray, inputs: tuple[Torque, ...], t: NDArray
-) -> NDArray[np.float64]:
-    """States at the times t, shape (len(t), n), of x' = rates(x, u), to about 1e-12."""
-    from scipy.integrate import solve_ivp
-
-    corners = {time for one in inputs for time in one.times if t[0] < time < t[-1]}
-    found, x = np.empty((len(t), len(x0))), x0
-    found[0] = x0
-    for start, stop in pairwise([float(t[0]), *sorted(corners), float(t[-1])]):
-        begin = [one.pieces(np.array([start])) for one in inputs]
-        u0, slope = (np.array([part[k][0] for part in begin]) for k in (0, 1))
-        inside = (t > start) & (t <= stop)
-        done = solve_ivp(
-            lambda time, x, u0=u0, slope=slope, start=start: rates(x, u0 + slope * (time - start)),
-            (start, stop),
-            x,
-            method="LSODA",
-            t_eval=[*t[inside], *([] if t[inside].size and t[inside][-1] == stop else [stop])],
-            rtol=RELATIVE,
-            atol=ABSOLUTE,
-        )
-        if not done.success:
-            raise InputError("simulation", "could not be finished", "other parameters", done.message)
-        found[inside] = done.y.T[: inside.sum()]
-        x = done.y[:, -1]
-    return found

@@ -1,4 +1,4 @@
-"""The drives under control: exact while everything is linear, integrated where the torques saturate.
+"""The drives under control: exact while everything is linear, event by event where the torques saturate.
 
 With y = (belt_speed, tension), e = (set points) - y and the controllers' integrals dq/dt = e + antiwindup,
 
@@ -9,7 +9,7 @@ torques are taken back through the same three steps to the tau that would have a
 unwinds the integrals with their own integral time (back-calculation; Astrom and Hagglund, PID Controllers, 1995, 3.5).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf
@@ -18,11 +18,12 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
+from drives.assembled import Parts
 from drives.by_hand import Control
 from drives.control import PI, Design
 from drives.decoupling import decoupler
-from drives.discretise import integrate, legs, propagate
-from drives.energy import Energy, Rows, energy_of, open_torques, powers, stored_in
+from drives.discretise import legs, propagate
+from drives.energy import Energy, Rows, energy_of, stored_in
 from drives.number import positive, rational, written
 from drives.simulation import Run, initial_state, named, pushing, sample_times
 from drives.state_space import StateSpace, floats
@@ -32,8 +33,6 @@ from drives.torque_limit import unreachable
 from drives.witness import doubts
 from tline.errors import InputError
 
-Motors = Callable[[NDArray, NDArray], tuple[NDArray, NDArray]]
-Rates = Callable[[NDArray, NDArray], NDArray]
 CONTROLLED = ("belt_speed", "tension")
 
 
@@ -152,14 +151,14 @@ def simulate_control(
         _within_floats(t, np.column_stack([x, energy.stored, energy.dissipated, energy.supplied]), verdict)
         run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict, **asked)
         return _heard(run, design, inputs)
-    motors, rates = _saturated(design, limited, antiwindup)
     verdict += tuple(unreachable(drives, *inputs, limit=limited, end=float(t[-1])))
-    found = integrate(rates, np.append(x0, [0.0, 0.0]), inputs, t)
-    x, heat, work = found[:, :-2], found[:, -2], found[:, -1]
-    given = np.array([motors(*one)[1] for one in zip(x, u, strict=True)])
-    plant = drives.state_space()
-    outputs = named(loop.outputs, np.hstack([x[:, : len(drives.states)] @ plant.C.T, given]))
-    energy = Energy(stored_in(drives, x), heat, work)
+    parts = Parts(drives, x0)
+    _saturated(parts, design, limited, antiwindup, x0[len(drives.states) :])
+    x, energies, found, _ = parts.run(t, inputs)
+    plant, given = drives.state_space(), (np.clip(found[name], -limited, limited) for name in ("T1", "T2"))
+    outputs = named(loop.outputs, np.column_stack([x @ plant.C.T, *given]))
+    energy = Energy(stored_in(drives, x), *energies)
+    x = np.column_stack([x, found["q_speed"], found["q_tension"]])
     run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict, **asked)
     return _heard(run, design, inputs, limited, antiwindup)
 
@@ -192,35 +191,37 @@ def _torque_rows(loop: StateSpace) -> Rows:
     return rows
 
 
-def _saturated(design: Design, limit: float, antiwindup: bool) -> tuple[Motors, Rates]:
-    """Torques asked for and given, and the rates of states, integrals, heat and work, each of (state, inputs).
+def _saturated(parts: Parts, design: Design, limit: float, antiwindup: bool, q0: NDArray) -> None:
+    """Torques asked for and given, and the integrals, as signals.
 
     Where both cannot be had the tension comes first: tau_v is cut until neither motor is asked for more than its limit.
     """
-    law, drives = _law(design), design.drives
-    plant, n = drives.state_space(), len(drives.states)
-    a, b, seen, gain, integral = (floats(x) for x in (plant.a, plant.b, law.seen, law.gain, law.integral))
-    torque, feedback = floats(law.torque), floats(law.feedback)
+    law, m = _law(design), parts.mechanism
+    seen, gain, integral, torque, feedback = map(floats, (law.seen, law.gain, law.integral, law.torque, law.feedback))
+    q = [m.state(start) for start in q0]
+    errors = [m.add({m.input(k): 1.0} | parts.of(-seen[k])) for k in range(2)]
+    tau_v, tau_f = (m.add({errors[k]: gain[k, k], q[k]: integral[k, k]}) for k in range(2))
+    rests = [m.add(parts.of(feedback[i]) | {tau_f: torque[i, 1]}) for i in range(2)]
+    slopes = torque[:, 0]
+    lows, highs = (
+        [m.add({rest: -1.0 / slope}, sign * limit / abs(slope)) for rest, slope in zip(rests, slopes, strict=True)]
+        for sign in (-1.0, 1.0)
+    )
+    low, high = m.larger(*lows), m.smaller(*highs)
+    between = m.add({low: 0.5, high: 0.5})
+    cut = m.smaller(m.larger(tau_v, m.smaller(low, between)), m.larger(high, between))
+    given = []
+    for i in range(2):
+        held = m.smaller(m.larger(cut, lows[i]), highs[i])
+        given.append(m.add({held: slopes[i], rests[i]: 1.0}))
     back = floats((law.torque * law.gain).inv()) * antiwindup
-    heat, work = (floats(form) for form in powers(drives, open_torques(drives)))
-
-    def motors(state: NDArray, u: NDArray) -> tuple[NDArray, NDArray]:
-        x, q = state[:n], state[n : n + 2]
-        tau = gain @ (u[:2] - seen @ x) + integral @ q
-        rest = torque[:, 1] * tau[1] + feedback @ x
-        ends = np.sort(np.array([-limit - rest, limit - rest]) / torque[:, 0], axis=0)
-        low, high = ends[0].max(), ends[1].min()
-        cut = min(max(tau[0], low), high) if low <= high else (low + high) / 2
-        return torque[:, 0] * tau[0] + rest, np.clip(torque[:, 0] * cut + rest, -limit, limit)
-
-    def rates(state: NDArray, u: NDArray) -> NDArray:
-        wanted, given = motors(state, u)
-        x, acting = state[:n], given + u[2:]
-        z = np.concatenate([x, acting, [0.0, 0.0]])
-        unwound = u[:2] - seen @ x + back @ (given - wanted)
-        return np.concatenate([a @ x + b @ acting, unwound, [z @ heat @ z, z @ work @ z]])
-
-    return motors, rates
+    less = [m.add({given[i]: 1.0, tau_v: -slopes[i], rests[i]: -1.0}) for i in range(2)]
+    for k in range(2):
+        m.integrate(q[k], m.add({errors[k]: 1.0, less[0]: back[k, 0], less[1]: back[k, 1]}))
+    names = "q_speed", "q_tension", "T1", "T2"
+    parts.shown.update(zip(names, (*q, *given), strict=True))
+    first, second = (m.add({given[i]: 1.0, m.input(2 + i): 1.0}) for i in range(2))
+    parts.move(first, second)
 
 
 def _diagonal(entries: list) -> fmpq_mat:

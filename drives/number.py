@@ -1,7 +1,7 @@
 """Numbers as they were typed: a float counts as the shortest decimal that names it, so 0.1 is one tenth."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from numbers import Rational, Real
 
@@ -72,3 +72,12 @@ def fill(part: object, **fields: object) -> None:
 def written(z: complex) -> str:
     """A complex number for the eye."""
     return f"{z.real:.6g}" if z.imag == 0 else f"{z.real:.6g} {'+' if z.imag > 0 else '−'} {abs(z.imag):.6g}j"
+
+
+def known_names(where: str, given: Sequence[str], known: Sequence[str]) -> None:
+    """Refuse names that are not known, and no names at all."""
+    if isinstance(given, str) or not given:
+        raise InputError(where, "no names", f"some of {', '.join(known)}", repr(given)[:40])
+    for name in given:
+        if name not in known:
+            raise InputError(where, "unknown name", " or ".join(known), repr(name)[:40])

@@ -1,18 +1,19 @@
-"""Simulation of the mechanism: exact at the samples; integrated, with a belt that cannot push.
+"""Simulation of the mechanism: exact at the samples; event by event, with a belt that cannot push.
 
 The tension is f = max(0, k_s*e_p), and -e_p is the slack. While there is some the pulley rests at x_k = 0, the belts
 relax at their own rate K/B, and the spools turn freely until it is taken up.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drives.assembled import Parts
 from drives.coupled import CoupledDrives
-from drives.discretise import integrate, legs, propagate
+from drives.discretise import legs, propagate
 from drives.energy import Energy, energy_of, open_torques, stored_in
 from drives.number import exact, finite, positive
 from drives.symbolic import ALL_UNITS
@@ -22,7 +23,11 @@ from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
 
+if TYPE_CHECKING:
+    from friction import Event, Model
+
 MOST_STEPS = 1_000_000
+SHOWN = 6  # events of a spool in the text
 PUSHES = 1e-9  # of the largest tension: more is no rounding
 
 
@@ -48,6 +53,8 @@ class Run(Presentation):
         Of belt_speed and tension, of a run under control.
     limit : float or None
         Largest torque of each motor, N m, if there is one.
+    events : mapping of str to list of Event
+        Where friction lets a spool go or stops it: of the left and the right one, with instant [s] and angle [rad].
     """
 
     t: NDArray[np.float64]
@@ -58,6 +65,7 @@ class Run(Presentation):
     verdicts: tuple[str, ...] = ()
     set_points: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     limit: float | None = None
+    events: Mapping[str, "list[Event]"] = field(default_factory=dict)
     picture = "drives.picture:draw_run"
 
     def text_lines(self) -> Iterator[str]:
@@ -67,12 +75,16 @@ class Run(Presentation):
             rows.append([f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))])
         yield from aligned(rows, 0)
         yield "energy [J]: " + ", ".join(f"{key} {value:.6g}" for key, value in self._energies().items())
+        for name, events in self.events.items():
+            first = "; ".join(f"{one.kind} at {one.t:.6g} s" for one in events[:SHOWN]) or "none"
+            yield f"events of the {name} spool ({len(events)}): {first}"
         yield from self.verdicts
 
     def to_dict(self) -> dict[str, Any]:
         """Samples of the outputs, the energies at the end, notes and verdicts."""
         parts = {"t": self.t, "outputs": self.outputs, "energy": self._energies()}
-        return plain(parts | {"notes": self.notes, "verdicts": self.verdicts})
+        events = {"events": self.events} if self.events else {}
+        return plain(parts | {"notes": self.notes, "verdicts": self.verdicts} | events)
 
     def _energies(self) -> dict[str, float]:
         names = ("stored", "dissipated", "supplied", "imbalance")
@@ -194,8 +206,10 @@ def simulate_slack(
     t_end: float,
     step: float,
     initial: Mapping[str, float] | None = None,
+    slack: bool = True,
+    friction: Sequence["Model | None"] = (None, None),
 ) -> Run:
-    """Run the mechanism with a belt that pulls but does not push; arguments as in `drives.simulation`.
+    """Run the mechanism with a belt that pulls but does not push, and dry friction in the bearings, event by event.
 
     Parameters
     ----------
@@ -204,11 +218,17 @@ def simulate_slack(
         N m; nothing if not given.
     t_end, step, initial
         As of `drives.simulate`.
+    slack : bool, optional
+        Let the belt push, if not.
+    friction : sequence of Coulomb or Karnopp, optional
+        Of `friction`, for the left and the right spool, None for one without: torques [N m] over angular speeds
+        [rad/s], beside the viscous friction of the spool.
 
     Raises
     ------
     InputError
-        A step or t_end that is not more than 0; too many samples; an unknown state.
+        A step or t_end that is not more than 0; too many samples; an unknown state; a law that knows no events; belts
+        so stiff beside their damping that ten million steps do not suffice.
 
     Examples
     --------
@@ -217,26 +237,16 @@ def simulate_slack(
     [0.0, 0.0, 0.0]
     """
     t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
-    left, right, belts = drives.left, drives.right, list(drives.damped.values())
-    r1, r2, spring = float(left.radius), float(right.radius), float(drives.spring)
-    damped = [(float(belt.stiffness), float(belt.damping)) for belt in belts]
-    j1, b1, j2, b2 = (float(x) for x in (left.inertia, left.friction, right.inertia, right.friction))
-
-    def rates(x: NDArray, u: NDArray) -> NDArray:
-        _, w1, w2, e_p, *e = x[:-2]
-        force = spring * max(0.0, e_p)
-        speeds = [(force - k * one) / b for (k, b), one in zip(damped, e, strict=True)]
-        heat = b1 * w1 * w1 + b2 * w2 * w2 + sum(b * v * v for (_, b), v in zip(damped, speeds, strict=True))
-        turn1, turn2 = (-u[0] - b1 * w1 + r1 * force) / j1, (u[1] - b2 * w2 - r2 * force) / j2
-        return np.array([w1, turn1, turn2, r2 * w2 - r1 * w1 - sum(speeds), *speeds, heat, u[1] * w2 - u[0] * w1])
-
-    x = integrate(rates, np.append(x0, [0.0, 0.0]), (T1, T2), t)
-    model, seen = drives.state_space(), x[:, :-2]
-    outputs = named(model.outputs, seen @ model.C.T)
-    pushed = outputs["tension"] < 0
+    parts = Parts(drives, x0, slack)
+    parts.move(parts.mechanism.input(0), parts.mechanism.input(1), friction)
+    x, energies, _, events = parts.run(t, (T1, T2))
+    model = drives.state_space()
+    outputs = named(model.outputs, x @ model.C.T)
+    pushed = slack & (outputs["tension"] < 0)
     for name in ("tension", "x_k"):
         outputs[name] = np.where(pushed, 0.0, outputs[name])
-    tight = seen.copy()
+    tight = x.copy()
     tight[pushed, drives.states.index("e_p")] = 0.0  # slack stores nothing
-    run = Run(t, named(drives.states, seen), outputs, Energy(stored_in(drives, tight), x[:, -2], x[:, -1]))
-    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=True))
+    run = Run(t, named(drives.states, x), outputs, Energy(stored_in(drives, tight), *energies), events=events)
+    run = run if slack else replace(run, notes=pushing(t, outputs["tension"]))
+    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, rubs=any(friction)))

@@ -15,8 +15,7 @@ from typing import Any, NamedTuple
 
 from flint import Ordering, fmpq_poly, fmpz_mpoly, fmpz_mpoly_ctx
 
-from drives.names import known_names
-from drives.number import rational
+from drives.number import known_names, rational
 from drives.transfer import TransferFunction
 
 INPUTS = ("T1", "T2")

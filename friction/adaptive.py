@@ -9,49 +9,46 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction import kernel
-from friction.kernel import BUDGET, DONE, FA, FF, FREE, MODE, STALLED
+from friction.kernel import BUDGET, DONE, FA, FF, MODE, STALLED
 from friction.models import Model
 from friction.testbench import Testbench
-from tline.compiled.structure import pack
+
+FREE = 9  # mode of a solver that looks at the law alone
 
 
 class Motion:
     """The equations while one mode and one piece of the applied force last."""
 
     def __init__(self, model: Model, bench: Testbench):
-        self.law, self.drive, self.mode, self._y, self._found = model.law, bench.drive, FREE, np.empty(5), np.empty(7)
-        self._spot = pack(kernel.Spot(self.law, self.drive, float(bench.mass), self._y, self._found))
+        self.law, self.drive, self.mass, self.mode = model.law, bench.drive, float(bench.mass), FREE
         self.met: list[tuple[float, float, float, float]] = []
         self.shown = 0  # mode that the steps of a free run show
         self.go_on(0.0)
 
     def go_on(self, t: float) -> None:
         """Take the piece of the applied force that begins at t or goes on there."""
-        self._piece = kernel.piece_at(self.drive, t)
-        self.piece_end = kernel.piece(self.drive, self._piece).end
+        self.push = kernel.push_at(self.drive, t)
 
-    def _observe(self, t: float, y: NDArray) -> int:
-        """Mode that a step of a free run shows; forces and rates are found with it."""
-        self._y[:] = y
-        return kernel.observe(self._spot, self._piece, self.mode, self.shown, t)
-
-    def applied(self, t: float, y: NDArray) -> float:
+    def applied(self, t: float, y: Any) -> float:
         """Applied force."""
-        return self.forces(t, y)[0]
+        return kernel.applied(self.push, t, y[0])[0]
 
-    def forces(self, t: float, y: NDArray) -> tuple[float, float]:
-        """Applied force and friction."""
-        self._observe(t, y)
-        return float(self._found[5]), float(self._found[6])
+    def forces(self, t: float, y: Any) -> tuple[float, float, float]:
+        """Applied force, friction, and rate of the bristles."""
+        f_a = self.applied(t, y)
+        if self.mode == FREE:
+            return f_a, *kernel.friction(self.law, y[1], y[2], f_a)
+        return f_a, self.mode * kernel.steady(self.law, y[1])[0] + self.law.f_v * y[1] if self.mode else f_a, 0.0
 
-    def rates(self, t: float, y: NDArray) -> NDArray:
+    def rates(self, t: float, y: NDArray) -> list[float]:
         """Time derivatives of x, v, z, W_a, W_f."""
-        self._observe(t, y)
-        return self._found[:5].copy()
+        x, v, z = y[:3].tolist()
+        f_a, f_f, rate = self.forces(t, (x, v, z))
+        return [v, (f_a - f_f) / self.mass, rate, f_a * v, f_f * v]
 
     def mode_at(self, t: float, y: NDArray) -> int:
-        """Sign of the motion, 0 if the mass is held."""
-        return self._observe(t, y) if self.mode == FREE else self.mode
+        """Sign of the motion, 0 if the mass is held; in a free run as its steps show it."""
+        return self.mode if self.mode != FREE else kernel.mode_of(self.law, self.shown, y[1], y[2], self.applied(t, y))
 
     def margin(self, t: float, y: NDArray) -> float:
         """Positive until the mode ends."""
@@ -62,7 +59,7 @@ class Motion:
     def look(self, before: tuple[float, NDArray], t: float, y: NDArray) -> None:
         """Note an event between the ends of a step of a free run."""
         then, start = before
-        mode = self._observe(t, y)
+        mode = self.mode_at(t, y)
         if mode != self.shown:
             share = kernel.passed(self.law, self.shown, start[1], start[2], y)
             at = then + share * (t - then)
@@ -100,7 +97,7 @@ def adaptive(
     t, row, steps = 0.0, 0, 0
     while t < t_end or row < times.size:
         motion.go_on(t)
-        end = min(t_end, motion.piece_end)
+        end = min(t_end, motion.push.end)
         run = scheme(motion.rates, t, y, end, rtol=tol, atol=1e-2 * tol)
         while run.status == "running":
             if steps >= budget:
@@ -122,7 +119,7 @@ def adaptive(
             if ended:
                 motion.next_mode(t, y, True)
                 break
-        if t < t_end and t >= motion.piece_end:  # the force may have jumped
+        if t < t_end and t >= motion.push.end:  # the force may have jumped
             motion.go_on(t)
             if motion.mode == 0:
                 motion.next_mode(t, y, False)
@@ -135,7 +132,7 @@ def _sample(motion: Motion, record: NDArray, row: int, times: NDArray, t: float,
         at = times[row]
         state = dense(at)
         record[row, 0], record[row, 1:4], record[row, 6:8] = at, state[:3], state[3:]
-        record[row, FA], record[row, FF] = motion.forces(at, state)
+        record[row, FA], record[row, FF] = motion.forces(at, state)[:2]
         record[row, MODE] = motion.mode_at(at, state)
         row += 1
     return row

@@ -42,10 +42,14 @@ TOLD = {
     "limits": Told("N", "Force at which each element slides", above=0.0),
     "peak": Told("", "Ratio F_s/F_c", least=1.0),
     "speed": Told("m/s", "Speed of the spring's far end, or of the target"),
+    "play": Told("m", "Free way of the spring, either way", least=0.0),
     "proportional": Told("N/m", "Gain of the error", least=0.0),
     "integral": Told("N/(m s)", "Gain of its integral", least=0.0),
     "derivative": Told("N s/m", "Gain of its rate", least=0.0),
     "target": Told("m", "Where the mass ought to be at t = 0"),
+    "limit": Told("N", "Largest force, either way", above=0.0),
+    "period": Told("s", "Time between two looks, 0 for a continuous controller", least=0.0),
+    "delay": Told("s", "From a look to the force that it leads to", least=0.0),
     "mass": Told("kg", "Mass", above=0.0),
     "v0": Told("m/s", "Velocity at t = 0"),
 }
@@ -76,9 +80,10 @@ class Parameters:
 
     def __post_init__(self):
         for field in fields(self):  # pyright: ignore[reportArgumentType] (subclasses are dataclasses)
-            if told := TOLD.get(field.name):
+            told, given = TOLD.get(field.name), getattr(self, field.name)
+            if told and not (given is None and field.default is None):
                 where = f"{self.place}.{field.name}"
-                check_number(where, getattr(self, field.name), above=told.above, least=told.least)
+                check_number(where, given, above=told.above, least=told.least)
 
 
 def check_number(where: str, value: object, *, above: float = -inf, least: float = -inf) -> None:

@@ -252,5 +252,5 @@ def events_of(changes: NDArray) -> list[Event]:
     """Events from changes of the motion: its sign before, after, t, x."""
     return [
         Event(Kind.BREAK_AWAY if before == 0.0 else Kind.STOP if after == 0.0 else Kind.REVERSAL, t, x)
-        for before, after, t, x in changes.tolist()
+        for before, after, t, x, *_ in changes.tolist()
     ]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sized
 from dataclasses import replace
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,7 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 
 if TYPE_CHECKING:
+    from friction import kernel
     from friction.kernel import Drive, Law
 
 MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
@@ -82,8 +84,9 @@ def simulate(
     """
     check_number("t_end", t_end, above=0.0)
     chosen = method_for(model, method)
-    if bench.controller and chosen.step != "events":
-        raise InputError("method", f"'{chosen.name}' knows no controller", "events, with coulomb or karnopp")
+    unknown = "controller" if bench.controller else "play" if bench.spring and bench.spring.play else None
+    if unknown and chosen.step != "events":
+        raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp")
     if chosen.step == "fixed":
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
             if given is not None:
@@ -194,9 +197,45 @@ def _smooth(
 def _events(model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, budget: int) -> Result:
     from friction import kernel
 
-    run = kernel.hybrid_run(*_contact(model, bench), float(t_end), times, min(budget, MOST_EVENTS) + 1)
+    run = on_testbench(model, bench, float(t_end), times, min(budget, MOST_EVENTS) + 1)
     status = kernel.automaton(pack(run), budget)
-    return _packed(model, bench, method, status, run.counts, run.record, run.events)
+    record = np.insert(run.record, kernel.Z, 0.0, axis=1)
+    return _packed(model, bench, method, status, run.counts, record, run.events)
+
+
+def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, events: int) -> "kernel.HybridRun":
+    """The mass with its contact, the applied force, and what pulls, as a mechanism."""
+    from friction.kernel import Inputs
+    from friction.mechanism import Mechanism
+
+    m, drive, pid, play = Mechanism(), bench.drive, bench.controller, bench.spring and bench.spring.play
+    v, x = m.state(bench.v0), m.state(watched=False)
+    works = m.state(watched=False), m.state(watched=False)
+    f_a = m.input()
+    if drive.stiffness or drive.integral or drive.derivative:
+        gap, closing = m.state(drive.target, watched=bool(drive.integral)), m.add({v: -1.0}, drive.speed)
+        m.integrate(gap, closing)
+        if play:
+            pull = m.add({gap: drive.stiffness, m.limited(gap, play): -drive.stiffness})
+        elif pid and pid.period:
+            gains, rate = (drive.stiffness, drive.integral, drive.derivative), drive.derivative / pid.period
+            law = [[1, 0], [0, 0]], [[pid.period], [1]], [gains[1], -rate], gains[0] + gains[1] * pid.period + rate
+            limit = inf if pid.limit is None else pid.limit
+            (pull,) = m.sample([gap], law, [0.0, drive.target], pid.period, pid.delay, limit)
+        else:
+            pull = m.state(drive.stiffness * drive.target, watched=False)
+            m.integrate(pull, m.add({closing: drive.stiffness, gap: drive.integral}))
+            pull = m.add({pull: 1.0, closing: drive.derivative})
+            pull = m.limited(pull, inf if pid is None or pid.limit is None else pid.limit)
+        f_a = m.add({f_a: 1.0, pull: 1.0})
+    f_f, net = m.contact(model, v, f_a)
+    m.integrate(v, m.add({net: 1.0 / bench.mass}))
+    m.integrate(x, v)
+    for work, force in zip(works, (f_a, f_f), strict=True):
+        m.integrate(work, m.multiply(force, v))
+    inputs = Inputs(drive.start, drive.value[:, None], drive.slope[:, None], drive.amplitude, drive.omega, drive.phase)
+    shown = [x, v, f_a, f_f, *works]
+    return m.prepared(times, shown, inputs, t_end=t_end, places=[x], events=events)
 
 
 def _packed(

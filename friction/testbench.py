@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from friction.kernel import Drive
 
 STEEPEST = 1e30  # N/s; products of slopes and times stay finite
+MOST_DELAYED = 10_000  # periods of a sampled controller
 
 
 class Force(Protocol):
@@ -114,23 +115,39 @@ class Table(_Points, example=("Table([0.0, 2.0], [0.0, 1.0]).pieces()[2].tolist(
 
 @dataclass(frozen=True)
 class Spring(Parameters, example=("Spring(20.0, 0.05).speed", "0.05")):
-    """A spring, slack at x = 0, whose far end moves: the stick–slip rig."""
+    """A spring, slack at x = 0, whose far end moves: the stick–slip rig; with play it is slack that far either way."""
 
     stiffness: float
     speed: float
+    play: float = 0.0
     place = "spring"
 
 
 @dataclass(frozen=True)
 class PID(Parameters, example=("PID(100.0, integral=50.0).derivative", "0.0")):
-    """A controller: proportional·e + integral·∫e dt + derivative·ė, with the error e = target + speed·t − x."""
+    """A controller: proportional·e + integral·∫e dt + derivative·ė, with the error e = target + speed·t − x.
+
+    With a period it sees e at its multiples: ∫e dt is then a sum that has the newest e in it, ė a difference to the one
+    before, and the force is held from a delay later on until the next.
+    """
 
     proportional: float
     integral: float = 0.0
     derivative: float = 0.0
     target: float = 0.0
     speed: float = 0.0
+    limit: float | None = None
+    period: float = 0.0
+    delay: float = 0.0
     place = "controller"
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.delay and not self.period:
+            raise InputError("controller.delay", "without a period", "a sampled controller", f"{self.delay:g}")
+        if self.delay > MOST_DELAYED * self.period:
+            expected = f"at most {MOST_DELAYED} periods"
+            raise InputError("controller.delay", "too long", expected, f"{self.delay:g}")
 
 
 @dataclass(frozen=True)
@@ -146,7 +163,7 @@ class Testbench(Parameters):
     v0 : float, optional
         Velocity at t = 0 [m/s].
     spring : Spring, optional
-        Adds stiffness·(speed·t − x) to the applied force.
+        Adds stiffness·(speed·t − x) to the applied force; with play, for `events`, the method of the static laws.
     controller : PID, optional
         Adds its force, in place of a spring; for `events`, the method of the static laws.
 

@@ -111,7 +111,10 @@ def _slip(model: Model, v: NDArray, z: NDArray) -> NDArray:
 def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[str, NDArray, NDArray, NDArray]]:
     """Applied force, friction and energy at each sample."""
     t, x, v, z, mode, f_a = (run[name] for name in ("t", "x", "v", "z", "mode", "F_a"))
-    pull = bench.spring.stiffness * (bench.spring.speed * t - x) if bench.spring else 0.0 * t
+    pull = 0.0 * t
+    if spring := bench.spring:
+        pull = spring.speed * t - x
+        pull = spring.stiffness * (pull - np.clip(pull, -spring.play, spring.play))
     found = f_a if bench.controller else _applied(bench.force, t) + pull
     grain = DIGITS * (np.abs(found).max() + np.abs(x).max() * (bench.spring.stiffness if bench.spring else 0.0))
     if isinstance(bench.force, Steps | Table):  # at jumps both values are right
@@ -165,6 +168,9 @@ def _of_motion(
         off[name] = off["F_a"] + pid.derivative * off["v"]
         rate = pid.proportional * (pid.speed - at["v"])
         rate += pid.integral * (pid.target + pid.speed * at["t"] - at["x"])
+        if pid.period:
+            at[name] = at["F_a"] - _applied(bench.force, at["t"])
+            rate = np.zeros_like(rate)
         rates.append((name, rate, pid.proportional * off["v"] + pid.integral * off["x"]))
     stiffness = _of(model, "sigma0")
     if stiffness:
@@ -173,7 +179,7 @@ def _of_motion(
         if isinstance(model, ElastoPlastic):
             soft *= 1.0 + np.pi * stiffness * peak["z"] / (model.F_c - stiffness * model.z_ba)
         rates.append(("z", slip, soft * (off["v"] + stiffness * peak["v"] / _of(model, "F_c") * off["z"])))
-    even = _undisturbed(bench.force, at, events)
+    even = _undisturbed(bench, at, events)
     for name, rate, wrong in rates:
         change = width * (rate @ FINE)
         unsure = UNCERTAIN * np.abs(change - width * (rate[:, ::2] @ ROUGH))
@@ -182,10 +188,17 @@ def _of_motion(
         yield f"the change of {name} in {width.max():.2g} s", given, np.where(even, change, given), bar
 
 
-def _undisturbed(force: Force, at: Columns, events: Sequence[float]) -> NDArray:
-    """Windows in which neither the motion changes, nor the force its law."""
-    t, v = at["t"], at["v"]
+def _undisturbed(bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
+    """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none."""
+    t, v, force, pid = at["t"], at["v"], bench.force, bench.controller
     hit = np.zeros(len(t), bool)
+    if pid and pid.period:
+        hit |= np.ptp(np.ceil((t[:, [0, -1]] - pid.delay) / pid.period + 1e-9 * np.array([-1, 1])), axis=1) > 0
+    elif bench.spring and bench.spring.play:
+        slack = np.abs(bench.spring.speed * t - at["x"]) < bench.spring.play
+        hit |= np.ptp(slack.astype(int), axis=1) > 0
+    elif pid and pid.limit is not None:
+        hit |= (np.abs(at["F_a"] - _applied(force, t)) >= pid.limit * (1.0 - 1e-9)).any(axis=1)
     for instants in (events, force.times if isinstance(force, Steps | Table) else []):
         hit |= np.searchsorted(instants, t[:, 0]) != np.searchsorted(instants, t[:, -1], side="right")
     return ~hit & ((v >= 0.0).all(axis=1) | (v <= 0.0).all(axis=1))

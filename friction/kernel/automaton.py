@@ -1,4 +1,5 @@
-"""The static laws as a hybrid automaton: stuck, or sliding one way, until a guard of the mode vanishes.
+"""Diagrams as hybrid automata: contacts stuck or sliding one way, switches one way or
+the other, until a guard vanishes.
 
 Which guard vanished says what happens, and the state is put exactly there: v = 0 at a stop, F_a = ±F_s at a
 break-away. A motion that reaches rest always sticks; if the force does not hold it there, it breaks away at the same
@@ -10,174 +11,189 @@ from math import copysign, floor, inf, isfinite, nan, pi
 
 import numpy as np
 
-from friction.kernel.law import BLOWN_UP, BUDGET, DONE, FA, FF, MODE, STALLED, WA, WF, T, V, X, Z, piece, put, row_of
-from friction.kernel.roots import first_root_within, value
-from friction.kernel.structures import EVENTS, STEPS, HybridRun
-from friction.kernel.taylor import (
-    CFA,
-    CFF,
+from friction.kernel.diagram import (
     CLOCK,
-    CV,
-    CWA,
-    CWF,
-    CX,
-    GAP,
+    DELTA,
+    F_S,
+    FRICTION,
     LOST,
-    PULL,
     PUSHED,
     SLIDING,
+    STATE,
     STUCK,
-    SV,
-    SWA,
-    SWF,
-    SX,
     TURN,
+    HybridRun,
     N,
     expand,
+    first_guard,
     trusted_step,
 )
+from friction.kernel.law import BLOWN_UP, BUDGET, DONE, STALLED, put, row_of
+from friction.kernel.roots import value
+from friction.kernel.structures import EVENTS, STEPS
 from tline.compiled.unit import function, unit
 
 FOREVER = 1e13  # s, more than any run may last
-STILL = 1e-250  # m/s and m, below which terms of series would be subnormal numbers, and steps without end
-MOST_IDLE = 10  # changes of mode at one instant
+STILL = 1e-250  # of a state, below which terms of series would be subnormal numbers, and steps without end
+MOST_IDLE = 10  # changes of mode at one instant, for each contact
 
 
 @unit
 def automaton(run: HybridRun, budget: int) -> int:
-    """Run a static law, in so many legs at most; returns the status."""
-    law, drive, c, p, q, state, counts = run.law, run.drive, run.series, run.p, run.q, run.state, run.counts
-    state[SV], state[TURN] = run.v0, drive.phase / (2.0 * pi)
-    state[GAP], state[PULL] = drive.target, drive.stiffness * drive.target
-    mode = int(copysign(SLIDING, run.v0)) if abs(run.v0) > law.delta else STUCK
-    number, push, forced, row, idle = 0, piece(drive, 0), nan, 0, 0
+    """Run a diagram, in so many legs at most; returns the status."""
+    d, inputs, sampled, clock, counts = run.diagram, run.inputs, run.sampled, run.clock, run.counts
+    clock[TURN], number, t, row, idle, taken, given = inputs.phase / (2.0 * pi), 0, 0.0, 0, 0, 0, 0
+    for j in range(d.contact.size):
+        v = run.state[d.source[d.contact[j], 0]]
+        run.mode[j] = int(copysign(SLIDING, v)) if abs(v) > d.law[j, DELTA] else STUCK
     for leg in range(budget):
-        expand(law, push, run.mass, state, mode, forced, c)
-        if not is_finite(c):
-            return BLOWN_UP
         counts[STEPS] = leg + 1
-        left = ((push.end - push.start) - state[CLOCK]) + state[LOST]
-        h = trusted_step(law, mode, c, min(left, FOREVER), p, q)
-        root, border = first_guard(law, mode, c, h, p, q)
+        expand(run, number)
+        if not is_finite(run.series):
+            return BLOWN_UP
+        if sampled.held.size > 0 and t >= taken * sampled.period:
+            take(sampled, run.series, taken)
+            taken += 1
+        if given < taken and t >= given * sampled.period + sampled.delay:
+            for k in range(sampled.held.size):
+                sampled.held[k] = sampled.queue[given % sampled.queue.shape[0], k]
+            given += 1
+            continue
+        start = inputs.start[number]
+        end = inputs.start[number + 1] if number + 1 < inputs.start.size else inf
+        until = end
+        if sampled.held.size > 0:
+            until = min(end, taken * sampled.period, given * sampled.period + sampled.delay)
+        left = ((until - start) - clock[CLOCK]) + clock[LOST]
+        h = trusted_step(run, min(left, FOREVER))
+        root, which, border = first_guard(run, h)
         h = min(h, root)
         ends = h >= left and root == inf
-        t = push.end if ends else push.start + (state[CLOCK] + (h - state[LOST]))
+        t = until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
         if h > 0.0:
-            row = sample(run, row, t, push.start, h, mode)
+            row = sample(run, row, t, ends, start, h)
         if t > run.t_end:
             return DONE
-        advance(push, c, h, state)
+        advance(run, h)
         idle = idle + 1 if root == 0.0 else 0
-        if idle > MOST_IDLE:
+        if idle > MOST_IDLE * max(1, d.contact.size):
             return STALLED
+        for i in range(run.known.size if root > 0.0 else 0):
+            run.known[i] = nan
         if ends:
-            number, state[CLOCK], state[LOST], forced = number + 1, 0.0, 0.0, nan
-            push = piece(drive, number)
-        elif root == inf:
-            forced = nan
-        else:
-            before = mode
-            mode, held = changed(law, mode, border, state)
-            if root > 0.0:
-                forced = held
-            counts[EVENTS] = tell(run.events, counts[EVENTS], before, mode, t, state[SX])
+            number += until == end
+            clock[CLOCK], clock[LOST] = (0.0 if until == end else until - start), 0.0
+        elif root < inf and d.kind[which] == FRICTION:
+            change(run, which, border, root > 0.0, t, h)
+        elif root < inf and root > 0.0:
+            run.known[d.source[which, 0]] = 0.0
     return BUDGET
 
 
 @function
 def is_finite(c):
-    """Whether all series are but those of the Stribeck peak."""
+    """Whether all series are."""
     total = 0.0
-    for k in range(CFF + 1):
+    for i in range(c.shape[0]):
         for j in range(N + 1):
-            total += c[k, j]
+            total += c[i, j]
     return isfinite(total)
 
 
 @function
-def first_guard(law, mode, c, h, p, q):
-    """Time at which the first guard of the mode vanishes, inf if none does, and which: 0 or 1.
-
-    Stuck: −F_a and +F_a reach F_s. Sliding: the speed falls to δ. Pushed: the speed rises to δ, the force falls to F_s.
-    """
-    best, which, s = inf, 0, copysign(1.0, mode)
-    for border in range(1 if abs(mode) == SLIDING else 2):
-        row, sign, shift = c[CV], s, -law.delta
-        if mode == STUCK:
-            row, sign, shift = c[CFA], 1.0 - 2.0 * border, law.f_s
-        elif abs(mode) == PUSHED:
-            row, sign, shift = (c[CFA], s, -law.f_s) if border else (c[CV], -s, law.delta)
-        for k in range(N):
-            p[k] = sign * row[k]
-        p[0] += shift
-        root = first_root_within(p, N, h, q)
-        if root < best:
-            best, which = root, border
-    return best, which
+def take(sampled, c, taken):
+    """What a sampled controller makes of what it sees, into the queue."""
+    q, more, out = sampled.q, sampled.more, sampled.queue[taken % sampled.queue.shape[0]]
+    for k in range(out.size):
+        u = 0.0
+        for j in range(q.size):
+            u += sampled.c[k, j] * q[j]
+        for j in range(sampled.seen.size):
+            u += sampled.d[k, j] * c[sampled.seen[j], 0]
+        out[k] = min(max(u, -sampled.limit), sampled.limit)
+    for k in range(q.size):
+        more[k] = 0.0
+        for j in range(q.size):
+            more[k] += sampled.a[k, j] * q[j]
+        for j in range(sampled.seen.size):
+            more[k] += sampled.b[k, j] * c[sampled.seen[j], 0]
+    for k in range(q.size):
+        q[k] = more[k]
 
 
 @function
-def changed(law, mode, border, state):
-    """Mode after a guard has vanished, and the applied force if that says what it is, else NaN."""
+def change(run, i, border, later, t, h):
+    """Another mode of a contact whose guard has vanished; if later than the leg began, the force may be known."""
+    d, j = run.diagram, run.diagram.source[i, 2]
+    v, f_a, law, mode, held = d.source[i, 0], d.source[i, 1], d.law[j], run.mode[j], nan
+    s = copysign(1.0, mode)
     if mode == STUCK:
         way = 2.0 * border - 1.0
-        reached = law.delta == 0.0 or state[SV] == way * law.delta
-        return int(way * (SLIDING if reached else PUSHED)), way * law.f_s
-    s = copysign(1.0, mode)
-    if abs(mode) == PUSHED and border == 1:
-        return STUCK, s * law.f_s
-    state[SV] = s * law.delta
-    return (int(s * SLIDING) if abs(mode) == PUSHED else STUCK), nan
+        reached = law[DELTA] == 0.0 or run.state[v] == way * law[DELTA]
+        new, held = int(way * (SLIDING if reached else PUSHED)), way * law[F_S]
+    elif abs(mode) == PUSHED and border == 1:
+        new, held = STUCK, s * law[F_S]
+    else:
+        run.state[v] = s * law[DELTA]
+        new = int(s * SLIDING) if abs(mode) == PUSHED else STUCK
+    if later:
+        run.known[f_a] = held
+    run.mode[j] = new
+    run.counts[EVENTS] = tell(run.events, run.counts[EVENTS], mode, new, t, value(run.series[run.place[j]], h), j)
 
 
 @function
-def tell(events, met, before, after, t, x):
+def tell(events, met, before, after, t, x, contact):
     """Keep a change of the motion, together with those of the same instant; how many there are then."""
     old, new = np.sign(before), np.sign(after)
     if t == 0.0:  # how the run begins
         return met
     last = row_of(events, met - 1)
-    if met > 0 and events[last, 2] == t:
-        events[last, 1] = new
-        return met - 1 if events[last, 0] == new else met
-    return met if old == new else put(events, met, old, new, t, x)
+    for r in range(last if met > 0 else -1, -1, -1):
+        if events[r, 2] != t:
+            break
+        if events[r, 4] == contact:
+            events[r, 1] = new
+            if events[r, 0] != new:
+                return met
+            for k in range(events.shape[1]):
+                events[r, k] = events[last, k]
+            return met - 1
+    if old == new:
+        return met
+    met = put(events, met, old, new, t, x)
+    events[row_of(events, met - 1), 4] = contact
+    return met
 
 
 @function
-def sample(run, row, t, start, h, mode):
-    """Keep the samples of a leg that ends at t; the number of the next."""
-    times, record, state, c = run.times, run.record, run.state, run.series
-    while row < times.size and times[row] <= t:
-        at = min(max(((times[row] - start) - state[CLOCK]) + state[LOST], 0.0), h)
-        for column, k in ((X, CX), (V, CV), (FA, CFA), (FF, CFF), (WA, CWA), (WF, CWF)):
-            record[row, column] = value(c[k, : (N if k in (CFA, CFF) else N + 1)], at)
-        record[row, T], record[row, Z], record[row, MODE] = times[row], 0.0, mode
+def sample(run, row, t, ends, start, h):
+    """Keep the samples of a leg that ends at t, where inputs may jump: their values there are those of the next leg."""
+    times, record, shown, clock = run.times, run.record, run.shown, run.clock
+    while row < times.size and (times[row] < t or (times[row] == t and not ends)):
+        at = min(max(((times[row] - start) - clock[CLOCK]) + clock[LOST], 0.0), h)
+        record[row, 0] = times[row]
+        for column in range(shown.size):
+            record[row, 1 + column] = value(run.series[shown[column]], at)
+        for j in range(run.mode.size):
+            record[row, 1 + shown.size + j] = run.mode[j]
         row += 1
     return row
 
 
 @function
-def advance(push, c, h, state):
-    """The state at the end of a leg; the clock is a compensated sum, what pulls follows its own rate."""
-    before = state[SX]
-    for k, j in ((CX, SX), (CV, SV), (CWA, SWA), (CWF, SWF)):
-        state[j] = value(c[k], h)
-    if push.stiffness != 0.0 or push.integral != 0.0:
-        area = 0.0
-        for k in range(N, 0, -1):
-            area = (area + c[CX, k] / (k + 1)) * h
-        c[CX, 0] = 0.0
-        closed = push.speed * h - value(c[CX], h)
-        c[CX, 0] = before
-        area = h * (state[GAP] + 0.5 * push.speed * h - area)
-        state[PULL] += push.stiffness * closed + push.integral * area
-        state[GAP] += closed
-    for j in (SV, GAP):
-        if abs(state[j]) < STILL:
-            state[j] = 0.0
-    if push.amplitude != 0.0:
-        turn = state[TURN] + h * (push.omega / (2.0 * pi))
-        state[TURN] = turn - floor(turn)
-    step = h - state[LOST]
-    clock = state[CLOCK] + step
-    state[LOST], state[CLOCK] = (clock - state[CLOCK]) - step, clock
+def advance(run, h):
+    """The state at the end of a leg; the clock is a compensated sum."""
+    d, clock, state, omega = run.diagram, run.clock, run.state, run.inputs.omega
+    for i in range(d.kind.size):
+        if d.kind[i] == STATE:
+            state[i] = value(run.series[i], h)
+    for w in range(d.watched.size):
+        if abs(state[d.watched[w]]) < STILL:
+            state[d.watched[w]] = 0.0
+    if run.inputs.amplitude != 0.0:
+        turn = clock[TURN] + h * (omega / (2.0 * pi))
+        clock[TURN] = turn - floor(turn)
+    step = h - clock[LOST]
+    total = clock[CLOCK] + step
+    clock[LOST], clock[CLOCK] = (total - clock[CLOCK]) - step, total

@@ -64,8 +64,6 @@ class Push(NamedTuple):
     phase: float
     stiffness: float
     speed: float
-    integral: float
-    derivative: float
 
 
 @function
@@ -74,13 +72,13 @@ def piece(drive, i):
     end = drive.start[i + 1] if i + 1 < drive.start.size else inf
     return Push(
         drive.start[i], end, drive.value[i], drive.slope[i], drive.amplitude, drive.omega, drive.phase, drive.stiffness,
-        drive.speed, drive.integral, drive.derivative,
+        drive.speed,
     )  # fmt: skip
 
 
 @function
-def piece_at(drive, t):
-    """Number of the piece of the applied force that begins at t or goes on there."""
+def push_at(drive, t):
+    """The piece of the applied force that begins at t or goes on there."""
     low, high = 0, drive.start.size
     while low + 1 < high:
         middle = (low + high) // 2
@@ -88,13 +86,7 @@ def piece_at(drive, t):
             low = middle
         else:
             high = middle
-    return low
-
-
-@function
-def push_at(drive, t):
-    """That piece."""
-    return piece(drive, piece_at(drive, t))
+    return piece(drive, low)
 
 
 @function

@@ -7,7 +7,6 @@ import numpy as np
 from friction.kernel.law import Drive, Law
 from friction.kernel.rodas import STAGES
 from friction.kernel.series import ROWS as SERIES
-from friction.kernel.taylor import ROWS, STATE, N
 from tline.compiled.structure import Floats, Floats2, Floats3, Integers
 
 STEPS, REFUSED, EVENTS, RUN, STRIDE = range(5)  # counts: steps made and refused, events met, which of two runs is
@@ -28,34 +27,6 @@ class FixedRun(NamedTuple):
     counts: Integers  # (4,)
     k: Floats2  # (4, 5) slopes
     middle: Floats  # (5,)
-
-
-class Spot(NamedTuple):
-    """A contact at one instant, and what moves it."""
-
-    law: Law
-    drive: Drive
-    mass: float
-    y: Floats  # (5,) x, v, z and the works
-    found: Floats  # (7,) time derivatives of these, the applied force, and friction
-
-
-class HybridRun(NamedTuple):
-    """A run of a static law as a hybrid automaton."""
-
-    law: Law
-    drive: Drive
-    mass: float
-    v0: float
-    t_end: float
-    times: Floats
-    record: Floats2  # (times, 9)
-    events: Floats2  # as of runs in fixed steps
-    counts: Integers  # (4,)
-    series: Floats2  # (8, N + 1)
-    p: Floats  # (N + 1,)
-    q: Floats  # (N + 1,)
-    state: Floats  # (9,)
 
 
 class Bench(NamedTuple):
@@ -101,13 +72,6 @@ def fixed_run(law: Law, drive: Drive, mass: float, v0: float, h: float, samples:
     y, record = np.array([0.0, v0, 0.0, 0.0, 0.0]), np.full((samples, 9), np.nan)
     counts = np.zeros(4, np.int64)
     return FixedRun(law, drive, mass, h, y, record, np.empty((events, 4)), counts, np.empty((4, 5)), np.empty(5))
-
-
-def hybrid_run(law: Law, drive: Drive, mass: float, v0: float, t_end: float, times: Floats, events: int) -> HybridRun:
-    """A run with samples at those times, for so many events."""
-    record, counts, series = np.full((times.size, 9), np.nan), np.zeros(4, np.int64), np.zeros((ROWS, N + 1))
-    p, q, state = np.zeros(N + 1), np.zeros(N + 1), np.zeros(STATE)
-    return HybridRun(law, drive, mass, v0, t_end, times, record, np.empty((events, 4)), counts, series, p, q, state)
 
 
 def compared(samples: int, events: int, terms: int) -> Compared:

@@ -33,6 +33,7 @@ from friction import (
     simulate,
     tanh_creep,
 )
+from friction.simulate import on_testbench
 from tline.compiled.structure import pack
 
 SMOOTH = [LuGre(sigma1=3.0), Dahl(), ElastoPlastic(sigma1=2.0), Tanh()]
@@ -217,8 +218,8 @@ def test_a_controller_of_another_gain_is_doubted(gain, monkeypatch):
 
 def test_events_beyond_the_list_are_counted():
     """Those that fit are the same, whether or not all do."""
-    law, drive, times = Karnopp().law, Testbench(Sine(2.0, 5.0)).drive, np.array([10.0])
-    whole, short = (kernel.hybrid_run(law, drive, 1.0, 0.0, 10.0, times, events) for events in (1000, 21))
+    bench, times = Testbench(Sine(2.0, 5.0)), np.array([10.0])
+    whole, short = (on_testbench(Karnopp(), bench, 10.0, times, events) for events in (1000, 21))
     assert kernel.automaton(pack(whole), 10_000) == kernel.automaton(pack(short), 10_000) == kernel.DONE
     np.testing.assert_array_equal(short.counts, whole.counts)
     assert 100 < whole.counts[2] < 1000

@@ -18,6 +18,7 @@ from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
     from drives import CoupledDrives, Torque
+    from friction import Model
 
 EXAMPLES = """\b
 Examples:
@@ -180,6 +181,7 @@ Examples:
   tline drives step --t1 "0.1 N m" --t2 "0.3 N m" --rise "0.2 s" --plot step.png
   tline drives step --table torques.csv --t-end "5 s" --step "1 ms" --csv run.csv
   tline drives step --t2 "-0.1 N m" --slack --json
+  tline drives step --t1 "0.2 N m" --rise "1 s" --coulomb "0.04 N m" --break-away "0.06 N m" --stribeck "2 rad/s"
 \b
 A table is a CSV file with columns t, T1, T2, in SI or in units of the heading, later times below earlier ones:
   t,T1,T2
@@ -195,6 +197,9 @@ def step_(
     table: str | None = None,
     hold: bool = False,
     slack: bool = False,
+    coulomb: str | None = None,
+    break_away: str | None = None,
+    stribeck: str | None = None,
     t_end: str = "2 s",
     step: str | None = None,
     **given: Any,
@@ -215,15 +220,25 @@ def step_(
         Hold each row of the table until the next, instead of straight lines.
     slack
         A belt that cannot push.
+    coulomb : TORQUE
+        Dry friction in the bearings, beside the viscous one. Two with a comma between: left, right.
+    break_away : TORQUE
+        What it takes to leave rest, as much if not given. Two with a comma between: left, right.
+    stribeck : ω
+        Angular speed over which friction falls from that; two with a comma between: left, right.
     step : TIME
         Time between samples, a 200th of the run if not given; it causes no error.
     """
     from drives import simulate, simulate_slack
 
+    laws = dry_friction(coulomb, break_away, stribeck)
     applied, last = torques(t1, t2, rise, table, hold), quantity("--t-end", t_end, "s")
     h = quantity("--step", step, "s") if step else last / SAMPLES["step"]
     found = mechanism(given)
-    run = (simulate_slack if slack else simulate)(found, *applied, t_end=last, step=h)
+    if slack or any(laws):
+        run = simulate_slack(found, *applied, t_end=last, step=h, slack=slack, friction=laws)
+    else:
+        run = simulate(found, *applied, t_end=last, step=h)
     return step_.shown(run, exit_code=int(bool(run.verdicts)), csv=tabled({"t": run.t} | run.outputs))
 
 
@@ -321,6 +336,32 @@ def quantity(where: str, given: Any, unit: str) -> float:
     if BARE.fullmatch(given) or (unit == "rad" and not re.search(r"deg|°|rad", given)):
         raise InputError(where, "the unit is missing", example, repr(given)[:40])
     return to_si(given, unit, where)
+
+
+def dry_friction(coulomb: str | None, break_away: str | None, stribeck: str | None) -> "list[Model | None]":
+    """Laws of the left and the right bearing, None where friction is viscous alone."""
+    from friction import Coulomb, Karnopp
+
+    given = {
+        "coulomb": (coulomb, "N m", "F_c"),
+        "break_away": (break_away, "N m", "F_s"),
+        "stribeck": (stribeck, "rad/s", "v_s"),
+    }
+    sides: list[dict[str, float]] = [{}, {}]
+    for name, (text, unit, symbol) in given.items():
+        where, parts = f"--{name.replace('_', '-')}", (text or "").split(",")
+        if text is not None and (coulomb is None or (name == "stribeck" and break_away is None)):
+            raise InputError(where, "needs its partner", "--break-away beside it" if coulomb else "--coulomb beside it")
+        if len(parts) > 2:
+            raise InputError(where, "the wrong number of values", "one value, or two: left, right", f"{len(parts)}")
+        for side, part in zip(sides, parts * 2, strict=False):
+            side |= {symbol: quantity(where, part, unit)} if text is not None else {}
+    laws: list[Model | None] = []
+    with options_named({"model.F_c": "--coulomb", "model.F_s": "--break-away", "model.v_s": "--stribeck"}):
+        for side in sides:
+            dry = side.get("F_c", 0.0) or side.get("F_s", 0.0)
+            laws.append((Karnopp(F_v=0.0, **side) if "F_s" in side else Coulomb(**side)) if dry else None)
+    return laws
 
 
 def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None, hold: bool) -> "tuple[Torque, Torque]":

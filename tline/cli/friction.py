@@ -21,6 +21,7 @@ Examples:
   tline friction run coulomb --method euler --step "10 ms" --v0 -1
   tline friction run karnopp --spring "20 N/m" --pull "5 cm/s" --t-end "1 min"
   tline friction run karnopp --pid "100 N/m, 200 N/(m s), 5 N s/m" --target "1 cm" --t-end "1 min"
+  tline friction run karnopp --pid "100 N/m, 200 N/(m s), 5 N s/m" --target "1 cm" --period "10 ms" --delay "4 ms"
   tline friction run elasto-plastic lugre --sine "0.6 N" --frequency "1 Hz" --plot both.png
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
@@ -33,8 +34,12 @@ NAMED = {  # options by the package's names
     "times": "--samples",
     "spring.stiffness": "--spring",
     "spring.speed": "--pull",
+    "spring.play": "--play",
     "controller.speed": "--pull",
     "controller.target": "--target",
+    "controller.limit": "--limit",
+    "controller.period": "--period",
+    "controller.delay": "--delay",
     "force.slope": "--slope",
     "force.amplitude": "--sine",
     "force.frequency": "--frequency",
@@ -69,9 +74,13 @@ def run(
     table: str | None = None,
     hold: bool = False,
     spring: str | None = None,
+    play: str | None = None,
     pid: str | None = None,
     target: str | None = None,
     pull: str | None = None,
+    limit: str | None = None,
+    period: str | None = None,
+    delay: str | None = None,
     samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
     budget: Annotated[int | None, click.IntRange(1)] = None,
     **given: Any,
@@ -98,12 +107,20 @@ def run(
         Hold each row of the table until the next, instead of straight lines.
     spring : N/m
         Stiffness of a spring that pulls [N/m], with --pull.
+    play : m
+        How far the spring is slack, either way [m].
     pid : P,I,D
         Gains of a controller of the place, such as '100 N/m, 200 N/(m s), 5 N s/m'; later ones are 0 if not given.
     target : m
         Where the controller wants the mass [m].
     pull : m/s
         Speed of the spring's far end, or of the controller's target [m/s].
+    limit : N
+        Largest force of the controller, either way [N].
+    period : TIME
+        Time from one look of a sampled controller to the next [s]; it is continuous if not given.
+    delay : TIME
+        From a look to the force that it leads to [s].
     samples : NUMBER
         Equal steps from sample to sample, 1000 if not given; errors and events do not depend on them.
     """
@@ -113,7 +130,8 @@ def run(
     from friction.result import COLUMNS
 
     numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
-    si = run.in_si(numbers | {"spring": spring, "target": target, "pull": pull} | given)
+    asked = {"target": target, "limit": limit, "period": period, "delay": delay}
+    si = run.in_si(numbers | {"spring": spring, "play": play, "pull": pull} | asked | given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
     bench = {key: si[key] for key in ("mass", "v0") if key in si}
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
@@ -181,23 +199,26 @@ def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
         raise InputError("--pid", "beside a spring", "one of both")
     if pid is None and ("spring" in si) != ("pull" in si):
         raise InputError("--spring", "needs its partner", "--spring and --pull together")
-    return Spring(si["spring"], si["pull"]) if "spring" in si else None
+    if "play" in si and "spring" not in si:
+        raise InputError("--play", "needs its partner", "--spring beside it")
+    return Spring(si["spring"], si["pull"], si.get("play", 0.0)) if "spring" in si else None
 
 
 def _controller(si: dict[str, float], pid: str | None) -> "PID | None":
     from friction import PID
     from friction.parameters import TOLD
 
+    asked = [name for name in ("target", "limit", "period", "delay") if name in si]
     if pid is None:
-        if "target" in si:
-            raise InputError("--target", "needs its partner", "--pid beside it")
+        if asked:
+            raise InputError(f"--{asked[0]}", "needs its partner", "--pid beside it")
         return None
     parts = pid.split(",")
     if len(parts) > len(GAINS):
         raise InputError("--pid", "too many gains", "at most three", f"{len(parts)}")
     gains = {name: to_si(part, TOLD[name].unit, "--pid") for name, part in zip(GAINS, parts, strict=False)}
     with options_named({f"controller.{name}": "--pid" for name in GAINS}):
-        return PID(**gains, target=si.get("target", 0.0), speed=si.get("pull", 0.0))
+        return PID(**gains, speed=si.get("pull", 0.0), **{name: si[name] for name in asked})
 
 
 def _force(si: dict[str, float], file: str | None, hold: bool, pulled: bool) -> "Force":

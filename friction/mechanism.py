@@ -1,0 +1,156 @@
+"""Mechanisms put together signal by signal: masses, springs, gains, limits, gaps, controllers, contacts.
+
+`Mechanism` writes down a diagram of `friction.kernel`: what moves is linear but for products (works and powers), the
+larger of two signals, of which limits, slack and backlash are made, and contacts with dry friction.
+"""
+
+from collections.abc import Mapping, Sequence
+from math import inf, nan
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from friction import kernel
+from friction.models import Model
+from tline.compiled.structure import pack
+
+Signal = int
+MOST_LEGS = 10_000_000
+
+
+class Mechanism:
+    """A diagram that grows. Each method adds a signal and returns its number.
+
+    Examples
+    --------
+    A mass of 2 kg that 3 N push through a gap of 1 m before a spring of 50 N/m:
+
+    >>> m = Mechanism()
+    >>> v, x = m.state(), m.state()
+    >>> push = m.add({m.larger(m.add({x: 1.0}, -1.0), m.add({})): -50.0}, 3.0)
+    >>> m.integrate(v, m.add({push: 0.5}))
+    >>> m.integrate(x, v)
+    >>> status, run, _ = m.run([0.0, 1.0], {"x": x})
+    >>> status, round(float(run["x"][-1]), 9)
+    (0, 0.75)
+    """
+
+    def __init__(self):
+        self.kinds: list[int] = []
+        self.sources: list[list[int]] = []
+        self.sums: list[tuple[Mapping[Signal, float], float]] = []
+        self.start: dict[Signal, float] = {}
+        self.laws: list[Model] = []
+        self.watched: list[Signal] = []
+        self.sampled = kernel.unsampled()
+
+    def _new(self, kind: int, *source: int, terms: Mapping[Signal, float] | None = None, constant: float = 0.0) -> int:
+        self.kinds.append(kind)
+        self.sources.append([*source, 0, 0, 0][:3])
+        self.sums.append((terms or {}, constant))
+        return len(self.kinds) - 1
+
+    def input(self, number: int = 0) -> Signal:
+        """An input of the run, by its number."""
+        return self._new(kernel.INPUT, number)
+
+    def state(self, start: float = 0.0, *, watched: bool = True) -> Signal:
+        """What `integrate` says the integral of; not watched if nothing that moves depends on it."""
+        found = self._new(kernel.STATE)
+        self.start[found] = float(start)
+        if watched:
+            self.watched.append(found)
+        return found
+
+    def integrate(self, state: Signal, rate: Signal) -> None:
+        """Say whose integral a state is."""
+        self.sources[state][0] = rate
+
+    def add(self, terms: Mapping[Signal, float], constant: float = 0.0) -> Signal:
+        """Signals by their factors, and a constant; what is alone and as it is stays the same signal."""
+        terms = {signal: float(factor) for signal, factor in terms.items() if factor}
+        if not constant and list(terms.values()) == [1.0]:
+            return next(iter(terms))
+        return self._new(kernel.SUM, terms=terms, constant=float(constant))
+
+    def multiply(self, one: Signal, other: Signal) -> Signal:
+        """A product."""
+        return self._new(kernel.PRODUCT, one, other)
+
+    def larger(self, one: Signal, other: Signal) -> Signal:
+        """The larger of two."""
+        return self._switch(self.add({one: 1.0, other: -1.0}), one, other)
+
+    def smaller(self, one: Signal, other: Signal) -> Signal:
+        """The smaller of two."""
+        return self._switch(self.add({one: -1.0, other: 1.0}), one, other)
+
+    def _switch(self, difference: Signal, one: Signal, other: Signal) -> Signal:
+        self.watched.append(difference)
+        return self._new(kernel.SWITCH, difference, one, other)
+
+    def limited(self, u: Signal, limit: float) -> Signal:
+        """A signal between ± a limit; itself if that is infinite."""
+        if limit == inf:
+            return u
+        return self.smaller(self.larger(u, self.add({}, -limit)), self.add({}, limit))
+
+    def contact(self, law: Model, v: Signal, applied: Signal) -> tuple[Signal, Signal]:
+        """Dry friction on a state v, and the applied force less it, which is to be what accelerates v."""
+        self.watched.append(applied)
+        self.laws.append(law)
+        return self._new(kernel.FRICTION, v, applied, len(self.laws) - 1), self._new(kernel.NET)
+
+    def sample(
+        self, seen: Sequence[Signal], matrices: Sequence[ArrayLike], q: ArrayLike, period: float, delay: float,
+        limit: float = inf,
+    ) -> list[Signal]:  # fmt: skip
+        """Outputs of a controller that sees signals every period; see `kernel.Sampled`."""
+        a, b, c, d = (np.array(matrix, float, ndmin=2) for matrix in matrices)
+        queue, state = np.zeros((int(delay / period) + 2, len(c))), np.array(q, float)
+        self.sampled = kernel.Sampled(
+            period, delay, limit, np.array(seen, np.int64), a, b, c, d, state, state.copy(), queue, np.zeros(len(c))
+        )
+        return [self._new(kernel.HELD, k) for k in range(len(c))]
+
+    def diagram(self) -> kernel.Diagram:
+        """The signals as the kernel reads them."""
+        sizes, laws = [len(terms) for terms, _ in self.sums], [one.law for one in self.laws]
+        return kernel.Diagram(
+            np.array(self.kinds, np.int64),
+            np.array(self.sources, np.int64).reshape(-1, 3),
+            np.r_[0, np.cumsum(sizes)].astype(np.int64),
+            np.array([signal for terms, _ in self.sums for signal in terms], np.int64),
+            np.array([factor for terms, _ in self.sums for factor in terms.values()], float),
+            np.array([constant for _, constant in self.sums], float),
+            np.array([(one.f_c, one.f_s, one.f_v, one.v_s, one.delta) for one in laws], float).reshape(-1, 5),
+            np.array([i for i, kind in enumerate(self.kinds) if kind == kernel.FRICTION], np.int64),
+            np.array(list(dict.fromkeys(self.watched)), np.int64),
+        )
+
+    def prepared(
+        self, times: ArrayLike, shown: Sequence[Signal], inputs: "kernel.Inputs | None" = None, *,
+        t_end: float | None = None, places: Sequence[Signal] = (), events: int = 1,
+    ) -> kernel.HybridRun:  # fmt: skip
+        """A run with samples at those times, for so many events, told with the signals `places` of the contacts."""
+        at, n, contacts = np.array(times, float), len(self.kinds), len(self.laws)
+        state = np.zeros(n)
+        state[list(self.start)] = list(self.start.values())
+        inputs = inputs or kernel.Inputs(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)), 0.0, 0.0, 0.0)
+        record, series = np.full((at.size, 1 + len(shown) + contacts), nan), np.zeros((n, kernel.N + 1))
+        whole, row = np.zeros((2, n), np.int64), np.zeros((2, kernel.N + 1))
+        return kernel.HybridRun(
+            self.diagram(), inputs, self.sampled, float(at[-1] if t_end is None else t_end), at,
+            np.array(shown, np.int64), np.array(places, np.int64), record, np.empty((events, 5)),
+            np.zeros(4, np.int64), state, np.zeros(contacts, np.int64), whole[0], np.full(n, nan), np.zeros(3),
+            series, np.zeros((2 * contacts, kernel.N + 1)), row[0], row[1],
+        )  # fmt: skip
+
+    def run(
+        self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "kernel.Inputs | None" = None, *,
+        places: Sequence[Signal] = (), events: int = 1, budget: int = MOST_LEGS,
+    ) -> tuple[int, dict[str, NDArray], NDArray]:  # fmt: skip
+        """Status, signals at times by their names, and changes of contacts, told with the signals `places`."""
+        run = self.prepared(times, list(shown.values()), inputs, places=places, events=events)
+        status = kernel.automaton(pack(run), budget)
+        return status, dict(zip(shown, run.record[:, 1:].T, strict=False)), run.events[: run.counts[2]]
