@@ -73,17 +73,7 @@ def _size(term: _Term, names: Mapping[str, float]) -> float:
 
 
 class Search:
-    """The search with given values of the names.
-
-    Examples
-    --------
-    >>> from passivity.calculus.fact import POSITIVE_REAL
-    >>> from passivity.calculus.graph import Graph
-    >>> graph = Graph()
-    >>> z = graph.sum([graph.s, (Fraction(-1), 0)])
-    >>> Search(Question(graph, z, POSITIVE_REAL, "s - 1", {}), {}).glance().re < 1
-    True
-    """
+    """The search with given values of the names."""
 
     def __init__(self, question: Question, names: Mapping[str, Fraction], scales: "Scales | None" = None):
         self.question, self.names, self.scales = question, dict(names), scales or Scales(question)

@@ -35,12 +35,6 @@ def in_ball(
     """A ball with the values at all points of a ball, constants for the names; not finite where it may hold a pole.
 
     Nodes that are known have the values given.
-
-    Examples
-    --------
-    >>> graph = Graph()
-    >>> in_ball(graph, graph.function("sqrt", graph.scaled(graph.s, 4)), acb(1))
-    2.00000000000000
     """
     numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
     at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
