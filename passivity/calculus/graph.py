@@ -4,7 +4,7 @@ A value is a pair (c, n), c times node n. Sums are flat and begin with the coeff
 coefficient, what all terms of a sum have in common stands before it; so (a - b) and (b - a) are multiples of one node.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from fractions import Fraction
 from math import isqrt
 from typing import Any, TypeAlias
@@ -111,7 +111,7 @@ class Graph(Nodes):
             found = {b: (min if e > 0 else max)(e, own[b]) for b, e in found.items() if own.get(b, 0) * e > 0}
         return {b: e for b, e in found.items() if self.nodes[b][0] != "exp"}
 
-    def product(self, values: Iterable[Value], exponents: Sequence[int] | None = None) -> Value:
+    def product(self, values: Iterable[Value], exponents: Iterable[int] | None = None) -> Value:
         """The product of some values to whole powers.
 
         Raises
