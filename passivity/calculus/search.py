@@ -125,8 +125,9 @@ class Search:
         }
         lines = [each for each in lines if each[0] in parts]
         starts = (self._spread(), self._ladder()) if lines else ()
-        for places, bits in [(places, bits) for bits in _BITS for places in starts]:
-            for k, (n, sign, line) in enumerate(lines):
+        ways = [(first, bits, places) for bits in _BITS for first in range(_LINES) for places in starts]
+        for first, bits, places in ways:
+            for k, (n, sign, line) in enumerate(lines[first:], first):
                 places = self._zeros(graph.sum([line[2], line[0]]), places)
                 if not len(places):
                     break
