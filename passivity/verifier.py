@@ -112,7 +112,7 @@ class Graph:
     def terms(self, n, c=ONE):
         """c times a node as a sum: node to coefficient."""
         kind, parts = self.nodes[n]
-        return {m: c * x for x, m in parts} if kind == "sum" else {n: c}
+        return {m: c * x if c != 1 else x for x, m in parts} if kind == "sum" else {n: c}
 
     def fraction(self, c, n, cut=()):
         """c times a node as a quotient of polynomials in atoms: what is no sum or product, and the nodes in `cut`."""
@@ -173,7 +173,7 @@ class Graph:
                     found = added(found, self.multiplied(rest, self.roots[square]))
                 else:
                     name = tuple(sorted(key.items()))
-                    found[name] = found.get(name, 0) + x * y
+                    found[name] = found[name] + x * y if name in found else x * y
         return {key: x for key, x in found.items() if x}
 
     def is_equal(self, left, right):
@@ -323,7 +323,7 @@ def added(f, g):
     """The sum of two polynomials, of two lists of terms, or of two lists of exponents."""
     found = dict(f)
     for key, x in g.items():
-        found[key] = found.get(key, 0) + x
+        found[key] = found[key] + x if key in found else x
     return {key: x for key, x in found.items() if x}
 
 

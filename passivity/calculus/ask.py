@@ -50,8 +50,9 @@ def is_positive_real(
     ----------
     what : text, numbers, system, network or samples
         An expression, also with ``let NAME = EXPRESSION;`` before it; a number; numerator and denominator, highest
-        power first; matrices A, B, C, D; what a `RationalFunction`, `RationalMatrix` or `StateSpace` is; a system of
-        scipy.signal or python-control; a network of scikit-rf or a `SampledResponse`, which can only be refuted; a line
+        power first; matrices A, B, C, D, or E, A, B, C, D of E x' = A x + B u; what a `RationalFunction`,
+        `RationalMatrix` or `StateSpace` is; a system of scipy.signal or python-control; a network of scikit-rf or a
+        `SampledResponse`, which can only be refuted; a line
         or a scene of tline, about which `passivity.calculus.given` says more.
     assume : iterable of str
         ``R > 0``, ``0 < k < 1``, ``k real`` of parameters; ``Z2 positive real``, ``H bounded real`` of any functions.

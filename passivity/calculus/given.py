@@ -11,8 +11,8 @@ from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Kind
 
 _EXPECTED = (
-    "text, a number, (numerator, denominator), (A, B, C, D), a system of scipy.signal or python-control, a network of "
-    "scikit-rf, samples, or a line or scene of tline"
+    "text, a number, (numerator, denominator), (A, B, C, D), (E, A, B, C, D), a system of scipy.signal or "
+    "python-control, a network of scikit-rf, samples, or a line or scene of tline"
 )
 
 
@@ -62,8 +62,8 @@ def given(what: Any, kind: Kind) -> Any:
         parts = [part.tolist() if hasattr(part, "tolist") else part for part in what]
         if len(parts) == 2 and all(isinstance(part, Sequence) and not isinstance(part, str) for part in parts):
             return RationalFunction.from_coefficients(*parts)
-        if len(parts) == 4:
-            return StateSpace.from_entries(*parts)
+        if len(parts) in (4, 5):
+            return (StateSpace.from_entries if len(parts) == 4 else StateSpace.from_descriptor)(*parts)
     elif any(hasattr(what, name) for name in ("A", "num", "zeros")):
         network = from_system(what)
         return network.rows[0][0] if isinstance(network, RationalMatrix) and network.size == 1 else network

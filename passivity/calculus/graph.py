@@ -17,7 +17,8 @@ from passivity.verifier import Graph as Nodes
 Value: TypeAlias = tuple[Fraction, int]
 
 ZERO: Value = (Fraction(0), 0)
-UNIT: Value = (Fraction(1), 0)
+ONE = Fraction(1)
+UNIT: Value = (ONE, 0)
 
 
 class Graph(Nodes):
@@ -39,6 +40,7 @@ class Graph(Nodes):
     def __init__(self, names: dict[str, Fact] | None = None):
         super().__init__(dict(names or {}))
         self._number: dict[tuple, int] = {("one", ()): 0}
+        self._products: dict[tuple, Value] = {}
         self.moves, self.is_rational = [False], [True]  # whether s or an opaque function occurs; nothing but s does
         self._fractions: tuple[Iterable[int], dict[int, Any]] = [], {}  # known quotients, for the nodes that were cut
         self.marks: list[int] = []  # nodes to be proved one after the other: the ends of a chain
@@ -66,22 +68,24 @@ class Graph(Nodes):
     @property
     def s(self) -> Value:
         """The Laplace variable."""
-        return Fraction(1), self.node("s", ())
+        return ONE, self.node("s", ())
 
     def name(self, name: str) -> Value:
         """A parameter or an opaque function of `names`."""
-        return Fraction(1), self.node("name", (name,))
+        return ONE, self.node("name", (name,))
 
     def scaled(self, value: Value, c: Fraction | int) -> Value:
         """A multiple."""
-        return _checked(value[0] * c), value[1] if c else 0
+        return (_checked(value[0] * c), value[1] if c else 0) if c != 1 else value
 
     def sum(self, values: Iterable[Value]) -> Value:
         """The sum of some values."""
         terms: dict[int, Fraction] = {}
         for c, n in values:
             kind, parts = self.nodes[n]
-            for x, m in ((c * x, m) for x, m in parts) if kind == "sum" else ((c, n),):
+            if kind != "sum":
+                parts = ((ONE, n),)
+            for x, m in parts if c == 1 else ((c * x, m) for x, m in parts):
                 terms[m] = terms[m] + x if m in terms else x
         terms = {n: _checked(c) for n, c in terms.items() if c}
         if len(terms) < 2:
@@ -94,7 +98,7 @@ class Graph(Nodes):
         order = sorted(terms)
         first = terms[order[0]]
         if first == 1:
-            return UNIT[0], self.node("sum", tuple((terms[n], n) for n in order))
+            return ONE, self.node("sum", tuple((terms[n], n) for n in order))
         return first, self.node("sum", tuple((terms[n] / first, n) for n in order))
 
     def _common(self, nodes: list[int]) -> dict[int, int]:
@@ -115,18 +119,24 @@ class Graph(Nodes):
         ExpressionError
             For a division by zero.
         """
+        key = tuple(values), tuple(exponents or ())
+        if key not in self._products:
+            self._products[key] = self._powered(*key)
+        return self._products[key]
+
+    def _powered(self, values: tuple[Value, ...], exponents: tuple[int, ...]) -> Value:
         powers: dict[int, int] = {}
-        c = Fraction(1)
+        c = ONE
         for (x, n), e in zip(values, exponents, strict=True) if exponents else ((value, 1) for value in values):
-            if x != 1:
+            if x is not ONE and x != 1:
                 if not x and e < 0:
                     raise ExpressionError("", "division by zero", "a denominator that is not zero everywhere")
                 check_size(0, bits_of(x) * abs(e))
-                c = _checked(c * x**e)
+                c = _checked(c * (x if e == 1 else x**e))
             for b, k in self.powers(n).items():
                 powers[b] = powers.get(b, 0) + k * e
         factor, n = self._product(powers, {}) if c else ZERO
-        return (c, n) if factor == 1 else (_checked(c * factor), n)
+        return (c, n) if factor is ONE or factor == 1 else (_checked(c * factor), n)
 
     def _product(self, powers: dict[int, int], more: dict[int, int]) -> Value:
         """A product in its one form: one exponential, roots of squares taken."""
@@ -153,8 +163,8 @@ class Graph(Nodes):
         if folded:
             return self.product([self._product(kept, {}), *(v for v, _ in folded)], [1, *(e for _, e in folded)])
         if len(kept) == 1 and next(iter(kept.values())) == 1:
-            return Fraction(1), next(iter(kept))
-        return Fraction(1), self.node("mul", tuple(sorted(kept.items()))) if kept else 0
+            return ONE, next(iter(kept))
+        return ONE, self.node("mul", tuple(sorted(kept.items()))) if kept else 0
 
     def opposite(self, n: int) -> int | None:
         """The number of 1 over a node, None if it is not there yet."""
@@ -203,7 +213,7 @@ class Graph(Nodes):
         """Input impedance of a line: characteristic impedance, propagation times length (T s if lossless), load."""
         if not propagation[0]:
             return load
-        found = Fraction(1), self.node("line", (z0, propagation, load))
+        found = ONE, self.node("line", (z0, propagation, load))
         self.mark(found)
         return found
 
@@ -213,7 +223,7 @@ class Graph(Nodes):
             self._fractions = cut, {}
         known = self._fractions[1]
         if n not in known:
-            known[n] = super().fraction(UNIT[0], n, cut)
+            known[n] = super().fraction(ONE, n, cut)
         top, bottom = known[n]
         return top if c == 1 else {key: x * c for key, x in top.items() if c}, bottom
 

@@ -28,15 +28,7 @@ _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
 def rational_facts(graph: Graph, n: int, sharp: bool = True) -> Iterator[tuple[Fact, dict[str, Any]]]:
-    """Facts, the sharpest discs where found and wanted, each with the data that the rule `rational` asks for.
-
-    Examples
-    --------
-    >>> graph = Graph()
-    >>> n = graph.inverse(graph.sum([graph.s, (Fraction(1), 0)]))[1]
-    >>> [tuple(map(str, fact)) for fact, _ in rational_facts(graph, n)][:2]
-    [('disc', '0', '1'), ('disc', '0', 'inf')]
-    """
+    """Facts, the sharpest discs where found and wanted, each with the data that the rule `rational` asks for."""
     try:
         r = function_of(graph, n)
     except ExpressionError:  # its degree is too high, or its numbers are too long
@@ -67,15 +59,7 @@ def _combined(kind: str, parts: tuple, known: dict[int, RationalFunction]) -> Ra
 
 
 class Waves:
-    """Nodes that are rational in y = exp(-unit s) and constant otherwise, as lines of commensurate delays are.
-
-    Examples
-    --------
-    >>> graph = Graph()
-    >>> n = graph.function("tanh", graph.scaled(graph.s, 3))[1]
-    >>> [(fact, data["p"], data["unit"]) for fact, data in Waves(graph).facts(n)][:1]
-    [(('disc', Fraction(0, 1), inf), ['0', '1'], '6')]
-    """
+    """Nodes that are rational in y = exp(-unit s) and constant otherwise, as lines of commensurate delays are."""
 
     def __init__(self, graph: Graph):
         self.graph, self.known = graph, {0: RationalFunction.constant(Fraction(1))}

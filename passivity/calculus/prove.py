@@ -43,17 +43,7 @@ Task: TypeAlias = Iterator[int]  # asks for facts about nodes, which are there w
 
 
 class Prover:
-    """What is known about each node so far.
-
-    Examples
-    --------
-    >>> from passivity.calculus.fact import BOUNDED_REAL
-    >>> graph = Graph({"Z2": POSITIVE_REAL})
-    >>> z = graph.line((Fraction(50), 0), graph.scaled(graph.s, 3), graph.name("Z2"))
-    >>> prover = Prover(graph)
-    >>> prover.reach(z, POSITIVE_REAL) is not None, prover.reach(z, BOUNDED_REAL)
-    (True, None)
-    """
+    """What is known about each node so far."""
 
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []

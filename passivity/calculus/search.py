@@ -11,7 +11,7 @@ from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
 from passivity.calculus.rewrite import Line
-from passivity.calculus.values import Array, in_ball, in_floats, needed
+from passivity.calculus.values import Array, in_ball, in_balls, in_floats, needed
 from passivity.calculus.witness import Question, Witness
 from passivity.expression.number import double
 
@@ -24,7 +24,7 @@ _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _NEWTON = 16  # steps of Newton's method to poles
-_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 12  # of loads, of places where they are -z0, of steps to where that shows
+_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 10  # of loads, of places where they are -z0, of steps to where that shows
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
 _BITS, _LENGTHS = (160, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
@@ -73,17 +73,7 @@ def _size(term: _Term, names: Mapping[str, float]) -> float:
 
 
 class Search:
-    """The search with given values of the names.
-
-    Examples
-    --------
-    >>> from passivity.calculus.fact import POSITIVE_REAL
-    >>> from passivity.calculus.graph import Graph
-    >>> graph = Graph()
-    >>> z = graph.sum([graph.s, (Fraction(-1), 0)])
-    >>> Search(Question(graph, z, POSITIVE_REAL, "s - 1", {}), {}).glance().re < 1
-    True
-    """
+    """The search with given values of the names."""
 
     def __init__(self, question: Question, names: Mapping[str, Fraction], scales: "Scales | None" = None):
         self.question, self.names, self.scales = question, dict(names), scales or Scales(question)
@@ -134,15 +124,17 @@ class Search:
             n: b for n, *_ in lines for b in graph.powers(n) if b in order and graph.nodes[b][0] in ("sum", "line")
         }
         lines = [each for each in lines if each[0] in parts]
-        for places in (self._spread(), self._ladder()) if lines else ():
-            for k, (n, sign, line) in enumerate(lines):
+        starts = (self._spread(), self._ladder()) if lines else ()
+        ways = [(first, bits, places) for bits in _BITS for first in range(_LINES) for places in starts]
+        for first, bits, places in ways:
+            for k, (n, sign, line) in enumerate(lines[first:], first):
                 places = self._zeros(graph.sum([line[2], line[0]]), places)
                 if not len(places):
                     break
                 for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
-                    for place in self._aimed(n, parts[n], sign, line, root):
-                        if found := self.rounded(place):
-                            return found
+                    place = self._aimed(n, parts[n], sign, line, root, bits)
+                    if place is not None and (found := self.rounded(place)):
+                        return found
         return None
 
     def _spread(self) -> Array:
@@ -178,8 +170,8 @@ class Search:
                 found.append(complex(root))
         return np.array(found[:_KEPT])
 
-    def _aimed(self, n: int, part: int, sign: int, line: Line, root: complex) -> Iterator[acb]:
-        """Where, near a point, the load of a line is such that the whole fails, by secants in balls of some precisions.
+    def _aimed(self, n: int, part: int, sign: int, line: Line, root: complex, bits: int) -> acb | None:
+        """Where, near a point, the load of a line is such that the whole fails, by secants in balls.
 
         The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line times a sign is node n, and
         a part of n, which the whole is made of, tells of its value.
@@ -189,22 +181,19 @@ class Search:
         rest = graph.product([(Fraction(sign), n), (Fraction(1), part)], [1, -e])
 
         def excess(s: acb) -> acb:
-            z0, through, load = (in_ball(graph, part, s, self.names) for part in line)
+            z0, through, load, over = in_balls(graph, (*line, rest), s, self.names)
             wave = through.tanh()
             v1, v2, v3 = z0, 2 * z0, z0 * acb(0, 1)
-            over = in_ball(graph, rest, s, self.names)
             seen = [z0 * (v + z0 * wave) / (z0 + v * wave) / over for v in (v1, v2, v3)]
             w1, w2, w3 = (in_ball(graph, value, s, self.names, {part: w**e}) for w in seen)
             goal = acb(2) if self.question.bounded else -w1
             ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
             return load - (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
 
-        for bits in _BITS:
-            spend(_AIMS * len(self.scales.order) * (3_000 + 10 * bits), "a pole")
-            with ctx.workprec(bits):
-                place = _zero(excess, acb(root.real, root.imag))
-            if place is not None and place.real > 0:
-                yield place
+        spend(_AIMS * len(self.scales.order) * (3_000 + 10 * bits), "a pole")
+        with ctx.workprec(bits):
+            place = _zero(excess, acb(root.real, root.imag))
+        return place if place is not None and place.real > 0 else None
 
     def beside(self, w: float) -> Witness | None:
         """A witness near a frequency on the axis."""

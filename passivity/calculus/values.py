@@ -1,6 +1,6 @@
 """Values of the nodes of a graph: in balls, or in floats at an array of points."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -35,16 +35,17 @@ def in_ball(
     """A ball with the values at all points of a ball, constants for the names; not finite where it may hold a pole.
 
     Nodes that are known have the values given.
-
-    Examples
-    --------
-    >>> graph = Graph()
-    >>> in_ball(graph, graph.function("sqrt", graph.scaled(graph.s, 4)), acb(1))
-    2.00000000000000
     """
+    return in_balls(graph, [value], s, names, known)[0]
+
+
+def in_balls(
+    graph: Graph, values: Sequence[Value], s: acb, names: Names | None = None, known: Mapping[int, acb] | None = None
+) -> list[acb]:
+    """Balls with several values, what these have in common evaluated once."""
     numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
     at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
-    return at.value(value, needed(graph, value[1], known=known or ()), known)
+    return at.values(values, needed(graph, *(n for _, n in values), known=known or ()), known)
 
 
 def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Names | None = None) -> acb:
@@ -70,7 +71,7 @@ def in_floats(
     spend((1 + len(order)) * (10_000 + 20 * s.size), "a search for a counterexample")
     with np.errstate(all="ignore"):
         at = _Evaluation(graph, names, s, np.ones_like(s), lambda name, x: getattr(np, name)(x), double)
-        return at.value(value, order) * np.ones_like(s)
+        return at.values([value], order)[0] * np.ones_like(s)
 
 
 class _Evaluation:
@@ -79,12 +80,12 @@ class _Evaluation:
     def __init__(self, graph: Graph, names: Mapping[str, Any], s: Any, one: Any, function: Callable, exact: Callable):
         self.graph, self.names, self.s, self.one, self.function, self.exact = graph, names, s, one, function, exact
 
-    def value(self, value: Value, order: list[int], known: Mapping[int, Any] | None = None) -> Any:
-        """A value, the nodes that it needs one after the other."""
+    def values(self, values: Sequence[Value], order: list[int], known: Mapping[int, Any] | None = None) -> list[Any]:
+        """Some values, the nodes that they need one after the other."""
         at: dict[int, Any] = {0: self.one, **(known or {})}
         for n in order:
             at[n] = self._node(n, at)
-        return at[value[1]] * self.exact(value[0])
+        return [at[n] * self.exact(c) for c, n in values]
 
     def _node(self, n: int, at: dict[int, Any]) -> Any:
         kind, parts = self.graph.nodes[n]

@@ -27,6 +27,7 @@ PROVED = {
     "control's transfer function": control.tf([1], [1, 1]),
     "control's states": control.ss([[-1]], [[1]], [[1]], [[0]]),
     "matrices": ([[-1]], [[1]], [[1]], [[0]]),
+    "descriptor system": ([[2, 0], [0, 0]], [[0, 1], [1, 3]], [[1], [0]], [[1, 0]], [[0]]),
     "line": ElectricalLine(z0="50 ohm", delay="5 ns"),
 }
 

@@ -195,6 +195,15 @@ def test_claims_about_another_function_are_not_verified(rule, kind, text):
     assert not verify_proof(forged)
 
 
+def test_two_nodes_of_s_are_not_taken_for_one():
+    """Their difference is 0 and not -s, their product is no positive real s."""
+    for node, n in ((["sum", ["-1", 1], ["1", 2]], 3), (["mul", [1, 1], [2, 1]], 3)):
+        one = {"fact": ["disc", "0", "inf"], "p": ["0", "1"], "q": ["1"], "factors": [[["0"], 1]], "breaks": []}
+        forged = {"format": "passivity proof 1", "names": {}, "root": ["1", n], "claim": ["disc", "0", "inf"]}
+        forged |= {"nodes": [["one"], ["s"], ["s"], node], "steps": [[n, one["fact"], "rational", [], one]]}
+        assert check(forged) == "step 0, rule 'rational': not rational in s"
+
+
 def test_an_exponential_is_not_rational_in_s():
     """Exponentials are numbered from the end: that of node 1 as the node before the last, which is s here."""
     one = {"fact": ["disc", "0", "inf"], "p": ["0", "1"], "q": ["1"], "factors": [[["0"], 1]], "breaks": []}
