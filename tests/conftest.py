@@ -12,7 +12,7 @@ import sys
 
 from hypothesis import settings
 
-settings.register_profile("repeat", derandomize=True)
+settings.register_profile("repeat", derandomize=True, max_examples=50)
 settings.register_profile("explore")
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeat"))
 
