@@ -34,7 +34,7 @@ def line_of(name: str) -> tuple[LossyLine, float, float]:
     return line, float(np.sqrt(inductance / capacitance)), LENGTH * float(np.sqrt(inductance * capacitance))
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=15)
 @given(
     name=some.sampled_from(sorted(LINES)),
     s=some.integers(1, 8),

@@ -55,7 +55,7 @@ def scenes(draw, losses):
     }  # fmt: skip
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(table=scenes(st.booleans()), order=st.integers(1, 8), slabs=st.floats(1.0, 5.0), seed=st.integers(0, 2**32 - 1))
 def test_stored_energy_never_grows(table, order, slabs, seed):
     whole = Scene(**table)
@@ -76,7 +76,7 @@ def test_stored_energy_never_grows(table, order, slabs, seed):
     assert last < start
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(table=scenes(st.just(False)))
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 def test_turned_round_they_are_mirrored(table):

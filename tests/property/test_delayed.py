@@ -65,7 +65,7 @@ def excess(kind, found):
     return -found.real if kind is Kind.PR else abs(found) - 1
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(impedances)
 def test_networks_are_proved(text):
     verdict = check_expression(text, Kind.PR)
@@ -73,7 +73,7 @@ def test_networks_are_proved(text):
     assert verdict.rational is not None or verify_proof(verdict.proof)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(wild, st.sampled_from(Kind))
 def test_verdicts_agree_with_values(text, kind):
     verdict = check_expression(text, kind)
@@ -90,7 +90,7 @@ def test_verdicts_agree_with_values(text, kind):
             assert excess(kind, found) > 0 or (s.imag == 0 and found.imag != 0)
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(loads, positive, positive)
 def test_lines_with_loads_in_four_writings(load, z0, delay):
     """Input impedance of a lossless line, by tanh, by cosh and sinh, by reflections, and their reflection."""
@@ -105,7 +105,7 @@ def test_lines_with_loads_in_four_writings(load, z0, delay):
     assert check_expression(f"({z} - {z0})/({z} + {z0})", Kind.BR).status is Status.PROVED
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(positive, positive, positive, positive, loads, positive)
 def test_lossy_lines_with_loads(r, x, g, c, load, length):
     a, b = f"sqrt(({r} + {x}*s)/({g} + {c}*s))", f"{length}*sqrt(({r} + {x}*s)*({g} + {c}*s))"
@@ -114,7 +114,7 @@ def test_lossy_lines_with_loads(r, x, g, c, load, length):
     assert verify_proof(verdict.proof)
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(st.integers(-300, 300), st.fractions(Fraction(1, 20), 50, max_denominator=20), st.integers(-9, 9))
 def test_scales_do_not_matter(k, delay, decade):
     """H2 = k/100/(1 + s) through a line: passive for |k| <= 100, in whatever unit of time."""

@@ -38,7 +38,7 @@ def test_nothing_grows(seed):
         assert all(z.real < 0 for z in found[:-1])
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(mechanisms)
 def test_nothing_grows_without_friction_either(drives):
     found = drives.state_space().poles
@@ -46,7 +46,7 @@ def test_nothing_grows_without_friction_either(drives):
     assert max(z.real for z in found) == 0
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(mechanisms, torques, torques, st.sampled_from([1e-6, 1e-3, 0.1, 1.0]))
 def test_energy_is_in_balance(drives, T1, T2, step):
     start = dict.fromkeys(drives.states[1:], 0.5)
@@ -59,7 +59,7 @@ def test_energy_is_in_balance(drives, T1, T2, step):
     assert (np.diff(energy.dissipated) >= 0).all()
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(mechanisms)
 def test_power_balances_exactly(drives):
     # d/dt x'Hx = supplied - heat as polynomials in states and torques: nothing is left to rounding
@@ -71,7 +71,7 @@ def test_power_balances_exactly(drives):
     assert half + half.transpose() == work - heat
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(mechanisms)
 def test_ports_from_torque_to_speed_are_passive(drives):
     # power enters as (-T1) w1 + T2 w2
@@ -91,7 +91,7 @@ def test_ports_from_torque_to_speed_are_passive(drives):
     assert verify(single.certificate)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(mechanisms)
 def test_reciprocal_and_alike_from_both_ends(drives):
     there, back = drives.transfer("w2", "T1"), drives.transfer("w1", "T2")
@@ -102,7 +102,7 @@ def test_reciprocal_and_alike_from_both_ends(drives):
         assert (one.p, one.q) == (other.p, other.q)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(mechanisms, st.floats(-3, 3))
 def test_values_and_phase_agree(drives, exponent):
     h, w = drives.transfer("w1", "T1"), 10.0**exponent

@@ -34,7 +34,7 @@ def run(assembly: Assembly, kernel: Kernel, first: int, slabs: int) -> None:
         assert kernel.blocks(high - low, np.zeros((0, 0)), np.zeros((0, 2, 0)), 0) == -1
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.02, 0.49))
 def test_stored_energy_never_grows(seed, order, slab):
     scene = random_scene(seed, solver={"order": order, "slab": slab})
@@ -49,7 +49,7 @@ def test_stored_energy_never_grows(seed, order, slab):
         last = energy
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.02, 0.49), lumped=st.integers(1, 4),
     sections=st.integers(1, 3),
@@ -69,7 +69,7 @@ def test_stored_energy_never_grows_in_lumped_lines(seed, order, slab, lumped, se
     assert last < start
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.05, 0.49),
     settle=st.sampled_from([None, 0.02]),

@@ -51,7 +51,7 @@ def windowed_as_whole(scene, chosen, window):
             assert np.abs(probe.at(np.clip(at, 0.0, probe.t[-1])).u - level).min() <= 10 * close
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(seed=SEEDS, order=st.integers(1, 5), slab=st.floats(0.05, 0.45), window=st.integers(1, 400))
 @example(seed=3, order=3, slab=0.1, window=7)
 def test_window_by_window_as_from_the_whole(seed, order, slab, window):

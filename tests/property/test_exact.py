@@ -14,7 +14,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.Unresolve
 TOL = 1e-7
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_effort_and_flow_are_within_the_tolerance(seed):
     scene = random_scene(seed, lines=3, sources=True, switches=False)

@@ -54,7 +54,7 @@ def mirrored(bench):
 
 
 @given(karnopps(), benches)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 def test_static_laws_account_for_all_energy_and_only_take_it(model, bench):
     run = simulate(model, bench, 4.0, times=TIMES)
     assert run.status is Status.DONE
@@ -67,7 +67,7 @@ def test_static_laws_account_for_all_energy_and_only_take_it(model, bench):
 
 
 @given(lugres(), benches)
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_lugre_accounts_for_all_energy(model, bench):
     run = simulate(model, bench, 4.0, times=TIMES)
     assert run.status is Status.DONE
@@ -78,14 +78,14 @@ def test_lugre_accounts_for_all_energy(model, bench):
 
 
 @given(karnopps(), benches)
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 def test_left_is_like_right(model, bench):
     run, mirror = simulate(model, bench, 4.0, times=TIMES), simulate(model, mirrored(bench), 4.0, times=TIMES)
     np.testing.assert_allclose(mirror.v, -run.v, atol=1e-9)
 
 
 @given(numbers(0.25, 2), forces, st.sampled_from([2.0, 8.0, 0.25]))
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=7, deadline=None)
 def test_forces_and_mass_scale_together(F_c, force, scale):
     """Powers of two change no digits."""
     if isinstance(force, Ramp):
@@ -100,7 +100,7 @@ def test_forces_and_mass_scale_together(F_c, force, scale):
 
 
 @given(karnopps(), benches)
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 def test_moreau_follows_the_events(model, bench):
     exact = simulate(model, bench, 2.0, times=[2.0])
     rough = simulate(model, bench, 2.0, "moreau", h=1e-5)

@@ -87,7 +87,7 @@ def test_a_force_that_touches_friction_breaks_away_or_not_but_goes_on(amplitude)
 
 
 @given(st.integers(0, 10_000), st.sampled_from(SMOOTH))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 def test_events_of_smooth_laws_come_from_the_integrator(seed, model):
     rng = np.random.default_rng(seed)
     bench = Testbench(Sine(rng.uniform(1.5, 3.0), rng.uniform(0.5, 5.0)), rng.uniform(0.5, 2.0))

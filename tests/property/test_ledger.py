@@ -38,7 +38,7 @@ def adds_up(ledger: Ledger) -> None:
             assert entry.unaccounted >= -close
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.05, 0.45), jumps=st.booleans(),
     start=st.sampled_from(["rest", "steady"]),

@@ -49,7 +49,7 @@ SHUNT = st.one_of(
 ANGLE = st.floats(0, 0.99 * math.pi)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(law=SERIES | SHUNT, low=decades(-2, 7), span=decades(0.3, 5), tolerance=decades(-6, -1))
 def test_every_realisation_is_proved_positive_real_and_within_its_tolerance(law, low, span, tolerance):
     found = realise(law, (low, low * span), tolerance)
@@ -61,7 +61,7 @@ def test_every_realisation_is_proved_positive_real_and_within_its_tolerance(law,
     assert verify(found.verdict.certificate)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(law=SERIES | SHUNT, size=decades(-3, 11), angle=ANGLE)
 def test_the_angle_of_a_law_is_between_zero_and_that_of_s(law, size, angle):
     s = size * np.exp(1j * angle)
@@ -69,7 +69,7 @@ def test_the_angle_of_a_law_is_between_zero_and_that_of_s(law, size, angle):
     assert abs(law.at(s.conjugate()) - law.at(s).conjugate()) <= 1e-12 * abs(law.at(s))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(series=SERIES, shunt=SHUNT, size=decades(-1, 6), angle=st.floats(0, math.pi / 2), share=st.floats(0.1, 0.9))
 def test_a_line_is_reciprocal_and_its_parts_make_the_whole(series, shunt, size, angle, share):
     s = size * np.exp(1j * angle)
@@ -81,7 +81,7 @@ def test_a_line_is_reciprocal_and_its_parts_make_the_whole(series, shunt, size, 
     assert (np.abs(one @ other - whole) < 1e-12 * largest).all()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(series=SERIES, shunt=SHUNT, size=decades(-1, 8), angle=st.floats(0, math.pi / 2), load=decades(-3, 6))
 def test_a_passive_load_is_seen_as_a_passive_impedance(series, shunt, size, angle, load):
     s = size * np.exp(1j * angle)
@@ -90,7 +90,7 @@ def test_a_passive_load_is_seen_as_a_passive_impedance(series, shunt, size, angl
     assert z.real >= -1e-12 * abs(z)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(
     terms=st.lists(st.tuples(decades(-1, 1), decades(4, 7)), max_size=5), loss=decades(-1, 1), storage=decades(-7, -5)
 )

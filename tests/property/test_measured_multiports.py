@@ -27,7 +27,7 @@ def random_samples(seed: int, ports: int, pairs: int) -> SampledResponse:
     return SampledResponse(f, S / np.linalg.norm(S, 2, axis=(1, 2)).max(), "S")
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), ports=st.integers(2, 3), pairs=st.integers(1, 3))
 def test_changed_models_are_passive(seed, ports, pairs):
     """What is not passive between or beyond the samples is changed until it is, and no further."""
@@ -55,7 +55,7 @@ def block(which: int) -> tuple[MeasuredMultiport, TemporaryDirectory]:
     return MeasuredMultiport(**given), folder
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(which=st.integers(0, 4), seed=st.integers(0, 2**32 - 1), order=st.integers(1, 8), slab=st.floats(0.02, 0.69))
 def test_energy_never_grows_beside_a_measured_multiport(which, seed, order, slab):
     """Lines without common measure, open at their other ends; the block is at rest at first."""

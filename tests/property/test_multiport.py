@@ -23,7 +23,7 @@ ZERO = RationalFunction.constant(Fraction(0))
 
 values = st.fractions(Fraction(1, 9), 9, max_denominator=9)
 whole = st.integers(-3, 3)
-few = settings(max_examples=30, deadline=None)
+few = settings(max_examples=15, deadline=None)
 
 
 @st.composite

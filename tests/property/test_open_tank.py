@@ -9,7 +9,7 @@ from tline.scene.scene import Scene
 AT_ONCE = 2e-14  # of the energy at the start, in one slab: roundings
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
     order=st.integers(1, 7),

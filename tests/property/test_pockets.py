@@ -19,7 +19,7 @@ CHECK = {"kind": "check valve"}
 
 
 @given(seed=st.integers(0, 2**32 - 1), order=st.integers(1, 3))
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 def test_nothing_operated_nothing_moves(seed, order):
     envelope = simulate(random_pockets(seed, solver={"order": order}), envelope=True, ledger=False).envelope

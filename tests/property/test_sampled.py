@@ -82,7 +82,7 @@ def test_the_order_of_ports_does_not_matter(response):
     assert np.isclose(one.worst_value, other.worst_value, rtol=1e-9, atol=1e-12)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(models())
 def test_enforcement_ends_in_a_proof(model):
     result = enforce(model, SampledResponse(W / (2 * np.pi), model.at(W), model.parameter))
@@ -99,7 +99,7 @@ def test_enforcement_ends_in_a_proof(model):
     assert again.rounds == 0
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.sampled_from("ZYS"), st.integers(0, 8))
 def test_a_fit_to_anything_is_stable_and_can_be_made_passive(seed, parameter, order):
     rng = np.random.default_rng(seed)

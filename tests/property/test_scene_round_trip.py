@@ -211,7 +211,7 @@ def typed(value):
     return [typed(one) for one in value] if isinstance(value, list) else (type(value).__name__, value)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(data=scenes())
 def test_file_to_scene_to_file_is_the_identity(data, folder, validator):
     validator.validate(data)
@@ -237,7 +237,7 @@ LINKS = {
 }  # fmt: skip
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(data=scenes())
 def test_objects_to_text_to_objects_is_the_identity(data, folder):
     parts = copy.deepcopy(data)

@@ -34,7 +34,7 @@ def scene(load, value=1.0):
     )
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(
     kind=st.sampled_from(["series", "parallel"]),
     given_=st.sets(st.sampled_from(ELEMENTS), min_size=1),

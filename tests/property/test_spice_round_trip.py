@@ -89,7 +89,7 @@ def scenes(draw):
     }  # fmt: skip
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(table=scenes())
 @pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 def test_scene_to_netlist_to_scene_gives_the_same_transient(table):

@@ -31,7 +31,7 @@ def beside(scene: Scene) -> Scene:
 
 @pytest.mark.parametrize("network", [random_pockets, lambda seed: random_elements(seed, driven=True)])
 @given(seed=st.integers(0, 2**32 - 1))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_both_ways_of_balance_agree(network, seed):
     scene = network(seed)
     alone, both = above_level(describe(scene)), above_level(describe(beside(scene)))

@@ -34,7 +34,7 @@ def system_of(model):
     return StateSpace.from_entries(*(x.tolist() for x in model.realised()))
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), ports=st.integers(1, 3), pairs=st.integers(1, 3), size=st.floats(0.3, 1.1))
 def test_what_is_proved_is_passive(seed, ports, pairs, size):
     model = random_model(seed, ports, pairs, size)

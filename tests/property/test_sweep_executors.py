@@ -46,17 +46,14 @@ def test_on_executors(here, executor):
         same(here, tl.sweep(CABLE, Z0, keep=["extremes", last], tol=1e-4, executor=executor))
 
 
-def test_on_processes(here):
-    same(here, tl.sweep(CABLE, Z0, keep=["extremes", last], tol=1e-4, workers=2))
-
-
 def test_on_processes_of_which_one_is_killed(here, tmp_path, monkeypatch):
     monkeypatch.setenv(FLAG, str(tmp_path / "killed"))
     (tmp_path / "killed").touch()  # not in this process, where the first run is made
-    first = tl.sweep(CABLE, Z0, keep=kills_once, tol=1e-4, workers=1)
+    keep = ["extremes", kills_once]
+    first = tl.sweep(CABLE, Z0, keep=keep, tol=1e-4, workers=1)
     np.testing.assert_array_equal(first["kills_once"], here["last"])
     monkeypatch.setattr("tline.sweeps.work.run_batch", _after(tmp_path / "killed"))
-    found = tl.sweep(CABLE, Z0, keep=kills_once, tol=1e-4, workers=2)
+    found = tl.sweep(CABLE, Z0, keep=keep, tol=1e-4, workers=2)
     assert (tmp_path / "killed").exists()
     same(first, found)
 

@@ -30,7 +30,7 @@ def values_of(six):
 
 
 @given(st.lists(zeros_too, min_size=6, max_size=6).filter(any))
-@settings(max_examples=120)
+@settings(max_examples=60)
 def test_the_biquadratic_condition_agrees_with_the_exact_test(six):
     assert NONNEGATIVE.holds(values_of(six)) == is_positive_real(six)
 
@@ -114,7 +114,7 @@ def impedance(ladder, values, s):
 
 
 @given(ladders(), st.randoms(use_true_random=False))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_ladders_with_names_are_proved_by_structure(ladder, random):
     names = [name for _, section in ladder for name in section]
     verdict = check_symbolic(text_of(ladder), Kind.PR, [f"{name} > 0" for name in names])
@@ -128,7 +128,7 @@ def test_ladders_with_names_are_proved_by_structure(ladder, random):
 
 
 @given(ladders(), st.integers(0, 99))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_ladders_with_one_negative_element_are_refuted(ladder, which):
     names = [name for _, section in ladder for name in section]
     negative = names[which % len(names)]
@@ -152,7 +152,7 @@ numbers = st.fractions(-3, 3, max_denominator=4)
 
 
 @given(expressions, st.sampled_from(Kind), st.data())
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_no_verdict_on_any_expression_is_against_the_exact_test(text, kind, data):
     assumptions = {x: data.draw(st.sampled_from(ASSUMPTIONS[x])) for x in "abc" if x in text}
     try:
@@ -181,7 +181,7 @@ points = st.fractions(-4, 4, max_denominator=6)
     st.dictionaries(st.tuples(*[st.integers(0, 2)] * 5), st.integers(-4, 6), min_size=1, max_size=5),
     st.lists(points, min_size=5, max_size=5),
 )
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_no_sign_is_overlooked(terms, point):
     f: fmpz_mpoly = DOMAIN.context.from_dict({(0, 0, *powers): c for powers, c in terms.items()})
     if all(x in r for x, r in zip(point, DOMAIN.ranges, strict=True)):

@@ -42,7 +42,7 @@ def changed(scene: Scene, **sections) -> Scene:
     return Scene(**{**scene.table(), **sections})
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=SEEDS)
 def test_reversing_lines(seed):
     scene = random_scene(seed, sources=True, solver=SOLVER)
@@ -50,7 +50,7 @@ def test_reversing_lines(seed):
     assert apart(scene, changed(scene, lines=turned)) < SAME
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=SEEDS)
 def test_permuting_elements(seed):
     scene = random_scene(seed, sources=True, solver=SOLVER)
@@ -63,7 +63,7 @@ def test_permuting_elements(seed):
     assert apart(scene, changed(scene, lines=shuffled("lines"), loads=shuffled("loads"))) < SAME
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=SEEDS, share=st.floats(0.2, 0.8))
 def test_splitting_a_line(seed, share):
     """Exact when the parts are whole slabs: a junction of equal lines lets everything pass."""
@@ -80,7 +80,7 @@ def test_splitting_a_line(seed, share):
     assert apart(whole, changed(scene, lines=lines | parts)) < SAME
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=SEEDS, factor=st.floats(1e-9, 1e9))
 def test_rescaling_time(seed, factor):
     """All times, inductances and capacitances by one factor: the same samples."""
@@ -102,7 +102,7 @@ def test_rescaling_time(seed, factor):
     assert apart(scene, changed(scene, **scaled)) < 1e-8  # scaled delays round differently
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.05, 0.45), lumped=LUMPED)
 @example(seed=7, order=6, slab=0.003, lumped={})  # a block of more slabs than one tile holds
 @example(seed=8, order=1, slab=0.0009, lumped={})
@@ -121,7 +121,7 @@ def test_the_kernel_is_its_plain_twin(seed, order, slab, lumped):
     assert np.abs(record[side].mean(axis=0)[order - 1 :: order] - plain).max() < SAME
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.1, 0.45), whole=st.booleans(), lumped=LUMPED)
 def test_the_kernel_with_fronts_is_its_plain_twin(seed, order, slab, whole, lumped):
     """Every front followed from end to end, sources and switches at any instants; or lumped lines."""

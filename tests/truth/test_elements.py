@@ -208,7 +208,7 @@ def in_steps(rhs, send, first: float, start: float, back: float, t_end: float) -
 
         done = solve_ivp(
             lambda s, x, arriving=arriving: rhs(s, x, arriving(s)), (t, t + 2 * DELAY), [x], "DOP853",
-            dense_output=True, rtol=1e-13, atol=1e-15, max_step=DELAY / 100,
+            dense_output=True, rtol=1e-13, atol=1e-15, max_step=DELAY / 40,
         )  # fmt: skip
 
         begin, width = done.t[:-1, None], np.diff(done.t)[:, None]

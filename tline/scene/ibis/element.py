@@ -155,7 +155,8 @@ class Shares(Shape):
         if self._curve is None:
             from scipy.interpolate import PchipInterpolator
 
-            self._curve = PchipInterpolator(self.t, self.level)
+            made: Callable[[NDArray], NDArray] = PchipInterpolator(self.t, self.level)
+            self._curve = made
         return self._curve(np.clip(t + 0.0 * inside, self.t[0], self.t[-1]))
 
     def fastest(self):  # noqa: D102
