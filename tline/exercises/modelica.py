@@ -20,18 +20,7 @@ MODEL = re.compile(r"  (?:partial )?model (\w+).*?  end \1;\n\n?", re.DOTALL)
 def package(
     letter: str, drives: CoupledDrives, made: Design | None = None, speed: float = 0, tension: float = 0
 ) -> str:
-    """The package as far as a letter asks for it.
-
-    Parameters
-    ----------
-    letter : str
-        4b, 4c, 4e, 4f, 4g or 4h.
-    drives : CoupledDrives
-    made : Design, optional
-        Of controllers, for 4h.
-    speed, tension : float
-        Set points for 4h, m/s and N.
-    """
+    """The package as far as a letter asks for it."""
     text = files("tline.exercises").joinpath("coupled_drives.mo").read_text(encoding="utf-8")
     text = MODEL.sub(lambda found: found[0] if found[1] in MODELS[letter] else "", text).replace("\n\nend", "\nend")
     values = {"k": drives.pulley.stiffness, "theta": drives.pulley.angle, "speed": speed, "tension": tension}

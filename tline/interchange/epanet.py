@@ -65,18 +65,11 @@ class FileUnits(NamedTuple):
 
 
 def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
-    """Read an EPANET file and its operating point: the steady flow at an hour after the file's start of time.
+    """Read an EPANET file (2.0 or 2.2) and its operating point: the steady flow at an hour, 0 to 8784, after its start.
 
     Levels of tanks, demand patterns, controls and rules count as they stand then. What is closed then is left out, but
     for check valves and regulating valves, and the notes name it. EPANET works in a process of its own, on a copy of
     the lines that bear on the flow: no file but this one is read, and none is written.
-
-    Parameters
-    ----------
-    path : str or Path
-        An ``.inp`` file of EPANET 2.0 or 2.2.
-    hour : float
-        After the start of time, 0 to 8784.
     """
     if not isinstance(hour, int | float) or not 0 <= hour <= LAST_HOUR:
         raise InputError("hour", "out of range", f"a number from 0 to {LAST_HOUR:g}", shown(hour))

@@ -15,19 +15,7 @@ AMMETER = 1.0  # ohm, by which a current becomes the voltage that stands for it
 
 
 class Netlist:
-    """Lines, links, loads and sources by name, and the card that each is from.
-
-    Parameters
-    ----------
-    found : Findings
-        Where notes go.
-    tran : Transient
-        The run.
-    models : dict of str to Card
-        Models by name in lower case, behind the names of the subcircuits that they are in.
-    folder : Path
-        The only one from which files are read.
-    """
+    """Lines, links, loads and sources by name, and the card that each is from."""
 
     def __init__(self, found: Findings, tran: Transient, models: dict[str, Card], folder: Path):
         self.found, self.tran, self.models, self.folder = found, tran, models, folder

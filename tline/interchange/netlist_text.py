@@ -93,18 +93,7 @@ def diode_cards(element: Diode, name: str, nodes: list[str], names: Names) -> li
 
 
 def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
-    """The cards of a multiport.
-
-    Parameters
-    ----------
-    link : Link
-        A transformer (E and F, with a source of no voltage that measures its current), a gyrator (two G), a
-        controlled source (E and R), coupled inductors (two L and K), or a junction (G for each admittance).
-    name : str
-        Of the link.
-    names : Names
-        Of the netlist.
-    """
+    """Cards of a multiport: E, F and V of a transformer, two G of a gyrator, E and R, L and K, G of a junction."""
     where, nodes = place("links", name), [names.node[at] for at in link.nodes]
     grounded = not isinstance(link, Multiport) or link.is_grounded
     ports = [f"{at} 0" for at in nodes] if grounded else [" ".join(nodes[:2]), " ".join(nodes[2:])]

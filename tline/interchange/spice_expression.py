@@ -174,20 +174,6 @@ class Token(NamedTuple):
 def expression(text: str, parameters: Parameters, signal: Signal | None = None) -> Value:
     """Value of an expression.
 
-    Parameters
-    ----------
-    text : str
-        Numbers, names, + - * / and powers (^ or **), comparisons, conditions (a ? b : c), brackets and functions.
-    parameters : mapping
-        Values by name in lower case.
-    signal : callable, optional
-        What ``v(a,b)`` and ``i(source)`` stand for, which are not known without it.
-
-    Raises
-    ------
-    ValueError
-        Saying what is wrong with it; OverflowError and ZeroDivisionError where it has no value.
-
     Examples
     --------
     >>> expression("2*Z0 + (Z0 > 40 ? sqrt(4) : 0)*1k", {"z0": 50.0})

@@ -33,19 +33,7 @@ def with_first_values(cards: list[Card]) -> list[Card]:
 
 
 def note_steps(cards: list[Card], found: Findings, file: str, tables: Callable[[list[Card]], Tables]) -> None:
-    """Note the command of the sweep that all .step cards ask for together, or that there is none.
-
-    Parameters
-    ----------
-    cards : list of Card
-        Of the whole netlist.
-    found : Findings
-        Where notes go.
-    file : str
-        The scene's, for the command.
-    tables : callable
-        The scene's tables by the cards.
-    """
+    """Note the command of the sweep that all .step cards ask for together, or that there is none."""
     varied = []
     for card in cards:
         if card.name.lower() != STEP:

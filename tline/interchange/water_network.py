@@ -235,15 +235,9 @@ MANNING = 1.49**2 * FOOT ** (2 - 1.333)  # of its formula in m and s: n²·v²/(
 
 
 def friction_of(pipe: Pipe, density: float, viscosity: float) -> dict[str, Any]:
-    """The table of friction of a pipe, which loses the same head at any flow.
+    """The table of friction of a pipe, which loses the same head at any flow; kg/m³ and, kinematic, m²/s.
 
     Where EPANET's constants are not those of the scene, friction acts over a slightly different length.
-
-    Parameters
-    ----------
-    pipe : Pipe
-    density, viscosity : float
-        kg/m³, and kinematic in m²/s.
 
     References
     ----------

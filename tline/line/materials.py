@@ -33,12 +33,7 @@ HYDRAULIC_OIL = Fluid(density=850.0, bulk_modulus=1.4e9)
 
 
 def water(temperature: float = ROOM) -> Fluid:
-    """Liquid water at 0.1 MPa.
-
-    Parameters
-    ----------
-    temperature : float
-        253.15 to 383.15 K; metastable below 273.15 K and above 372.76 K.
+    """Liquid water at 0.1 MPa, 253.15 to 383.15 K; metastable below 273.15 K and above 372.76 K.
 
     References
     ----------
@@ -65,15 +60,7 @@ def water(temperature: float = ROOM) -> Fluid:
 
 
 def fluid(name: str, temperature: float | str | None = None) -> Fluid:
-    """The fluid of that name.
-
-    Parameters
-    ----------
-    name : str
-        ``"water"`` or ``"hydraulic oil"``.
-    temperature : float or str, optional
-        Of water, in K or as ``"20 degC"``, which is also the default.
-    """
+    """The fluid of that name, water at a temperature, K or a text; 20 degC without one."""
     found = choose(FLUIDS, name, "fluid")
     if found is None:
         return water(ROOM if temperature is None else to_si(temperature, "K", "temperature"))

@@ -22,20 +22,7 @@ from tline.words.wording import nearest, shown
 
 
 def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
-    """The element with another number at a path within.
-
-    Parameters
-    ----------
-    element : Element
-        Of a scene, so that its numbers know their units.
-    keys : sequence of str
-        As in a file: ``["opening", "duration"]``.
-    value : number or text
-
-    Returns
-    -------
-    Element or None
-        None where no number stands at the path, or where more than the element itself says whether it is valid.
+    """The element with another number at a path within; None where none stands, or more than it says what is valid.
 
     Examples
     --------
@@ -101,12 +88,6 @@ Found = dict[str, dict[str, Any]]
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """The scene with other values.
-
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of str to anything that a scene file may hold
-        By dotted path: see `Scene.change`.
 
     Examples
     --------

@@ -111,20 +111,8 @@ def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
 
 
 def weight_at(scene: Scene) -> dict[str, float]:
-    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
-    >>> scene = Scene(
-    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
-    ... )
-    >>> weight_at(scene)
-    {'b': 98066.5}
-    """
-    given = (name for name, site in scene.nodes.items() if site.elevation is not None)
-    return {name: scene.heights[name].weight for name in given}
+    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure."""
+    return {name: scene.heights[name].weight for name in _elevations(scene)}
 
 
 def taken_as_zero(scene: Scene) -> list[str]:

@@ -38,16 +38,6 @@ def floating(grounded: Ports) -> Ports:
 
     Each port's effort is that of its first node less that of its second, and its flow leaves at the second.
 
-    Parameters
-    ----------
-    grounded : Ports
-        Of two ports.
-
-    Returns
-    -------
-    Ports
-        Of the four nodes: those of the first port, then those of the second.
-
     Examples
     --------
     >>> wire = floating(_memoryless([[1, -1], [0, 0]], [[0, 0], [1, 1]]))

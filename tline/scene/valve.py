@@ -43,22 +43,10 @@ BUTTERFLIES = ((0.229, 45.0), (0.381, 35.0), (float("inf"), 25.0))  # the same u
 
 
 def shares(kind: str, loss: float) -> tuple[tuple[float, float], ...]:
-    """Share of its capacity that a valve has, over its opening.
+    """Share of its capacity that a valve has, over its opening; both go from 0 to 1.
 
     A valve that loses K open loses K plus what the table adds at an opening; between the points of the table the share
     follows straight lines.
-
-    Parameters
-    ----------
-    kind : str
-        "gate", "globe", "ball" (or plug) or "butterfly"
-    loss : float
-        K, wide open, > 0.
-
-    Returns
-    -------
-    tuple of pair of float
-        Openings from 0 to 1, and shares.
 
     References
     ----------

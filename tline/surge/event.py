@@ -54,16 +54,10 @@ class Event(NamedTuple):
 
 
 def read_event(kind: str, text: str) -> Event:
-    """The event that a text says.
+    """The event that a text says, of a kind of OPERATIONS: name, flow with a unit if it takes one, time, duration.
 
-    Parameters
-    ----------
-    kind : str
-        One of OPERATIONS.
-    text : str
-        Name, flow with a unit if it takes one, and time with a duration, which is none if it is not given. A valve may
-        have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times after
-        the beginning and openings, ``V1@1s:shut.csv``.
+    A valve may have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times
+    after the beginning and openings, ``V1@1s:shut.csv``.
 
     Examples
     --------

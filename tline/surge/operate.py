@@ -42,16 +42,9 @@ def operated(
     inertia: float | str | None = None,
     rated_speed: float | str | None = None,
 ) -> tuple[Scene, list[str]]:
-    """The scene with events, and notes on what was guessed.
+    """The scene with events, none twice for an element but for demands, and notes on what was guessed.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of liquids; it starts in the steady state.
-    events : sequence of Event
-        None of them twice for one element, but for demands.
-    inertia, rated_speed : number or text, optional
-        Of the pumps that trip, kg m² and turns per second, unless the scene has them; else what is usual.
+    Inertia, kg m², and rated speed, 1/s, are those of pumps that trip, unless the scene has them; else what is usual.
     """
     if scene.medium != "hydraulic" or scene.start != "steady":
         got = f"medium = '{scene.medium}', start = '{scene.start}'"

@@ -88,13 +88,7 @@ class Baseline:
         return self.unfit(scene)
 
     def run(self, scene: Scene, n: float) -> BaselineRun:
-        """Run a scene with n steps per shortest delay.
-
-        Raises
-        ------
-        InputError
-            The method cannot do the scene (`incompatibility` says why), or n is too small or too large for it.
-        """
+        """Run a scene with n steps per shortest delay."""
         if why := self.incompatibility(scene):
             raise InputError("", f"{self.label}: {why}")
         if not n >= 2:

@@ -118,14 +118,10 @@ class Stepped:
 
 
 class Judge:
-    """Errors of efforts on a scene.
+    """Errors of efforts on a scene, at random instants, the same for all runs.
 
-    Parameters
-    ----------
-    scene : Scene
-    instants : int
-        How many are drawn at random, the same for all runs. Errors are largest behind fronts: a tenth as many fronts
-        are followed by instants at distances from the shortest delay down to a 2^14th of it.
+    Errors are largest behind fronts: a tenth as many fronts are followed by instants at distances from the shortest
+    delay down to a 2^14th of it.
     """
 
     def __init__(self, scene: Scene, instants: int):

@@ -227,18 +227,8 @@ def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
 class LossySolution:
     """What a probe at an end sees, from rest, to as many digits as asked.
 
-    Parameters
-    ----------
-    scene : Scene
-        One line with linear losses; a voltage or pressure source behind a resistance at one end, of straight pieces; a
-        resistor, or nothing, at the other.
-    probe : str
-        Name of a probe, at one of the ends.
-
-    Raises
-    ------
-    InputError
-        Naming what is not so.
+    Of one line with linear losses, a source of straight pieces behind a resistance at one end, and a resistor, or
+    nothing, at the other.
 
     Examples
     --------
