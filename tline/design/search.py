@@ -42,12 +42,6 @@ def smallest(run: Callable[[float], Trial], first: float, largest: float = float
 
     A bracket by doubling or halving from `first`, then secants on the logarithm of the size, which bisect where they do
     not halve the bracket. Sizes around the one found are run as well: if a larger one fails, the search goes on above.
-
-    Examples
-    --------
-    >>> found = smallest(lambda size: Trial(size, 0, 0, size - 3, 0), 1).found
-    >>> 3 <= found.size <= 3.01
-    True
     """
     tried: dict[float, Trial] = {}
 

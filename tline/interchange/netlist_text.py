@@ -47,13 +47,7 @@ class Names:
 
 
 def as_load(impedance: RationalFunction) -> dict[str, Any]:
-    """A load of that impedance as in a scene file: R, L and C in series or side by side where it is that.
-
-    Examples
-    --------
-    >>> as_load(RationalFunction.from_expression("50/(50*s*C + 1)", {"C": "1 nF"}))
-    {'kind': 'parallel', 'resistance': 50.0, 'capacitance': 1e-09}
-    """
+    """A load of that impedance as in a scene file: R, L and C in series or side by side where it is that."""
     impedance = impedance.reduced()
     if impedance.degree == 0:
         return {"kind": "resistor", "resistance": float(impedance.at_zero())}

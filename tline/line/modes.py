@@ -49,15 +49,6 @@ def modes(
     ----------
     C. R. Paul: Analysis of Multiconductor Transmission Lines, 2nd ed., Wiley 2008, section 4.4 (lossless lines):
     C v = m L^-1 v, solved as symmetric generalised eigenproblem.
-
-    Examples
-    --------
-    >>> L, C = [[3e-7, 1e-7], [1e-7, 3e-7]], [[1e-10, -2e-11], [-2e-11, 1e-10]]
-    >>> pair = modes(L, C, 1.0, {"wires": [[12, 2], [2, 12]]})
-    >>> pair.z0.round(3).tolist()  # odd: sqrt(2e-7/1.2e-10), even: sqrt(4e-7/0.8e-10)
-    [40.825, 70.711]
-    >>> pair.losses["wires"].round(9).tolist()
-    [10.0, 14.0]
     """
     from scipy.linalg import eigh
 

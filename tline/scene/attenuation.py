@@ -246,13 +246,7 @@ TYPES = {
 
 
 def cable_type(name: str) -> CableType:
-    """A cable by its name.
-
-    Examples
-    --------
-    >>> cable_type("RG-58").z0
-    '50 ohm'
-    """
+    """A cable by its name."""
     if name not in TYPES:
         raise InputError("cable", "not known here", nearest(name, list(TYPES)), shown(name))
     return TYPES[name]

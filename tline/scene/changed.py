@@ -22,18 +22,7 @@ from tline.words.wording import nearest, shown
 
 
 def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
-    """The element with another number at a path within; None where none stands, or more than it says what is valid.
-
-    Examples
-    --------
-    >>> from tline.scene import Scene
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns", lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
-    ...     loads={"series": {"at": "far", "kind": "series", "resistance": "5 ohm"}}, probes={"far": {"at": "far"}},
-    ... )
-    >>> with_number(scene.loads["series"], ["resistance"], "7 ohm").ratio
-    Ratio(numerator=(7,), denominator=(1,))
-    """
+    """The element with another number at a path within; None where none stands, or more than it says what is valid."""
     first, *rest = keys
     place = _places_of_numbers(type(element)).get(first) if isinstance(element, Element) else None
     if place is None:
@@ -87,21 +76,7 @@ Found = dict[str, dict[str, Any]]
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
-    ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "10 pF"}},
-    ... )
-    >>> changed(scene, {"loads.c.capacitance": "5 pF"}).loads["c"].capacitance
-    5e-12
-    >>> changed(scene, {"loads.d.capacitance": "5 pF"})
-    Traceback (most recent call last):
-    tline.errors.InputError: loads.d.capacitance: no such element, expected 'c', got 'd'
-    """
+    """The scene with other values."""
     if not isinstance(values, Mapping):
         raise InputError("", "not values by path", "a dict such as {'lines.cable.z0': 60}", shown(values))
     if not values:

@@ -62,16 +62,6 @@ def heights_of(scene: Scene) -> dict[str, Height]:
     """Height of every node that lines or links connect with one of given elevation; none without elevations.
 
     A node without an elevation of its own counts as one at 0 m.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
-    >>> scene = Scene(
-    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
-    ... )
-    >>> scene.heights["a"].above_level, scene.heights["b"].weight
-    (-98066.5, 98066.5)
     """
     known = _elevations(scene)
     found: dict[str, Height] = {}

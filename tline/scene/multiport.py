@@ -37,14 +37,6 @@ def floating(grounded: Ports) -> Ports:
     """The equations of two ports between two nodes each, from those of ports between a node and the reference.
 
     Each port's effort is that of its first node less that of its second, and its flow leaves at the second.
-
-    Examples
-    --------
-    >>> wire = floating(_memoryless([[1, -1], [0, 0]], [[0, 0], [1, 1]]))
-    >>> wire.M.tolist()
-    [[1.0, -1.0, -1.0, 1.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]
-    >>> wire.N[2:].tolist()
-    [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]]
     """
     M, N, E, Q, P, R = grounded
     across = np.array([[1, -1, 0, 0], [0, 0, 1, -1]], float)  # from nodes to ports

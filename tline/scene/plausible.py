@@ -18,20 +18,7 @@ LISTED = 3
 
 
 def plausibility_notes(scene: Scene) -> list[str]:
-    """What a user may have overlooked in a scene.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="1 us", probes={"far": {"at": "far"}},
-    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "length": "300", "wave_speed": 2e8}},
-    ...     loads={"breaker": {"at": "far", "kind": "switch", "before": 0, "after": "inf", "time": "1 ms"}},
-    ... )
-    >>> for note in plausibility_notes(scene):
-    ...     print(note)
-    loads.breaker (0.001 s): nothing changes there before the run ends at 1e-06 s
-    taken as SI for want of a unit: lines.cable.length = '300' (m)
-    """
+    """What a user may have overlooked in a scene."""
     return [*_of_lines(scene), *_rings(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
 
 

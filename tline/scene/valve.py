@@ -51,11 +51,6 @@ def shares(kind: str, loss: float) -> tuple[tuple[float, float], ...]:
     References
     ----------
     R. H. Perry, D. W. Green: Perry's Chemical Engineers' Handbook, 7th edition (1997), table 6-4.
-
-    Examples
-    --------
-    >>> [(x, round(y, 3)) for x, y in shares("gate", 0.17)]
-    [(0.0, 0.0), (0.25, 0.084), (0.5, 0.194), (0.75, 0.435), (1.0, 1.0)]
     """
     return (0.0, 0.0), *((x, 1 / sqrt(1 + added / loss)) for x, added in ADDED[kind]), (1.0, 1.0)
 
@@ -66,11 +61,6 @@ def open_loss(kind: str, diameter: float) -> float:
     References
     ----------
     Crane Co.: Flow of Fluids through Valves, Fittings and Pipe, Technical Paper 410, appendix A.
-
-    Examples
-    --------
-    >>> round(open_loss("gate", 0.1), 3), round(open_loss("globe", 0.1), 2)
-    (0.131, 5.57)
     """
     friction = 0.25 / log10(3.7 * diameter / STEEL) ** 2
     lengths = DIAMETERS.get(kind) or next(length for most, length in BUTTERFLIES if diameter <= most)
@@ -78,13 +68,7 @@ def open_loss(kind: str, diameter: float) -> float:
 
 
 def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
-    """The opening with that share of the capacity, 0 to 1.
-
-    Examples
-    --------
-    >>> opening_of([(0.0, 0.0), (0.5, 0.2), (1.0, 1.0)], 0.6)
-    0.75
-    """
+    """The opening with that share of the capacity, 0 to 1."""
     for (x, y), (after, above) in pairwise(points):
         if share <= above:
             return x + (after - x) * (share - y) / (above - y)

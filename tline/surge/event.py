@@ -140,12 +140,6 @@ def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterat
 
     A name that the scene has means that. Of pumps a pattern means those that run, or to start them those that stand or
     have tripped; of what opens and shuts the valves, or pipes in a scene without valves.
-
-    Examples
-    --------
-    >>> import tline as tl
-    >>> [event.name for event in each_of(tl.examples["pump_group"], Event("trip", "*", 1.0))]
-    ['pump']
     """
     if event.name in {*scene.lines, *scene.links, *scene.loads, *_nodes(scene)} or not {*event.name} & {*"*?,"}:
         yield event
@@ -154,13 +148,7 @@ def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterat
 
 
 def matching(names: Iterable[str], event: Event) -> Iterator[Event]:
-    """The event for each of some names that the list, or the pattern, of its own name means.
-
-    Examples
-    --------
-    >>> [event.name for event in matching(["north 1", "south", "north 2"], Event("close", "north*", 1.0))]
-    ['north 1', 'north 2']
-    """
+    """The event for each of some names that the list, or the pattern, of its own name means."""
     known, found = [*names], dict[str, None]()
     for part in (part.strip() for part in event.name.split(",")):
         fits = {name: None for name in known if fnmatchcase(name, part)} if {*part} & {*"*?"} else {part: None}

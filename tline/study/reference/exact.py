@@ -129,17 +129,6 @@ def exact(scene: Scene, times: Iterable[Any], probe: str, digits: int = 20) -> E
 
     Errors of u and z0 y are below 10^-digits (1 to 1000) of the largest of them at these times, s, in any order; at a
     jump the value is that before it.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end=9, probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 1}},
-    ...     loads={"c": {"at": "far", "kind": "parallel", "capacitance": 1}},
-    ... )
-    >>> print(exact(scene, [2], "far", digits=30).u[0])  # 1 - 1/e
-    0.6321205588285576784044762298385
     """
     return Solution(scene, probe).at(times, digits)
 

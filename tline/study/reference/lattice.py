@@ -28,17 +28,6 @@ def lattice(
     References
     ----------
     L. V. Bewley, Traveling Waves on Transmission Systems, 2nd ed., Wiley 1951, chapter 4.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end=9, probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 3}},
-    ...     loads={"r": {"at": "far", "kind": "resistor", "resistance": 5}},
-    ... )
-    >>> [str(u) for u in lattice(scene, [1, 2, 4], "far")[0]]
-    ['0', '5/12', '5/9']
     """
     network = ReferenceNetwork(scene)
     refuse_unless_resistive(network)

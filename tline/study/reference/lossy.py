@@ -229,17 +229,6 @@ class LossySolution:
 
     Of one line with linear losses, a source of straight pieces behind a resistance at one end, and a resistor, or
     nothing, at the other.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="20 ns", probes={"far": {"at": "far"}},
-    ...     lines={"l": {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns", "length": "0.2 m", "resistance": 20}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
-    ...     loads={"end": {"at": "far", "kind": "resistor", "resistance": 50}},
-    ... )
-    >>> print(LossySolution(scene, "far").at(["1.5e-9"], digits=12).u[0])
-    0.4805612853383
     """
 
     def __init__(self, scene: Scene, probe: str):
