@@ -103,7 +103,8 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
     cut_off = set(nodes) - reached
     lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
     torn = _unbalanced(nodes, links, units.flow, cut_off)
-    dry = reached - _spread(_ends_of_pipes(links, kept), links, kept)
+    piped = {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
+    dry = reached - _spread(piped, links, kept)
     reached -= dry
     used = {name: links[name] for name in links if name in kept and not {*links[name]["ends"]} & dry}
     return WaterNetwork(
@@ -218,10 +219,6 @@ def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
     quiet -= _spread(loud, links, set(links) - closed)
     shut = {name for name in closed if not _is_left_out(links[name], True)}
     return _spread(reached, links, shut | (set(links) - closed), quiet | basins) - reached
-
-
-def _ends_of_pipes(links: Mapping[str, Any], kept: set[str]) -> set[str]:
-    return {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
 
 
 def _pipe(link: Mapping[str, Any], units: FileUnits, formula: str, vertices: list) -> Pipe:

@@ -97,7 +97,12 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
     found.check()
     dropped = connected(net) if net.tables["lines"] else set()
-    table = {"title": title, "medium": "electrical", "t_end": net.tran.end, "start": _start(net)}
+    table = {
+        "title": title,
+        "medium": "electrical",
+        "t_end": net.tran.end,
+        "start": "rest" if net.tran.uic or net.quiet else "steady",
+    }
     table["measures"] = measures((card for card in cards if card.name.lower() in MEASURE), net)
     with found.gathered():
         table["probes"] = _probes(net, shown, nodes_measured(table["measures"]), dropped)
@@ -148,11 +153,6 @@ def _add_unused_line(net: Netlist, path: str) -> None:
     if not net.tables["lines"]:
         net.found.note(path, "no line has an inductance; a scene needs a line, so one that joins nothing is added")
         net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
-
-
-def _start(net: Netlist) -> str:
-    """From rest with UIC, or where that is the steady state."""
-    return "rest" if net.tran.uic or net.quiet else "steady"
 
 
 def _probes(

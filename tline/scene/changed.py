@@ -127,7 +127,7 @@ def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[s
     for path, section, name, *keys in places:
         here = tables.setdefault(section, {})
         _put(here.setdefault(name, deepcopy(getattr(scene, section)[name].table())), path, keys, values[path])
-    context = _context(scene)
+    context = {"folder": scene.folder, "medium": scene.medium, "units": MEDIA[scene.medium].units}
     return {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
 
 
@@ -211,10 +211,6 @@ def _at(mistake: InputError, values: Mapping[str, Any]) -> InputError:
     (path,) = values
     problem = f"{mistake.where}: {mistake.problem}" if mistake.where and mistake.where != path else mistake.problem
     return InputError(path, problem, mistake.expected, mistake.got)
-
-
-def _context(scene: Scene) -> dict[str, Any]:
-    return {"folder": scene.folder, "medium": scene.medium, "units": MEDIA[scene.medium].units}
 
 
 _ADAPTERS: dict[str, Any] = {name: TypeAdapter(Scene.model_fields[name].annotation or dict) for name in SECTIONS}

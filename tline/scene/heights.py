@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tline.errors import InputError
 from tline.line import HydraulicLine
-from tline.scene.measure import Probe
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Multiport
 from tline.scene.site import GRAVITY
@@ -113,7 +112,8 @@ def taken_as_zero(scene: Scene) -> list[str]:
     indifferent = {"closed", "open", "reservoir"}
     at = [load.at for load in scene.loads.values() if load.kind not in indifferent]
     at += [source.at for source in scene.sources.values() if source.at is not None and not source.is_effort]
-    at += [node for probe in scene.probes.values() for node in _probed(scene, probe)]
+    for probe in scene.probes.values():
+        at += [probe.at] if probe.at is not None else scene.lines[probe.line or ""].nodes
     grounded = (link for link in scene.links.values() if isinstance(link, Multiport) and link.is_grounded)
     at += [node for link in grounded for node in link.nodes]
     missing = list(dict.fromkeys(node for node in at if node not in known))
@@ -125,10 +125,6 @@ def taken_as_zero(scene: Scene) -> list[str]:
 
 def _elevations(scene: Scene) -> dict[str, float]:
     return {name: float(site.elevation) for name, site in scene.nodes.items() if site.elevation is not None}
-
-
-def _probed(scene: Scene, probe: Probe) -> tuple[str, ...]:
-    return (probe.at,) if probe.at is not None else scene.lines[probe.line or ""].nodes
 
 
 def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:

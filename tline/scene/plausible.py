@@ -19,7 +19,7 @@ LISTED = 3
 
 def plausibility_notes(scene: Scene) -> list[str]:
     """What a user may have overlooked in a scene."""
-    return [*_of_lines(scene), *_rings(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
+    return [*_of_lines(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
 
 
 def _of_lines(scene: Scene) -> Iterator[str]:
@@ -39,12 +39,10 @@ def _of_lines(scene: Scene) -> Iterator[str]:
         if fitted is not None:
             guess = f"its resistance to steady current, {fitted:.3g} ohm/m, is a guess from its attenuation"
             lines[f"{guess}; `resistance` sets that of the data sheet"].append(place("lines", name))
+    for name, line in scene.single_lines.items():
+        if line.nodes[0] == line.nodes[1]:
+            lines["both ends are at one node"].append(place("lines", name))
     return (f"{_first(names)}: {remark}" for remark, names in lines.items())
-
-
-def _rings(scene: Scene) -> list[str]:
-    rings = [place("lines", name) for name, line in scene.single_lines.items() if line.nodes[0] == line.nodes[1]]
-    return [f"{_first(rings)}: both ends are at one node"] if rings else []
 
 
 def _idle(scene: Scene) -> list[str]:

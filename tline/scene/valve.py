@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import (
-    BeforeValidator,
     Field,
     PrivateAttr,
     SerializerFunctionWrapHandler,
@@ -19,7 +18,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Between, Element, Placed
+from tline.scene.element import AtNode, Between, Element, Placed, pair
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.law import ANY_DROP, Bend, ElementLaw, Governor, LawKind, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
@@ -79,12 +78,6 @@ Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 PRESSURE_BEHIND = "has a pressure behind it, which is a source"
 
 
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [opening, share of the capacity]", shown(point))
-    return point
-
-
 def _named_or_points(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
     if not isinstance(value, str):
         return points(value)
@@ -97,7 +90,7 @@ def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
     return value if isinstance(value, str) else points(value)
 
 
-Points = list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]]
+Points = list[Annotated[tuple[Share, Share], pair("opening, share of the capacity")]]
 Characteristic = Annotated[
     Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
 ]

@@ -115,7 +115,8 @@ class SurgeStudy(Presentation):
         failed = sum("mistake" in outcome.told for outcome in self.outcomes)
         told = f"{len(rows)} scenarios, {len(self.unsigned) - failed} without a class of pressure, {failed} failed"
         yield f"{told}; gauge pressures"
-        order = sorted(range(len(rows)), key=lambda k: -_highest(self.outcomes[k]))
+        tops = [each.extremes[0]["highest"] if each.extremes else np.inf for each in self.outcomes]
+        order = sorted(range(len(rows)), key=lambda k: -tops[k])
         short = [
             [*rows[k][:-1], "failed" if "mistake" in self.outcomes[k].told else rows[k][-1].partition(":")[0]]
             for k in order
@@ -284,7 +285,3 @@ def _keep(folder: str | Path | None, scenario: Scenario, told: Mapping[str, Any]
     for suffix, text in (texts | {".json": json.dumps(told, ensure_ascii=False)}).items():
         with replacing(f"{path}{suffix}") as temporary:
             temporary.write_text(text, encoding="utf-8")
-
-
-def _highest(outcome: Outcome) -> float:
-    return outcome.extremes[0]["highest"] if outcome.extremes else np.inf
