@@ -66,7 +66,7 @@ def sweep(
     from tline import sweeps
     from tline.interchange.any_file import read as read_any
     from tline.solver.simulate import UnresolvedWarning
-    from tline.sweeps.report import as_text, notes, summary
+    from tline.sweeps.table import as_text, notes, summary
 
     read = read_any(scene, confined=confined)
     with _executor(dask) as executor, sweep.named(), warnings.catch_warnings():

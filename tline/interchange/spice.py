@@ -6,25 +6,26 @@ from typing import Any
 import numpy as np
 
 from tline.errors import InputError, SceneError
-from tline.interchange.coupled_windings import add_coupled, couplings, names_coupled
 from tline.interchange.deck import OVER_FREQUENCY, Card, Findings, read_deck
 from tline.interchange.elements import merge_shorts, take
-from tline.interchange.netlist import REFERENCE, Netlist
+from tline.interchange.netlist import REFERENCE, Netlist, connected, folded, with_open_ends, without_idle_capacitors
 from tline.interchange.spice_commands import (
     MEASURE,
     SHOWN,
+    STEP,
     measures,
     nodes_measured,
     nodes_shown,
+    note_steps,
     skip,
     transient,
     values_at_begin,
+    with_first_values,
 )
+from tline.interchange.spice_impedance import add_coupled, couplings, names_coupled
 from tline.interchange.spice_linear import with_linear_sources
 from tline.interchange.spice_source import Transient, with_generator
-from tline.interchange.spice_step import STEP, note_steps, with_first_values
 from tline.interchange.subcircuits import opened
-from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.words.wording import nearest, place
