@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from tline.scene.scene import Scene
-from tline.solver.convolution.jumps import arrivals
+from tline.solver.convolution.rays import arrivals
 from tline.solver.description.description import describe
 from tline.solver.simulate import UnresolvedWarning, simulate
 

@@ -116,8 +116,8 @@ def test_touchstone_is_read_by_others(folder: Path, ports: str) -> None:
     ("line", "sentence"),
     [
         ("none.toml", "none.toml: cannot be read"),
-        ("cable.toml --source pomp", "source: no such source, expected 'pump', got 'pomp'"),
-        ("cable.toml --ports near,fat", "ports: no such node, expected 'far', got 'fat'"),
+        ("cable.toml --source pomp", "--source: no such source, expected 'pump', got 'pomp'"),
+        ("cable.toml --ports near,fat", "--ports: no such node, expected 'far', got 'fat'"),
         ("cable.toml --from 5 --to 2", "--to: not above the lowest frequency"),
         ("cable.toml --from 0", "--from: not a positive frequency"),
         ("cable.toml --to 3s", "--to: this unit measures something else"),

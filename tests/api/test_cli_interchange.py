@@ -8,9 +8,8 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from tline.cli.export import export
-from tline.cli.import_ import import_
 from tline.cli.main import main
+from tline.cli.scene_files import export, import_
 from tline.scene.file import read_scene
 
 NET = "a cable\nV1 s 0 PULSE(0 1 0.5n 1n 1n 5n)\nR1 s a 25\nT1 a 0 b 0 Z0=50 TD=1n\nR2 b 0 100\n.tran 1p 9n uic\n.end\n"

@@ -18,7 +18,7 @@ from run_scenes import FORK, VALVE
 from tline.cli.main import COMMANDS, main
 from tline.cli.result_files import ALONG, FILES
 from tline.cli.run import run
-from tline.cli.schema import schema
+from tline.cli.scene_files import schema
 from tline.scene.file import read_scene, scene_from
 from tline.solver import simulate as simulation
 

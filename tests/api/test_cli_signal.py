@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tline.cli.eye import eye
 from tline.cli.main import main
-from tline.cli.tdr import tdr
+from tline.cli.signal import eye, tdr
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATISTICAL = "eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 1e-3 --statistical"

@@ -22,7 +22,7 @@ from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST_FILE
 from tline.scene.waveform import MOST_PULSES
 from tline.solver.description import resolution
-from tline.solver.tolerance import budget, ladder
+from tline.solver.tolerance import ladder
 from tline.sweeps.design import MOST_RUNS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
@@ -57,7 +57,7 @@ def test_the_limits_on_the_page_are_those_of_the_program():
     assert table["runs of a sweep"] == f"{MOST_RUNS:,}"
     assert table["frequencies of `tline frequency`"] == f"{MOST_POINTS:,}"
     assert table["mistakes of a scene that are told"] == f"{MOST}"
-    assert f"{int(ladder.MOST_SAMPLES):,} line-end samples or {budget.MOST_SECONDS} s" in PAGE
+    assert f"{int(ladder.MOST_SAMPLES):,} line-end samples or {ladder.MOST_SECONDS} s" in PAGE
     assert len(table) == 13  # and the heading
 
 

@@ -53,7 +53,7 @@ def test_a_scenario_is_what_operate_finds_and_its_scene_runs_just_so(study, fold
     scene = tl.read(TOWN).change({"loads.vessel": VESSEL})
     direct = tl.operate(scene, burst="b:5 L/s@0.5s", t_end="2 s", cavities=False)
     assert outcome.told["highest"] == direct.to_dict()["highest"]
-    assert outcome.extremes[0]["highest"] == direct.worst.highest.highest
+    assert outcome.worst["highest"]["highest"] == direct.worst.highest.highest
     again = tl.simulate(folder / f"{outcome.scenario.file}.toml", envelope=True).envelope
     assert again is not None
     kept = {node["node"]: node["lowest"] for node in outcome.told["nodes"]}
@@ -98,7 +98,9 @@ def test_the_page_stands_alone(study, tmp_path):
     assert not re.search(r'(src|href)="(?!data:)', page)
     for outcome in study.outcomes:
         assert f"{outcome.scenario.file}.toml" in page
-        assert f"{outcome.extremes[0]['highest'] / 1e5:.4g} / {outcome.extremes[1]['lowest'] / 1e5:.4g}" in page
+        rise, fall = (outcome.worst[word] for word in ("rise", "fall"))
+        moves = rise["highest"] - rise["before"], fall["before"] - fall["lowest"]
+        assert f"{moves[0] / 1e5:.4g} / {moves[1] / 1e5:.4g}" in page
 
 
 def test_the_command_reads_the_file_beside_its_network(study, folder, tmp_path):
@@ -112,7 +114,7 @@ def test_the_command_reads_the_file_beside_its_network(study, folder, tmp_path):
     told = json.loads(done.stdout)["scenarios"]
     assert [each["name"] for each in told] == ["shut ease"]
     assert done.exit_code == (told[0]["pressure_class"] is None)
-    assert (tmp_path / "table.csv").read_text().startswith("scenario,highest [bar]")
+    assert (tmp_path / "table.csv").read_text().startswith("scenario,rise [bar]")
 
 
 def test_pipes_pumps_valves_and_nodes_in_turn():

@@ -10,11 +10,10 @@ from remembering_scenes import SCENES
 
 from tline.loss import ConstantLoss, DielectricLoss, EarthReturn, LaminarFriction, LossyLine, RoundWire, SkinEffect
 from tline.solver.convolution.nodal import LinearRest
-from tline.solver.convolution.passive import gain
-from tline.solver.convolution.quadrature import Quadrature
+from tline.solver.convolution.quadrature import Quadrature, gain
 from tline.solver.description.description import describe
 from tline.solver.radau import basis
-from tline.solver.stability.lossy_line import carried
+from tline.solver.stability.scattering import carried
 
 LENGTH = 0.2
 WATER = LaminarFriction(density=1000, viscosity=1e-3, radius=0.01)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 from tline.solver.simulate import simulate
 
 SLABS = 400

@@ -7,7 +7,7 @@ from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 from tline.solver.radau import basis
 
 PIPE = {"diameter": 0.5, "wave_speed": 1000, "density": 1000}

@@ -15,8 +15,7 @@ from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.kernel.fronts.structures import LIVE
-from tline.solver.loop.kernel import Kernel
-from tline.solver.loop.march import Stepper
+from tline.solver.loop.march import Kernel, Stepper
 from tline.solver.radau import Basis
 
 SLABS, PART, SINGLY = 100_000, 2_000, 200

@@ -10,7 +10,7 @@ from random_scenes import random_scene
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 from tline.solver.simulate import simulate
 
 SLABS, PART = 2_000, 50

@@ -21,7 +21,7 @@ from passivity import (
 )
 from tline.errors import SceneError
 from tline.scene.scene import Scene
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 
 ROUNDING = 1e-12  # of the energy at the start; poles of 24 hold S to some 1e-13
 

@@ -13,7 +13,7 @@ from touchstone_files import FILTER, frequencies, stretch, write_ports
 from passivity import MatrixModel, SampledResponse, Status, fit_scattering
 from tline.scene.scene import Scene
 from tline.scene.touchstone import MeasuredMultiport
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 
 ROUNDING = 1e-12  # of the energy at the start
 

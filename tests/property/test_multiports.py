@@ -9,7 +9,7 @@ from random_multiports import multiport_scenes
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 
 SLABS = 300
 ROUNDING = 1e-14  # of the energy at the start, in a slab

@@ -5,11 +5,12 @@ import pytest
 from random_scenes import random_scene
 
 from tline.scene.scene import Scene
-from tline.solver.assembly import blocks
+from tline.solver.assembly import layout
 from tline.solver.assembly.assemble import assemble
-from tline.solver.assembly.blocks import LONGEST, blocks_of
+from tline.solver.assembly.layout import LONGEST, blocks_of
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
+from tline.solver.kernel.network import Blocks
 from tline.solver.run import run
 
 SLAB = 0.05
@@ -23,7 +24,7 @@ def mixed(seed: int) -> Scene:
     return Scene(**table)
 
 
-def of_chain(delays: list[int]) -> blocks.Blocks:
+def of_chain(delays: list[int]) -> Blocks:
     """The blocks of lines one after the other."""
     n = len(delays)
     ends = np.array([0, *(e for k in range(n - 1) for e in (2 * k + 1, 2 * k + 2)), 2 * n - 1])
@@ -59,7 +60,7 @@ def test_the_same_comes_out_as_slab_by_slab(monkeypatch, seed, order):
     assert chosen.near_groups.size
     at_once = run(describe(scene), resolution).probes["p"].u
     assert np.abs(at_once).max() > 0
-    monkeypatch.setattr(blocks, "_stride", lambda *_: LONGEST)
+    monkeypatch.setattr(layout, "_stride", lambda *_: LONGEST)
     scene = mixed(seed)  # one that keeps no grid
     assert not assemble(describe(scene), set(), resolution).network.blocks.far_groups.size
     assert np.array_equal(at_once, run(describe(scene), resolution).probes["p"].u)

@@ -9,8 +9,8 @@ from tline.errors import InputError
 from tline.solver.description import slab
 from tline.solver.result.accuracy import Attempt
 from tline.solver.simulate import UnresolvedWarning, simulate
-from tline.solver.tolerance import budget as budgets
-from tline.solver.tolerance.budget import Budget
+from tline.solver.tolerance import ladder as budgets
+from tline.solver.tolerance.ladder import Budget
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from tline.solver.assembly.diamonds import _power_table
-from tline.solver.kernel.diamonds.friction import power
-from tline.solver.kernel.diamonds.full import bent
+from tline.solver.kernel.diamonds.full import bent, power
 
 
 @pytest.mark.parametrize("n", [0.852, 1.0, 1 / 3, 2.0])

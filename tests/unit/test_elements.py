@@ -10,7 +10,7 @@ from tline.scene.waveform import Ramp, Sine
 from tline.solver.description.laws import laws_of
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.stores.gas import expanded
-from tline.solver.steady.flows import Flows
+from tline.solver.steady.edges import Flows
 
 PUMP = Pump(nodes=("a", "b"), curve=[(0.0, 2.0), (0.5, 1.9), (1.0, 1.2), (1.5, 0.3)], efficiency=0.8)
 LAWS = {

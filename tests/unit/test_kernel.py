@@ -15,7 +15,7 @@ from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.ledger.recorder import Recorder
-from tline.solver.loop.kernel import advance
+from tline.solver.loop.march import advance
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.envelope import watch
 from tline.solver.simulate import simulate

@@ -10,7 +10,7 @@ from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, P
 from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.scene import Scene
 from tline.scene.source import Source
-from tline.solver.description.active import active_impedances
+from tline.solver.description.passive import active_impedances
 
 R, L, C, BETWEEN = 50.0, 2e-9, 3e-12, ("a", "b")
 

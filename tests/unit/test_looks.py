@@ -2,7 +2,7 @@
 
 import pytest
 
-from tline.solver.kernel.polynomials import LOOKS, after
+from tline.solver.kernel.arithmetic import LOOKS, after
 
 
 @pytest.mark.parametrize("s", range(1, 17))

@@ -18,7 +18,7 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.description.slab import cell_of
 from tline.solver.kernel.diamonds.cells import pass_cells
 from tline.solver.kernel.scatter import NEAR
-from tline.solver.loop.kernel import Kernel
+from tline.solver.loop.march import Kernel
 from tline.solver.radau import basis
 from tline.solver.simulate import simulate
 

@@ -5,7 +5,7 @@ import pytest
 
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.description.short_lines import short_lines
+from tline.solver.description.resolution import short_lines
 
 LONG = {"z0": 50, "delay": "1 ns"}
 SHORT = {"z0": 70, "delay": "0.1 ps"}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from passivity import PoleResidueModel
-from tline.solver.description.partial_fractions import reflection_of_poles
+from tline.solver.description.load_step import reflection_of_poles
 
 W = np.linspace(0, 10, 21)
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tline.cli.from_signature import Command, FileKind, Output, command, drawn, picture, table
+from tline.cli.from_signature import Command, FileKind, Output, command, picture, table
 from tline.cli.options import tolerance, write_text
 from tline.cli.surge import NAMES, OPERATE, OPERATING, operated_network
+from tline.presentation import Presentation
 
 if TYPE_CHECKING:
     from tline.design.sizing import Sizing
@@ -100,13 +101,11 @@ def flywheel(network: str, pump: str, *, confined: bool = False, **given: Any) -
 
 
 @command(group=design, epilog=EXAMPLES)
-def separation(scene: str, *, confined: bool = False) -> Output:
+def separation(scene: "Scene") -> Presentation:
     """The highest pressure where columns separate, over three numbers of places."""
     from tline.design.columns import separation as search
-    from tline.interchange.any_file import read as read_any
 
-    found = search(read_any(scene, confined=confined))
-    return Output(found.text_lines(), found.to_dict, notes=found.notes)
+    return search(scene)
 
 
 def _found(search: Command, network: str, confined: bool, given: dict[str, Any]) -> Output:
@@ -116,23 +115,19 @@ def _found(search: Command, network: str, confined: bool, given: dict[str, Any])
 
     operations = {key: given.pop(key) for key in OPERATING if key in given}
     tol, t_end = given.pop("tol", None), given.pop("t_end", None)
-    scene, guesses = _operated(search, network, confined, t_end, tol, operations)
+    scene, guesses = _operated(network, confined, t_end, tol, operations)
     given |= {"path": [node.strip() for node in given["path"].split(",")]} if "path" in given else {}
-    with warnings.catch_warnings(), search.named():
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)  # said as notes
         found: Sizing = getattr(searches, str(search.name))(
             scene, tol=None if tol is None else tolerance(tol), progress=sys.stderr.isatty(), **given
         )
-    files = {
-        "output": lambda file: write_text(scene_text(found.scene), file),
-        "plot": drawn(found.picture, found),
-        "csv": found.save,
-    }
-    return Output(found.text_lines(), found.to_dict, files, (*guesses, *found.notes))
+    output = search.shown(found, output=lambda file: write_text(scene_text(found.scene), file))
+    return output._replace(notes=(*guesses, *output.notes))
 
 
 def _operated(
-    search: Command, network: str, confined: bool, t_end: str | None, tol: str | None, operations: dict[str, Any]
+    network: str, confined: bool, t_end: str | None, tol: str | None, operations: dict[str, Any]
 ) -> "tuple[Scene, tuple[str, ...]]":
     """The scene in which something is sized, and notes on what was guessed for it."""
     from tline.design.sizing import USUAL_TOL
@@ -140,9 +135,8 @@ def _operated(
     from tline.scene.file import EPANET
 
     if Path(network).suffix.lower() in EPANET:
-        return operated_network(search, network, t_end=t_end or "60 s", tol=tol or USUAL_TOL, **operations)
+        return operated_network(network, t_end=t_end or "60 s", tol=tol or USUAL_TOL, **operations)
     scene = read_any(network, confined=confined)
     if operations:
-        return operated_network(search, scene, t_end=t_end or scene.t_end, tol=tol or USUAL_TOL, **operations)
-    with search.named():
-        return scene.with_changes(t_end=t_end) if t_end else scene, ()
+        return operated_network(scene, t_end=t_end or scene.t_end, tol=tol or USUAL_TOL, **operations)
+    return scene.with_changes(t_end=t_end) if t_end else scene, ()

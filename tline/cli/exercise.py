@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from tline.cli.drives_input import MECHANISM, mechanism
+from tline.cli.drives import MECHANISM, mechanism
 from tline.cli.from_signature import FileKind, Output, command, picture
+from tline.cli.options import make_folder, write_text
 from tline.errors import InputError
 
 EXAMPLES = """\b
@@ -50,7 +51,7 @@ def exercise(letter: str = "", *, figures: str | None = None, files: dict[str, s
     writers = {}
     if letter:
         (answer,) = answers
-        writers["modelica"] = lambda file: _write(answer.modelica, file)
+        writers["modelica"] = lambda file: write_text(answer.modelica, file)
         writers["plot"] = lambda file: _draw(answer, file)
         code = ["", answer.modelica.rstrip()] if answer.modelica else []
         return Output([*answer.text_lines(), *code, *written], answer.to_dict, writers)
@@ -60,22 +61,10 @@ def exercise(letter: str = "", *, figures: str | None = None, files: dict[str, s
 
 def _figure(answer: Any, folder: str) -> str:
     """Write a figure into a folder; what to say of it."""
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            "--figures", f"cannot be made, got {(error.strerror or str(error)).lower()}", "a folder"
-        ) from None
+    make_folder(folder, "--figures")
     file = str(Path(folder, f"{answer.letter}.png"))
     _draw(answer, file)
     return f"wrote {file}"
-
-
-def _write(text: str, file: str) -> None:
-    from tline.solver.result.atomic import replacing
-
-    with replacing(file) as temporary:
-        temporary.write_text(text, encoding="utf-8")
 
 
 def _draw(answer: Any, file: str) -> None:

@@ -46,7 +46,7 @@ class Curves(NamedTuple):
 
 @command(names={"low": "from", "high": "to"}, files=FILES, epilog=EXAMPLES)
 def frequency(
-    scene: str,
+    scene: "Scene",
     *,
     source: str | None = None,
     ports: str | None = None,
@@ -54,7 +54,6 @@ def frequency(
     low: str | None = None,
     high: str | None = None,
     points: int = 1001,
-    confined: bool = False,
     files: dict[str, str],
 ) -> Output:
     """Transfer functions, S-parameters and natural oscillations of a scene.
@@ -81,27 +80,27 @@ def frequency(
     as_json
         Print all numbers.
     """
-    from tline.interchange.any_file import read as read_any
     from tline.solver.description.description import describe
     from tline.solver.stability.growth import growth_sentence
 
     _check({"source": source, "ports": ports, "z0": z0, "points": points} | files)
-    read = read_any(scene, confined=confined)
-    f = _frequencies(read, low, high, points)
+    f = _frequencies(scene, low, high, points)
     if ports:
-        curves = _parameters(read, f, [name.strip() for name in ports.split(",")], z0)
-    elif read.sources or source or "csv" in files or "plot" in files:
-        curves = _responses(read, f, source)
+        curves = _parameters(scene, f, [name.strip() for name in ports.split(",")], z0)
+    elif scene.sources or source or "csv" in files or "plot" in files:
+        curves = _responses(scene, f, source)
     else:
         curves = Curves({"source": None}, {})
-    modes, description = _modes(read, f), describe(read)
+    modes, description = _modes(scene, f), describe(scene)
     return Output(
         [*_table(f, curves), *_oscillations(modes)],
         lambda: _data(f, curves, modes),
         {
-            "csv": lambda file: _save_response(f, curves, read, file),
+            "csv": lambda file: _save_response(f, curves, scene, file),
             "save": lambda file: _save_parameters(f, curves, file),
-            "plot": drawn("tline.pictures.bode:plot_bode", f, curves.values, curves.of, curves.unit, modes, read.title),
+            "plot": drawn(
+                "tline.pictures.bode:plot_bode", f, curves.values, curves.of, curves.unit, modes, scene.title
+            ),
         },
         [growth_sentence(description)] if description.active else [],
     )

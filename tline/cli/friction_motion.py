@@ -125,16 +125,12 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
         raise InputError(file, "a column is missing", "t, F and x or v", ", ".join(record))
     chosen: Any = models or tuple(MODELS)
     motion = {"velocity" if moved[0] == "v" else "position": record[moved[0]]}
-    names = {"models": "--model", "folds": "--folds", "t": file, "force": file, "velocity": file, "position": file}
-    with (
-        identify.named(**names),
-        Progress(2 * len(chosen), "fit", sys.stderr.isatty()) as bar,
-    ):
+    names = {"t": file, "force": file, "velocity": file, "position": file}
+    with identify.named(**names), Progress(2 * len(chosen), "fit", sys.stderr.isatty()) as bar:
         found = fitted(record["t"], record["F"], **motion, models=chosen, folds=folds, progress=bar.update)
     columns = {name: getattr(found, name) for name in ("t", "x", "v", "force")}
     columns |= {f"force {name}": one.force for name, one in found.fits.items()}
-    files = {"csv": tabled(columns), "plot": drawn("friction.pictures:draw_fit", found)}
-    return Output(found.text_lines(), found.to_dict, files)
+    return identify.shown(found, csv=tabled(columns))
 
 
 def _motions(kind: str, text: str, frequency: float | None, hold: bool) -> list[tuple[str, Any, float]]:

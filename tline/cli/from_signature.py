@@ -3,7 +3,8 @@
 A command is a function. Its arguments in front of ``*`` are the command's arguments, the others its options: a bool is
 a flag, a tuple may be repeated, a `Literal` is a choice. An argument ``**given`` stands for all that the functions take
 which the command passes it on to. What an option is for is said once, in the docstring of that function among them
-which says it first.
+which says it first. An argument that is annotated as "Scene" is read from the file that is named; what a function gives
+back is an `Output`, or a result that shows itself. Errors name options in place of arguments.
 """
 
 import inspect
@@ -19,6 +20,7 @@ from click.core import ParameterSource
 
 from tline.cli.docstrings import REQUIRED, UNKNOWN, Argument, arguments_of, documented_in, without_sections
 from tline.cli.options import CSV, PICTURE, check_files, options_named
+from tline.presentation import Presentation
 from tline.units import to_si
 
 WORDS = {  # metavariables by name of the argument
@@ -65,14 +67,15 @@ class FileKind(NamedTuple):
     def option(self, name: str) -> click.Option:
         """The option that names it."""
         *some, last = self.suffixes or [""]
-        told = f"{self.content}; {', '.join(some)} or {last}." if some else f"{self.content}."
+        named = some and some[0] not in self.content
+        told = f"{self.content}; {', '.join(some)} or {last}." if named else f"{self.content}."
         return click.Option(
             [*_flags(name), name], metavar="FILE" if some else f"FILE{last}", help=told.replace("`", "'")
         )
 
 
 class Output(NamedTuple):
-    """What a command found: as text and as data, how its files are written, and the exit status."""
+    """What a command found: as text and as data, what writes its files, or says why not, and the exit status."""
 
     text: Iterable[str]
     data: Callable[[], Any]
@@ -86,7 +89,7 @@ class Command(click.Command):
 
     def __init__(
         self,
-        function: Callable[..., Output | None],
+        function: Callable[..., Output | Presentation | None],
         sources: Iterable[str],
         names: Mapping[str, str],
         files: Mapping[str, FileKind],
@@ -96,6 +99,7 @@ class Command(click.Command):
     ):
         self.function, self.names, self.kinds = function, names, files
         self.own, text = inspect.signature(function).parameters, inspect.getdoc(function) or ""
+        self.reads = "scene" in self.own and self.own["scene"].annotation == "Scene"
         own, given = documented_in(text), [arguments_of(source) for source in sources]
         left_out, params = {*self.own, *OWN, *omit}, dict[str, click.Parameter]()
         for name, each in self.own.items():
@@ -113,7 +117,9 @@ class Command(click.Command):
                 default = REQUIRED if each.default is each.empty else each.default
                 params[name] = self._option(name, Argument(each.annotation, default), [own, *given])
         params |= {name: kind.option(name) for name, kind in files.items()}
-        if self.tells:
+        if self.reads:
+            params["confined"] = self._option("confined", Argument(bool, False), [own])
+        if inspect.signature(function).return_annotation is not None:
             params["as_json"] = self._option("as_json", Argument(bool, False), [own])
         last = [params.pop(name) for name in LAST if name in params]
         first = sorted(params.values(), key=lambda param: not param.required)
@@ -125,11 +131,6 @@ class Command(click.Command):
             help=without_sections(text),
             epilog=epilog,
         )
-
-    @property
-    def tells(self) -> bool:
-        """Whether the function gives an output, and does not print."""
-        return inspect.signature(self.function).return_annotation is Output
 
     def named(self, **more: str) -> AbstractContextManager[None]:
         """Let errors within name the option where the library names its argument, or the key of a scene."""
@@ -168,17 +169,33 @@ class Command(click.Command):
             more["metavar"] = found.kind if name in documented[0] else written
         return click.Option([*flags, name], type=kind, help=found.help, **more)
 
+    def shown(
+        self, found: Any, *more: str, told: Mapping[str, Any] | None = None, exit_code: int = 0, **files: Any
+    ) -> Output:
+        """A result by its text, with lines below it, its numbers, with more of them, its notes, pictures and tables."""
+        known = {name: drawn(found.picture, found) if kind.suffixes == PICTURE else found.save
+                 for name, kind in self.kinds.items() if name not in files}  # fmt: skip
+        text, notes = [*found.text_lines(), *more], getattr(found, "notes", ())
+        return Output(text, lambda: found.to_dict() | (told or {}), known | files, notes, exit_code)
+
     def _run(self, as_json: bool = False, **given: Any) -> None:
         context = click.get_current_context()
         files = {name: given.pop(name) for name in self.kinds}
         check_files({_flags(name)[-1]: (file, self.kinds[name].suffixes) for name, file in files.items()})
         wanted = {name: file for name, file in files.items() if file is not None}
+        if self.reads:
+            from tline.interchange.any_file import read
+
+            given["scene"] = read(given["scene"], confined=given.pop("confined"))
         default = {name for name in given if context.get_parameter_source(name) is ParameterSource.DEFAULT}
         kept = {name: value for name, value in given.items() if name in self.own or name not in default}
-        output = self.function(**kept, **({"files": wanted} if "files" in self.own else {}))
-        if output is not None:
+        with self.named():
+            found = self.function(**kept, **({"files": wanted} if "files" in self.own else {}))
+            if found is None:
+                return
+            output = found if isinstance(found, Output) else self.shown(found)
             _tell(output, wanted, as_json)
-            context.exit(output.exit_code)
+        context.exit(output.exit_code)
 
 
 def command(
@@ -189,7 +206,8 @@ def command(
     more: Iterable[click.Parameter] = (),
     epilog: str = "",
     group: click.Group | None = None,
-) -> Callable[[Callable[..., Output | None]], Command]:
+    kind: type[Command] = Command,
+) -> Callable[[Callable[..., Output | Presentation | None]], Command]:
     """Make a command of the function below.
 
     Parameters
@@ -208,10 +226,12 @@ def command(
         Examples.
     group : click.Group, optional
         Whose command it becomes.
+    kind : type
+        Of command, if it parses its words in a way of its own.
     """
 
-    def made(function: Callable[..., Output | None]) -> Command:
-        found = Command(function, sources, names or {}, files or {}, omit, more, epilog)
+    def made(function: Callable[..., Output | Presentation | None]) -> Command:
+        found = kind(function, sources, names or {}, files or {}, omit, more, epilog)
         if group is not None:
             group.add_command(found)
         return found
@@ -257,19 +277,23 @@ def _flags(name: str) -> list[str]:
 
 
 def _type(annotation: Any) -> Any:
-    if get_origin(annotation) is Literal:
-        return click.Choice(get_args(annotation))
+    choice = next((each for each in (annotation, *get_args(annotation)) if get_origin(each) is Literal), None)
+    if choice is not None:
+        return click.Choice(get_args(choice))
     return (
         get_args(annotation)[1] if get_origin(annotation) is Annotated else int if annotation in (int, "int") else str
     )
 
 
+def _written(file: str, told: Any) -> str:
+    return told if isinstance(told, str) else f"wrote {file}"
+
+
 def _tell(output: Output, files: Mapping[str, str], as_json: bool) -> None:
-    for name, file in files.items():
-        output.files[name](file)
+    said = [_written(file, output.files[name](file)) for name, file in files.items()]
     for note in output.notes:
         click.echo(f"note: {note}", err=True)
     if as_json:
         click.echo(json.dumps(output.data(), indent=2, ensure_ascii=False))
     else:
-        click.echo("\n".join([*output.text, *(f"wrote {file}" for file in files.values())]))
+        click.echo("\n".join([*output.text, *said]))

@@ -21,19 +21,19 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
-    "live": ("tline.cli.live:live", "A scene as a page on this machine: sliders for its numbers, and all follows."),
-    "demo": ("tline.cli.demo:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
+    "live": ("tline.cli.examples:live", "A scene as a page on this machine: sliders for its numbers, and all follows."),
+    "demo": ("tline.cli.examples:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
     "exercise": ("tline.cli.exercise:exercise", "The exercise tline grew out of, answered letter by letter."),
     "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
     "surge": ("tline.cli.surge:surge", "Operate a water network without editing a file: the worst of a surge."),
-    "study": ("tline.cli.study:study", "Many surges of a water network, and variants of it, from one file."),
+    "study": ("tline.cli.surge:study", "Many surges of a water network, and variants of it, from one file."),
     "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),
     "sweep": ("tline.cli.sweep:sweep", "A scene in many runs with other values: grids, tolerances of parts, clusters."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
-    "tdr": ("tline.cli.tdr:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
-    "eye": ("tline.cli.eye:eye", "Eye diagram of a bit pattern at a probe."),
+    "tdr": ("tline.cli.signal:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
+    "eye": ("tline.cli.signal:eye", "Eye diagram of a bit pattern at a probe."),
     "crosstalk": (
-        "tline.cli.crosstalk:crosstalk",
+        "tline.cli.signal:crosstalk",
         "Near- and far-end crosstalk of coupled conductors.",
     ),
     "passivity": (
@@ -44,10 +44,13 @@ COMMANDS = {
     "friction": ("tline.cli.friction_motion:friction", "Friction models on a testbench, and where methods fail."),
     "drives": ("tline.cli.drives:drives", "Two spools, a belt, a pulley: from equations to control and animation."),
     "chart": ("tline.cli.chart:chart", "Speed against accuracy: methods and programs compared, measured now."),
-    "import": ("tline.cli.import_:import_", "A scene from another program's file: SPICE netlists, EPANET networks."),
-    "export": ("tline.cli.export:export", "A scene as SPICE netlist."),
+    "import": (
+        "tline.cli.scene_files:import_",
+        "A scene from another program's file: SPICE netlists, EPANET networks.",
+    ),
+    "export": ("tline.cli.scene_files:export", "A scene as SPICE netlist."),
     "warm-up": ("tline.cli.warm_up:warm_up", "Compile ahead what runs may need."),
-    "schema": ("tline.cli.schema:schema", "JSON schema of scene files, for editors."),
+    "schema": ("tline.cli.scene_files:schema", "JSON schema of scene files, for editors."),
 }
 NEW_OBJECTS = 100_000  # before garbage is looked for
 NOTES = NotKeptWarning, LeftOutWarning

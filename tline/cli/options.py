@@ -9,7 +9,6 @@ import click
 from tline.errors import ActiveError, InputError, SceneError
 
 PICTURE, CSV = (".png", ".svg", ".pdf"), (".csv",)
-confined_option = click.option("--confined", is_flag=True, help="Read no files outside of the scene's folder.")
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
@@ -21,7 +20,7 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
         if file is None:
             continue
         if suffixes and Path(file).suffix.lower() not in suffixes:
-            raise InputError(option, "unknown kind of file", " or ".join(suffixes), f"'{file}'")
+            raise InputError(option, "unknown kind of file", " or ".join(suffixes[:3]), f"'{file}'")
         other = seen.setdefault(Path(file).resolve(), option)
         if other != option:
             raise InputError(option, f"would overwrite what {other} writes", "another file", f"'{file}'")
@@ -43,6 +42,14 @@ def write_text(text: str, file: str) -> None:
 
     with replacing(file) as temporary:
         temporary.write_text(text, encoding="utf-8")
+
+
+def make_folder(path: str, where: str = "") -> None:
+    """Make a folder, if it is missing."""
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(where or path, "cannot be made", "a folder", (error.strerror or str(error)).lower()) from None
 
 
 def check_readable(file: str) -> None:

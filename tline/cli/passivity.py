@@ -1,19 +1,28 @@
 """`tline passivity`: is an impedance positive real, or a reflection bounded real? With proof or witness."""
 
-import json
 import re
-from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Literal
 
 import click
 
-from tline.cli.options import confined_option
-from tline.cli.verdicts.answer import Answer, Asked
-from tline.cli.verdicts.expression import verified
+from tline.cli import verdicts
+from tline.cli.from_signature import Command, FileKind, Output, command, picture
 from tline.errors import InputError
 
-PICTURE = (".png", ".svg", ".pdf")
+if TYPE_CHECKING:
+    from passivity import ExpressionError
+
 SAMPLES = re.compile(r"\.(csv|[syz][0-9]+p|ts)$", re.IGNORECASE)
+FILES = {
+    "nearest": FileKind(
+        (".json", *(f".s{ports}p" for ports in range(1, 17))),
+        "Fit samples and write the nearest passive model; the exit status is then its own. .json: poles and residues;"
+        " .s1p, .s2p, ...: its values at the same frequencies",
+    ),
+    "plot": picture("Nyquist and Smith chart, |H(jω)|, or samples"),
+    "certificate": FileKind((".json",), "Write the proof along the expression, or the witness"),
+}
+PICTURED = "a rational impedance or reflection without delay, or samples"
 EXAMPLES = """\b
 Examples:
   tline passivity "R + s*L + 1/(s*C)" --param R="50 ohm" --param L="10 nH" --param C="4 pF" --z0 50
@@ -34,7 +43,7 @@ Exit status: 0 proved, 1 refuted, 3 undecided (and no violation seen in samples)
 """
 
 
-class ExpressionCommand(click.Command):
+class ExpressionCommand(Command):
     """Takes an expression that begins with a minus sign for what it is."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -45,44 +54,20 @@ class ExpressionCommand(click.Command):
             raise click.NoSuchOption(f"{error.option_name:.30}", possibilities=error.possibilities, ctx=ctx) from None
 
 
-@click.command("passivity", cls=ExpressionCommand, epilog=EXAMPLES)
-@click.argument("what", required=False)
-@click.option(
-    "--kind",
-    type=click.Choice(["pr", "br", "chain"]),
-    help="pr: an impedance (default); br: a reflection; chain: an impedance seen through a line, step by step.",
-)
-@click.option(
-    "--param",
-    "parameters",
-    metavar="NAME=VALUE",
-    multiple=True,
-    help="Value of a name, such as R='50 ohm', or what is assumed of it, such as 'R>0', '0<k<=1' or 'k real'; of any"
-    " function, 'Z2 positive real' or 'H bounded real'.",
-)
-@click.option("--z0", metavar="OHM", help="Impedance against which an impedance reflects, 1 if not given.")
-@click.option("--delay", metavar="T", help="Look at the impedance through a lossless line of z0 and this delay.")
-@click.option(
-    "--within",
-    metavar="TOLERANCE",
-    help="Ask also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.",
-)
-@click.option("--error", metavar="BAR", help="How far each sample of a file may be from the truth.")
-@click.option(
-    "--nearest",
-    metavar="FILE",
-    help="Fit samples and write the nearest passive model; the exit status is then its own. .json: poles and residues;"
-    " .s1p, .s2p, ...: its values at the same frequencies.",
-)
-@click.option("--plot", metavar="FILE", help="Nyquist and Smith chart, |H(jω)|, or samples; .png, .svg or .pdf.")
-@click.option("--certificate", metavar="FILE.json", help="Write the proof along the expression, or the witness.")
-@click.option("--verify", metavar="FILE.json", help="Check such a file instead, by the rules alone.")
-@confined_option
-@click.option("--json", "as_json", is_flag=True, help="Print everything exactly, with the certificate.")
-@click.pass_context
+@command(names={"parameters": "param"}, files=FILES, epilog=EXAMPLES, kind=ExpressionCommand)
 def passivity(
-    ctx: click.Context, what: str | None, plot: str | None, verify: str | None, as_json: bool, **given: Any
-) -> None:
+    what: str = "",
+    *,
+    kind: Literal["pr", "br", "chain"] | None = None,
+    parameters: tuple[str, ...] = (),
+    z0: str | None = None,
+    delay: str | None = None,
+    within: str | None = None,
+    error: str | None = None,
+    verify: str | None = None,
+    confined: bool = False,
+    files: dict[str, str],
+) -> Output:
     """Prove or refute that an impedance is positive real, or a reflection bounded real.
 
     WHAT is an expression in s with numbers (exact decimals, with SI prefix or unit), names, + - * / ^, parentheses,
@@ -90,66 +75,54 @@ def passivity(
     a file (.txt) with such text; a matrix [a, b; c, d] of rational ones; a scene (.toml), whose loads are
     checked; or samples (.csv with the header f,re,im, or Touchstone). The answer is a proof, or a point s with
     Re s > 0 where the property fails, to be checked by hand; samples can only refute.
+
+    Parameters
+    ----------
+    kind
+        pr: an impedance (default); br: a reflection; chain: an impedance seen through a line, step by step.
+    parameters : NAME=VALUE
+        Value of a name, such as R='50 ohm', or what is assumed of it, such as 'R>0', '0<k<=1' or 'k real'; of any
+        function, 'Z2 positive real' or 'H bounded real'.
+    z0 : OHM
+        Impedance against which an impedance reflects, 1 if not given.
+    delay : T
+        Look at the impedance through a lossless line of z0 and this delay.
+    within : TOLERANCE
+        Ask also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.
+    error : BAR
+        How far each sample of a file may be from the truth.
+    verify : FILE.json
+        Check such a file instead, by the rules alone.
+    as_json
+        Print everything exactly, with the certificate.
     """
     from passivity import ExpressionError
 
-    if (what is None) == (verify is None):
+    if bool(what) == (verify is not None):
         raise InputError("WHAT", "one question is needed", "an expression or a file, or --verify FILE.json alone")
-    _check_files(plot, given["nearest"], given["certificate"])
+    given = kind, parameters, z0, delay, within, error
+    asked = verdicts.Asked(*given, files.get("nearest"), files.get("certificate"), confined)
     try:
-        answer = _answer(what.strip(), Asked(**given)) if what is not None else verified(str(verify))
-        drawn = _plot(answer, plot) if plot else []
-    except ExpressionError as error:
-        where = _option(error.where, "--within" if given["error"] is None else "--error")
-        raise InputError(where, error.problem, error.expected, error.got) from error
-    if as_json:
-        click.echo(json.dumps(answer.told, indent=2, ensure_ascii=False))
-    else:
-        click.echo("\n".join(answer.lines + drawn))
-    ctx.exit(answer.exit_code)
+        output = _answer(what.strip(), asked) if verify is None else verdicts.verified(verify)
+    except ExpressionError as problem:
+        raise _named(problem, "--within" if error is None else "--error") from problem
+    if "plot" in files and "plot" not in output.files:
+        raise InputError("--plot", "there is no picture of this", PICTURED)
+    return output
 
 
-def _answer(what: str, asked: Asked) -> Answer:
+def _answer(what: str, asked: verdicts.Asked) -> Output:
     """Ask the one who knows about this kind of thing."""
     if what.lower().endswith(".toml"):
-        kind = "scene"
-    elif SAMPLES.search(what):
-        kind = "samples"
-    else:
-        kind = "matrix" if what.startswith("[") else "expression"
-    return import_module(f"tline.cli.verdicts.{kind}").answer(what, asked)
+        return verdicts.scene(what, asked)
+    if SAMPLES.search(what):
+        return verdicts.samples(what, asked)
+    return (verdicts.matrix if what.startswith("[") else verdicts.expression)(what, asked)
 
 
-def _option(where: str, tolerance: str) -> str:
-    """The option to act on, where it is one."""
-    thing, comma, place = where.partition(", ")
+def _named(error: "ExpressionError", tolerance: str) -> InputError:
+    """The same error, about the option to act on, where it is one."""
+    thing, comma, place = error.where.partition(", ")
     named = re.sub("^(parameter|assumption) ", "--param ", thing) or "expression"
     options = {"z0": "--z0", "delay": "--delay", "tolerance": tolerance, "assumption": "--param"}
-    return options.get(thing, named) + comma + place
-
-
-def _check_files(plot: str | None, nearest: str | None, certificate: str | None) -> None:
-    if plot is None and nearest is None and certificate is None:
-        return
-    from tline.solver.result.atomic import check_writable
-
-    for option, path, known in (
-        ("--plot", plot, PICTURE),
-        ("--nearest", nearest, (".json", *(f".s{k}p" for k in range(1, 17)))),
-        ("--certificate", certificate, (".json",)),
-    ):
-        if path is not None:
-            if not path.lower().endswith(known):
-                raise InputError(option, "unknown kind of file", " or ".join(known[:3]), f"'{path}'")
-            check_writable(path)
-
-
-def _plot(answer: Answer, file: str) -> list[str]:
-    from tline.pictures.style import save_figure, styled
-
-    if answer.draw is None:
-        raise InputError(
-            "--plot", "there is no picture of this", "a rational impedance or reflection without delay, or samples"
-        )
-    save_figure(styled(answer.draw)(), file)
-    return [f"wrote {file}"]
+    return InputError(options.get(thing, named) + comma + place, error.problem, error.expected, error.got)

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from tline.solver.result.accuracy import Accuracy
     from tline.solver.result.result import Result
 
+EXPECTED = "FROM:TO:COUNT, such as '0:1 us:1001'"
+MOST_INSTANTS = 10_000_000
 UNCERTAIN = 0.05  # of an amplitude
 EXAMPLES = """\b
 Examples:
@@ -127,13 +129,36 @@ def _read(scene: str, given: dict[str, Any], confined: bool) -> "Scene":
 def _instants(at: str | None, scene: "Scene") -> "NDArray | None":
     if at is None:
         return None
-    from tline.cli.instants import instants
     from tline.units import engineering
 
     times, end = instants(at, "--at"), float(scene.t_end)
     if times[-1] > end * (1 + 1e-12):
         raise InputError("--at", "ends after the run", f"at most {engineering(end, 's')}", f"'{at}'")
     return times
+
+
+def instants(text: str, where: str) -> "NDArray":
+    """Instants, s, apart by equal times, first and last included.
+
+    Examples
+    --------
+    >>> instants("0:1 us:3", "--at").tolist()
+    [0.0, 5e-07, 1e-06]
+    """
+    import numpy as np
+
+    from tline.units import to_si
+
+    parts = [part.strip() for part in text.split(":")]
+    if len(parts) != 3:
+        raise InputError(where, "not two instants and a count", EXPECTED, f"'{text}'")
+    first, last = (to_si(part, "s", where) for part in parts[:2])
+    count = int(parts[2]) if parts[2].isdecimal() and len(parts[2]) <= len(str(MOST_INSTANTS)) else 0
+    if not 2 <= count <= MOST_INSTANTS:
+        raise InputError(where, "not a count", f"2 to {MOST_INSTANTS:,} instants", f"'{parts[2]}'")
+    if not 0 <= first < last:
+        raise InputError(where, "does not run from an instant to a later one", EXPECTED, f"'{text}'")
+    return np.linspace(first, last, count)
 
 
 def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route | None":

@@ -1,15 +1,14 @@
-"""`tline surge`: operate a network without editing a file, and see what is worst."""
+"""`tline surge` and `study`: operate a network without editing a file, once or in many ways, and see what is worst."""
 
 import sys
 from typing import TYPE_CHECKING, Any
 
-from tline.cli.from_signature import Command, FileKind, Output, command, picture
+from tline.cli.from_signature import FileKind, Output, command, picture
 from tline.cli.options import check_readable, hours, options_named, write_text
 from tline.cli.result_files import FILES, recorded, writers
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from tline.pictures.path import Route
     from tline.scene.scene import Scene
 
 OPERATE = "tline.surge.operation:operate"
@@ -20,13 +19,11 @@ KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inert
 NAMES = {"t_end": "for", "hour": "at_hour"}  # of options
 
 
-def operated_network(command: Command, network: "Scene | str", **given: Any) -> "tuple[Scene, tuple[str, ...]]":
+def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tuple[str, ...]]":
     """The operated scene of a network, and notes on what was left out or guessed.
 
     Parameters
     ----------
-    command : Command
-        Whose options errors name.
     network : Scene or str
         Or the path of its file.
     **given
@@ -40,9 +37,8 @@ def operated_network(command: Command, network: "Scene | str", **given: Any) -> 
     operations = {kind: given.pop(kind) for kind in OPERATIONS if kind in given}
     reading = {key: given.pop(key) for key in READING if key in given}
     reading |= {"hour": hours(reading["hour"])} if "hour" in reading else {}
-    with options_named({"hour": "--at-hour", **{key: f"--{key.replace('_', '-')}" for key in READING[:2]}}):
-        scene, read, controls = read_network(network, **reading)
-    with command.named(**{"solver.order": "--order", "solver.tol": "--tol", "units": "--units"}):
+    scene, read, controls = read_network(network, **reading)
+    with options_named({"solver.order": "--order", "solver.tol": "--tol"}):
         scene, guesses = plan(scene, operations, controls=controls, progress=sys.stderr.isatty(), **given)
     return scene, (*read, *guesses)
 
@@ -104,21 +100,22 @@ def surge(
         Follow columns that separate, with cavities where water boils, or (--no-cavities) name no class there.
     """
     from tline.cli.report import judgement
+    from tline.pictures.path import route
     from tline.scene.file import scene_text
     from tline.solver.simulate import as_seconds
-    from tline.solver.tolerance.budget import Budget
+    from tline.solver.tolerance.ladder import Budget
     from tline.surge.operation import carried_out
     from tline.surge.report import as_text, band_text
 
     if path is not None and "profile" not in files:
         raise InputError("--path", "nothing shows it", "--profile beside it")
     places = [place.strip() for place in at.split(",")] if at else ()
-    with surge.named():
-        budget = Budget(as_seconds(seconds))
-    scene, guesses = operated_network(surge, network, t_end=t_end, at=places, budget=budget, **given)
+    budget = Budget(as_seconds(seconds))
+    scene, guesses = operated_network(network, t_end=t_end, at=places, budget=budget, **given)
     if "save" in files:
         write_text(scene_text(scene), files["save"])
-    way = _route(scene, path) if "profile" in files else None
+    nodes = [node.strip() for node in path.split(",")] if path else []
+    way = route(scene, *nodes) if "profile" in files else None
     inner = scene.lines if "tables" in files else recorded(scene, way, "map" in files)
     more = {"cavities": cavities, "until_settled": until_settled, "progress": sys.stderr.isatty()}
     found = carried_out(scene, guesses, inner, budget, **more)
@@ -139,8 +136,31 @@ def surge(
     )
 
 
-def _route(scene: "Scene", path: str | None) -> "Route":
-    from tline.pictures.path import route
+STUDY = {
+    "report": FileKind((".html",), "All in one page: tables, maps, profiles"),
+    "csv": FileKind((".csv",), "A row for each scenario"),
+}
 
-    with surge.named():
-        return route(scene, *(node.strip() for node in path.split(","))) if path else route(scene)
+
+@command(
+    "tline.surge.study:surge_study",
+    files=STUDY,
+    omit=("executor",),
+    epilog="""\b
+Example:
+  tline study scenes/town_study.toml --folder out/town --report out/town.html
+""",
+)
+def study(study: str, *, files: dict[str, str], **given: Any) -> Output:
+    """Operate a water network in many ways, in variants of it, and compare what comes of them.
+
+    STUDY is a TOML file with the network, what is operated (in turn for each pump, valve, pipe or node, if wanted) and
+    variants, such as protections. The exit status is 1 if no class of pressure can be told for a scenario.
+    """
+    from tline.surge.study import surge_study
+
+    check_readable(study)
+    found = surge_study(study, progress=sys.stderr.isatty(), **given)
+    return Output(
+        str(found).splitlines(), found.to_dict, dict.fromkeys(STUDY, found.save), (), 1 if found.unsigned else 0
+    )

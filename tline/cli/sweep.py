@@ -12,6 +12,8 @@ from tline.errors import InputError, import_extra
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+    from tline.scene.scene import Scene
+
 FILES = {
     "npz": FileKind((".npz",), "All inputs and what was kept as NumPy arrays, with the scene"),
     "netcdf": FileKind((".nc",), "The same for xarray and others"),
@@ -32,12 +34,11 @@ Examples:
 
 @command("tline.sweeps.runs:sweep", files=FILES, omit=("executor",), epilog=EXAMPLES)
 def sweep(
-    scene: str,
+    scene: "Scene",
     *,
     vary: tuple[str, ...] = (),
     keep: tuple[str, ...] = (),
     dask: str | None = None,
-    confined: bool = False,
     files: dict[str, str],
     **given: Any,
 ) -> Output:
@@ -64,16 +65,14 @@ def sweep(
     """
     wanted = _wanted(vary)
     from tline import sweeps
-    from tline.interchange.any_file import read as read_any
     from tline.solver.simulate import UnresolvedWarning
     from tline.sweeps.table import as_text, notes, summary
 
-    read = read_any(scene, confined=confined)
-    with _executor(dask) as executor, sweep.named(), warnings.catch_warnings():
+    with _executor(dask) as executor, warnings.catch_warnings():
         for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell
             warnings.simplefilter("ignore", said)
         kept = list(keep) or "extremes"
-        found = sweeps.sweep(read, wanted, keep=kept, executor=executor, progress=sys.stderr.isatty(), **given)
+        found = sweeps.sweep(scene, wanted, keep=kept, executor=executor, progress=sys.stderr.isatty(), **given)
     told = notes(found)
     return Output(
         as_text(found),

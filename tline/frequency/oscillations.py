@@ -8,9 +8,8 @@ from tline.errors import InputError
 from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.stability.characteristic import Characteristic
 from tline.solver.stability.growth import right_of_all
-from tline.solver.stability.zeros import MOST_SAMPLES, Box, UncountableError, all_zeros
+from tline.solver.stability.zeros import MOST_SAMPLES, Box, Characteristic, UncountableError, all_zeros
 
 DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
 LOWEST = 1e-9  # of the highest frequency; slower is no oscillation

@@ -11,8 +11,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.result.atomic import replacing, write_columns
-from tline.solver.stability.lossy_line import inside
-from tline.solver.stability.scattering import Scattering, answers
+from tline.solver.stability.scattering import Scattering, answers, inside
 from tline.words.wording import nearest, place
 
 

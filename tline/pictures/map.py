@@ -27,8 +27,8 @@ from tline.scene.load import linked_pairs
 from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
 from tline.solver.result.interior import inside
-from tline.solver.result.limits import VACUUM
 from tline.solver.result.result import Result
+from tline.solver.result.surge import VACUUM
 
 STRETCHES = 12  # of each line
 SEEN = 0.01  # of the longest delay; what is inside shorter lines nobody sees on a map

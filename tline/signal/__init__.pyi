@@ -16,4 +16,3 @@ from tline.signal.pulse import PulseResponse as PulseResponse
 from tline.signal.pulse import pulse_response as pulse_response
 from tline.signal.tdr import Reflections as Reflections
 from tline.signal.tdr import reflectometry as reflectometry
-from tline.signal.tdr import save_reflections as save_reflections

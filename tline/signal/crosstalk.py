@@ -55,6 +55,13 @@ class Crosstalk(Presentation):
             for pair, u in self.differential.items()
         }
 
+    def save(self, path: str | Path) -> None:
+        """Write time in s, voltages of all nodes, differences and means of pairs as CSV."""
+        columns = {"time [s]": self.t} | {f"{node} [V]": u for node, u in self.voltages.items()}
+        columns |= {f"{a} - {b} [V]": u for (a, b), u in self.differential.items()}
+        columns |= {f"mean of {a} and {b} [V]": u for (a, b), u in self.common.items()}
+        write_columns(path, columns)
+
     @property
     def differential(self) -> dict[tuple[str, str], NDArray]:
         """Voltage of the first less that of the second node, of each two at one end."""
@@ -113,20 +120,6 @@ def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None
     ]
     pairs = tuple(pair for end in (near, far) for pair in combinations(end, 2))
     return Crosstalk(name, driven, t, voltages, swing, heard[0], heard[1], pairs, scene.title)
-
-
-def save_crosstalk(seen: Crosstalk, path: str | Path) -> None:
-    """Write as CSV: time in s, voltages of all nodes, differences and means of pairs, V.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
-    columns = {"time [s]": seen.t} | {f"{node} [V]": u for node, u in seen.voltages.items()}
-    columns |= {f"{a} - {b} [V]": u for (a, b), u in seen.differential.items()}
-    columns |= {f"mean of {a} and {b} [V]": u for (a, b), u in seen.common.items()}
-    write_columns(path, columns)
 
 
 def _line(scene: Scene, name: str | None) -> str:

@@ -72,6 +72,21 @@ class Reflections(Presentation):
         with np.errstate(divide="ignore"):
             return np.where(self.reflected < 1, self.z0 * (1 + self.reflected) / (1 - self.reflected), np.inf)
 
+    def save(self, path: str | Path) -> None:
+        """Write as CSV: time in s, incident and reflected wave per step, impedance in SI (inf where all comes back).
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        waves = {"incident": self.incident, "reflected": self.reflected, "impedance": self.impedance}
+        write_columns(path, {"time [s]": self.t} | waves)
+
 
 def reflectometry(
     scene: Scene,
@@ -146,18 +161,6 @@ def reflectometry(
         problem = "more energy comes back than the step brings, for something else drives the scene"
         raise InputError("node", problem, "a scene that is at rest where its sources are silent")
     return Reflections(seen.t, incident, reflected, resistance, node, MEDIA[scene.medium], scene.title)
-
-
-def save_reflections(seen: Reflections, path: str | Path) -> None:
-    """Write as CSV: time in s, incident and reflected wave per step, impedance in SI (inf where all comes back).
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
-    columns = {"time [s]": seen.t, "incident": seen.incident, "reflected": seen.reflected, "impedance": seen.impedance}
-    write_columns(path, columns)
 
 
 def _above_zero(value: float | str, unit: str | None, where: str) -> float:

@@ -22,8 +22,7 @@ from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import load_step
 from tline.solver.description.nodes import Node
-from tline.solver.description.resolution import resolution
-from tline.solver.description.short_lines import short_lines
+from tline.solver.description.resolution import resolution, short_lines
 from tline.solver.description.slab import breaks_of, common_parts, relative_work
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
 from tline.solver.loop.march import March, Signals, Stepper, concatenated
@@ -103,15 +102,7 @@ class Pair:
 
     Both are packed once; where slabs are in pieces they are made anew for each run.
 
-    Parameters
-    ----------
-    description : Description
-    tol : float
-        Of all runs.
-    order : int
-        Of the coarser run.
-    h : float
-        Width of slabs, s.
+    Slabs have the width h, s; the coarser run has the order given, and `tol` is that of all runs.
     """
 
     def __init__(self, description: Description, tol: float, order: int, h: float):
@@ -140,7 +131,6 @@ class Pair:
             return None  # which a search tells, or finds a way round
 
     def _resolves(self, description: Description) -> bool:
-        """Whether two orders tell all, and nothing is faster than they follow."""
         fastest = min(map(min, description.time_scales.values()), default=inf)
         return fastest >= self.orders[0].resolved and _tells_by_order(description)
 

@@ -21,27 +21,16 @@ LEAST_PLACES = 8  # of `chebyshev`
 class Basis:
     """Polynomials of degree s - 1 on [0, 1].
 
-    Attributes
-    ----------
-    s : int
-        Number of points, the order.
-    c : ndarray, shape (s,)
-        Right-Radau points; the last is 1.
-    A : ndarray, shape (s, s)
-        Radau IIA matrix: integrals of the cardinal polynomials from 0 to each point.
-    to_points, to_legendre : ndarray, shape (s, s)
-        From Legendre coefficients to values at the points, and back.
-
     References
     ----------
     Hairer, Wanner: Solving Ordinary Differential Equations II (1996), section IV.5.
     """
 
-    s: int
-    c: Matrix
-    A: Matrix
-    to_points: Matrix
-    to_legendre: Matrix
+    s: int  # number of points, the order
+    c: Matrix  # (s,) right-Radau points; the last is 1
+    A: Matrix  # (s, s) Radau IIA matrix: integrals of the cardinal polynomials from 0 to each point
+    to_points: Matrix  # (s, s) from Legendre coefficients to values at the points
+    to_legendre: Matrix  # (s, s) back
 
     def evaluation(self, x) -> Matrix:
         """Matrix from values at the points to values at x, shape (len(x), s)."""

@@ -12,8 +12,7 @@ from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.assembly.node_maps import Event
-from tline.solver.convolution.run import Convolved
-from tline.solver.convolution.suited import affordable, suits
+from tline.solver.convolution.run import Convolved, is_affordable, suits
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
@@ -23,8 +22,8 @@ from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import Accuracy
-from tline.solver.result.conductor import record_of
 from tline.solver.result.envelope import watch
+from tline.solver.result.merged import record_of
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import ElementRecord, LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.result.states import watched
@@ -60,11 +59,6 @@ def run(
     places of elements whose waves are kept. Where no flow is found through elements that see each other, the run is
     made again with that piece of a slab in 4 parts, and if that does not help soon, with all slabs in 4, then 16.
     Scenes whose lines lose linearly are convolutions, but with a ledger or waves of elements.
-
-    Raises
-    ------
-    InputError
-        The scene cannot be assembled, the record would be too large, or the waves grow beyond all bounds.
     """
     if envelope:
         description.refuse_coupled("an envelope")
@@ -85,7 +79,7 @@ def _convolved(description: Description, chosen: Resolution, record: Iterable[st
         return None
     try:
         scene = Convolved(description, record, envelope=envelope)
-        if affordable(scene, chosen.s, chosen.h):
+        if is_affordable(scene, chosen.s, chosen.h):
             result = scene.run(chosen._replace(layers=FOLLOWED))
             return replace(result, resolution=chosen, accounts=accounts_of(description))  # as it was asked for
     except InputError:  # there is no answer in s, or no flow was found through laws
@@ -254,7 +248,6 @@ def _slams(assembly: Assembly) -> dict[str, float]:
 
 
 def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float) -> Wave:
-    """What a row of the record holds twice."""
     here, noted = done.pieces.row == row, done.pieces
     pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, 0])
     return Wave(waves[row, 0].reshape(-1, assembly.basis.s), before, assembly.basis, assembly.resolution.h, pieces)

@@ -17,12 +17,10 @@ from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import Again, run, with_ledger
-from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.convolved import convolved
-from tline.solver.tolerance.ladder import Search, inside_slabs, refined
-from tline.solver.tolerance.mixed_modes import Doublings
-from tline.solver.tolerance.rounded import Rounded, compared
+from tline.solver.tolerance.grids import Doublings, Rounded, compared
+from tline.solver.tolerance.ladder import Budget, Search, inside_slabs, refined
 from tline.solver.tolerance.search import Orders, Start, within
 from tline.solver.witness.witness import Witness
 
@@ -319,7 +317,6 @@ def asked(scene: Scene, tol: float | None) -> float | None:
 
 
 def _active(description: Description, allowed: bool) -> list[str]:
-    """What there is to say of active elements, if they are allowed."""
     if not description.active:
         return []
     from tline.solver.stability.growth import growth_sentence

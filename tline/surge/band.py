@@ -10,7 +10,7 @@ from tline.scene.scene import Scene
 from tline.scene.valve import ADDED, Orifice
 from tline.solver.description.excitation import varies
 from tline.solver.result.result import Result
-from tline.solver.tolerance.budget import Budget
+from tline.solver.tolerance.ladder import Budget
 from tline.surge.columns import ROUGHLY
 from tline.surge.worst import extremes
 

@@ -20,7 +20,7 @@ from tline.scene.scene import Scene
 from tline.scene.vessel import MOST_PLACES, with_cavities
 from tline.solver.result.result import LineRecord, Result
 from tline.solver.result.states import StateTrace
-from tline.solver.tolerance.budget import Budget
+from tline.solver.tolerance.ladder import Budget
 from tline.surge.worst import BOILS, CAVITIES, boils, extremes
 
 STRETCHES = 4, 8  # of the longest pipe that boils; shorter ones have as many fewer

@@ -15,7 +15,7 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, as_seconds, simulated
-from tline.solver.tolerance.budget import Budget
+from tline.solver.tolerance.ladder import Budget
 from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated
 from tline.surge.control import acting, read_control, triggered

@@ -4,7 +4,7 @@ import json
 import os
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +32,14 @@ if TYPE_CHECKING:
 
 WRITTEN = ".html", ".csv"
 BAR = 1e5  # Pa
+SHOWN = 4  # decimals of pressures in tables
+# of what a node saw, Pa: what is largest where a surge hit hardest
+MEASURES: dict[str, Callable[[Mapping[str, Any]], float]] = {
+    "rise": lambda node: node["highest"] - node["before"],
+    "fall": lambda node: node["before"] - node["lowest"],
+    "highest": lambda node: node["highest"],
+    "lowest": lambda node: -node["lowest"],
+}
 
 
 class Outcome(NamedTuple):
@@ -43,12 +51,11 @@ class Outcome(NamedTuple):
     told: Mapping[str, Any]
 
     @property
-    def extremes(self) -> tuple[Mapping[str, Any], Mapping[str, Any]] | None:
-        """The nodes with the highest and with the lowest pressure of all; None if the scenario failed."""
+    def worst(self) -> dict[str, Mapping[str, Any]]:
+        """What the node saw that rose most, fell most, has the highest and the lowest pressure of all; empty if the
+        scenario failed."""
         nodes = self.told.get("nodes")
-        if not nodes:
-            return None
-        return max(nodes, key=lambda node: node["highest"]), min(nodes, key=lambda node: node["lowest"])
+        return {word: max(nodes, key=measure) for word, measure in MEASURES.items()} if nodes else {}
 
     @property
     def verdict(self) -> str:
@@ -96,27 +103,33 @@ class SurgeStudy(Presentation):
     def table(self) -> tuple[list[str], list[list[str]]]:
         """Head and rows of the table of scenarios, in the units of the network."""
         size, unit = self.unit
-        head = ["scenario", f"highest [{unit}]", "±", "at", "after [s]", "lowest", "at", "after [s]", "class"]
+        head = ["scenario", f"rise [{unit}]", "at", "after [s]", "fall", "at", "after [s]", "highest", "±", "at"]
         rows = []
         for outcome in self.outcomes:
-            cells = ["", "", "", "", "", "", ""]
-            if outcome.extremes:
-                top, low = outcome.extremes
+            cells = [""] * 11
+            if worst := outcome.worst:
+                rise, fall, top, low = worst.values()
                 error = max(top["highest_error"] or 0.0, (outcome.told["columns"] or {}).get("spread", 0.0))
-                cells = [f"{top['highest'] / size:.4g}", f"{error / size:.1g}", top["node"], f"{top['highest_at']:.4g}"]
-                cells += [f"{low['lowest'] / size:.4g}", low["node"], f"{low['lowest_at']:.4g}"]
+                cells = [*self.moved(outcome, "rise"), rise["node"], f"{rise['highest_at']:.4g}"]
+                cells += [*self.moved(outcome, "fall"), fall["node"], f"{fall['lowest_at']:.4g}"]
+                cells += [f"{top['highest'] / size:.4g}", f"{round(error / size, SHOWN):.1g}", top["node"]]
+                cells += [f"{low['lowest'] / size:.4g}", low["node"]]
             rows.append([outcome.scenario.name, *cells, outcome.verdict])
-        return head, rows
+        return [*head, "lowest", "at", "class"], rows
+
+    def moved(self, outcome: Outcome, *words: str) -> list[str]:
+        """How far pressures rose, "rise", or fell, "fall", at most, in the unit in which they are read."""
+        size, worst = self.unit[0], outcome.worst
+        return [f"{round(MEASURES[word](worst[word]) / size, SHOWN):.4g}" for word in words if worst]
 
     def text_lines(self) -> Iterator[str]:
-        """The worst first."""
+        """The worst first, what rose or fell most."""
         head, rows = self.table()
         yield self.plan.title or "a study of surges"
         failed = sum("mistake" in outcome.told for outcome in self.outcomes)
         told = f"{len(rows)} scenarios, {len(self.unsigned) - failed} without a class of pressure, {failed} failed"
         yield f"{told}; gauge pressures"
-        tops = [each.extremes[0]["highest"] if each.extremes else np.inf for each in self.outcomes]
-        order = sorted(range(len(rows)), key=lambda k: -tops[k])
+        order = sorted(range(len(rows)), key=lambda k: -_change(self.outcomes[k]))
         short = [
             [*rows[k][:-1], "failed" if "mistake" in self.outcomes[k].told else rows[k][-1].partition(":")[0]]
             for k in order
@@ -285,3 +298,8 @@ def _keep(folder: str | Path | None, scenario: Scenario, told: Mapping[str, Any]
     for suffix, text in (texts | {".json": json.dumps(told, ensure_ascii=False)}).items():
         with replacing(f"{path}{suffix}") as temporary:
             temporary.write_text(text, encoding="utf-8")
+
+
+def _change(outcome: Outcome) -> float:
+    """How far the pressure rose or fell at most, Pa; infinite if the scenario failed."""
+    return max((MEASURES[word](outcome.worst[word]) for word in ("rise", "fall") if outcome.worst), default=np.inf)

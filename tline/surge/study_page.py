@@ -26,7 +26,7 @@ WORST = 10  # nodes in tables
 STYLE = """body{font:15px/1.45 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}
 table{border-collapse:collapse;font-size:13px;margin:.6rem 0}th,td{padding:.2rem .6rem;border-bottom:1px solid #ddd;
 text-align:right;vertical-align:top}th:first-child,td:first-child,td:last-child,th:last-child{text-align:left}
-tr.no{background:#fbe9e0}.two{display:flex;gap:3rem;flex-wrap:wrap}img{max-width:100%;height:auto}
+td:first-child{white-space:nowrap}tr.no{background:#fbe9e0}.two{display:flex;gap:3rem;flex-wrap:wrap}img{max-width:100%;height:auto}
 code{font-size:12px}@media print{body{margin:0;max-width:none;font-size:11px}table{font-size:9px}
 tr,figure,img{break-inside:avoid}h2{break-after:avoid}}"""
 Nodes = Mapping[str, Mapping[str, Any]]  # what each saw in the scenario that was worst for it, with its name
@@ -45,7 +45,7 @@ def _parts(study: "SurgeStudy") -> Iterator[str]:
     if len(study.plan.variants) > 1:
         yield "<h2>Variants</h2>" + _comparison(study)
     for variant in study.plan.variants:
-        found = [outcome for outcome in study.outcomes if outcome.scenario.variant == variant and outcome.extremes]
+        found = _of_variant(study, variant)
         if found:
             yield f"<h2>The network {'' if variant == AS_READ else 'with '}{escape(variant)}</h2>"
             yield _worst_nodes(study, found)
@@ -70,20 +70,15 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], marks: Sequence[s
 
 
 def _comparison(study: "SurgeStudy") -> str:
-    """Highest and lowest pressure of each event, variants side by side."""
-    size, unit = study.unit
+    """How far pressures rose and fell in each event, variants side by side."""
     rows: dict[str, dict[str, str]] = {}
     for outcome in study.outcomes:
         told = outcome.scenario
-        cell = (
-            f"{outcome.extremes[0]['highest'] / size:.4g} / {outcome.extremes[1]['lowest'] / size:.4g}"
-            if outcome.extremes
-            else "failed"
-        )
+        cell = " / ".join(study.moved(outcome, "rise", "fall")) or "failed"
         rows.setdefault(f"{told.event} {told.element}".rstrip(), {})[told.variant] = cell
     names = [*study.plan.variants]
     return _table(
-        [f"highest / lowest [{unit}]", *names],
+        [f"rise / fall [{study.unit[1]}]", *names],
         [[event, *(row.get(name, "") for name in names)] for event, row in rows.items()],
     )
 
@@ -120,7 +115,7 @@ def _of_nodes(found: Sequence["Outcome"], word: str, sign: int) -> dict[str, dic
 
 
 def _of_variant(study: "SurgeStudy", variant: str) -> list["Outcome"]:
-    return [outcome for outcome in study.outcomes if outcome.scenario.variant == variant and outcome.extremes]
+    return [outcome for outcome in study.outcomes if outcome.scenario.variant == variant and outcome.worst]
 
 
 def worst_map(study: "SurgeStudy", variant: str, ax: "Axes | None" = None) -> "Figure | Axes":

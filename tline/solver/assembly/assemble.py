@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.diamonds import begin_steady, diamonds_of
+from tline.solver.assembly.diamonds import begin_steady, diamonds_of, fill_diamonds
 from tline.solver.assembly.layout import Excitation, Layout, layout_of
 from tline.solver.assembly.node_maps import Event, maps_of
-from tline.solver.assembly.start import fill_diamonds
 from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
@@ -22,7 +21,7 @@ from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.kernel.network import Laws, Network, State
 from tline.solver.radau import Basis, basis
-from tline.solver.steady.lossy_lines import Ends
+from tline.solver.steady.edges import Ends
 
 ORDERS = 4  # assemblies that a grid keeps
 FEW = 1e5  # samples on the lines of one that is kept
@@ -140,7 +139,6 @@ def rewritten(assembly: Assembly, description: Description, chosen: Resolution, 
 
 
 def _now(description: Description, chosen: Resolution, layout: Layout, load: NDArray) -> dict[str, Any]:
-    """What an assembly has of the scene that it is of now."""
     follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     return {
@@ -160,7 +158,6 @@ def _now(description: Description, chosen: Resolution, layout: Layout, load: NDA
 
 
 def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
-    """Room for what is under way."""
     grid, s, lines = layout.grid, order.s, len(layout.grid.delay)
     return State(
         waves=np.empty(2 * int(grid.delay.sum()) * s),

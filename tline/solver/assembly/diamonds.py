@@ -4,6 +4,8 @@ On the triangle 0 ≤ p ≤ q ≤ 1 polynomials of degree s are held by K = (s +
 takes is projected on these, and the flow likewise before friction is looked up. What leaves the triangle is
 interpolated at Radau's points: accurate at slab ends. Where that would make energy, it is projected on the polynomials
 of a slab: the transposed matrices do that, so energy is lost whatever the law (docs/theory.md).
+
+Lossy lines in a steady flow as arrays: waves before t = 0 on lines in diamonds.
 """
 
 from collections.abc import Iterable, Iterator
@@ -22,12 +24,16 @@ from tline.solver.description.laws import tools_of
 from tline.solver.description.lines import Line
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.diamonds.cells import CELL_ORDER
-from tline.solver.kernel.diamonds.friction import PLACES, TERMS, lost
+from tline.solver.kernel.diamonds.full import PLACES, TERMS, lost
 from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds, Memory
 from tline.solver.radau import Basis, basis, gauss
 
 if TYPE_CHECKING:
     from tline.solver.assembly.layout import Junctions, SlabGrid
+from collections.abc import Mapping
+
+from tline.solver.kernel.network import Network, State
+from tline.solver.steady.edges import Ends
 
 EXPONENT = 1023  # of 1.0, as numbers hold it
 EXACT, SHARE = 1e-15, 1e-6  # of the largest wave, and of what may be left out: changes that end an iteration
@@ -226,7 +232,7 @@ def _of_colebrook(roughness: float) -> NDArray:
 
 @lru_cache
 def _power_table(n: float) -> NDArray:
-    """What `tline.solver.kernel.diamonds.friction.power` looks up."""
+    """What `tline.solver.kernel.diamonds.full.power` looks up."""
     k, places = np.arange(TERMS), 1 + (np.arange(PLACES) + 0.5) / PLACES
     binomials = np.cumprod(np.append(1.0, (n - k[:-1]) / k[1:]))
     exponents = np.arange(2 * EXPONENT + 1) - EXPONENT
@@ -234,3 +240,23 @@ def _power_table(n: float) -> NDArray:
         powers = np.exp2(n * exponents)
     powers[0] = 0.0  # of nothing, and of what is too little to be a number
     return np.concatenate([binomials, places**n, 1 / places, powers])
+
+
+def fill_diamonds(network: Network, state: State, flows: Mapping[int, Ends], order: Basis) -> None:
+    """Write waves on lines that lose all along, each slab on its next edge, and what half diamonds take."""
+    s, c = order.s, order.c
+    for row, k in enumerate(network.diamonds.line.tolist()):
+        D, f = int(network.delay[k]), float(network.diamonds.rest[row])
+        m, n = np.arange(-D, 0)[:, None], np.arange(D)[:, None]
+        ring = state.waves[network.offset[k] :][: 2 * D * s].reshape(2, D, s)
+
+        def wave(xi: NDArray, eta: NDArray, sign: int, k: int = k, long: float = D + f) -> NDArray:
+            u, q = flows[k].at((eta - xi) / (2 * long))
+            return u + sign * q
+
+        ring[0], ring[1] = wave(-n + 0 * c, n + f + c, -1), wave(m + c, -m + f + 0 * c, 1)
+        state.before[2 * k] = wave(0 * c, f * c, -1)
+        state.before[2 * k + 1] = wave(f * c - D - f, D + f + 0 * c, 1)
+        d = 2 * flows[k].line.z0 * float(flows[k].y[0])
+        state.halves[2 * k] = lost(network.diamonds, row, d)[0]
+        state.halves[2 * k + 1] = -state.halves[2 * k]

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.node_maps import Event
-from tline.solver.assembly.settling import settling_step
+from tline.solver.assembly.node_maps import Event, settling_step
 from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
 from tline.solver.description.laws import tools_of
@@ -45,27 +44,13 @@ LULL = 16  # slabs without a front that are worth a return to blocks
 
 
 class Tally(NamedTuple):
-    """What became of the fronts of a run.
+    """What became of the fronts of a run."""
 
-    Attributes
-    ----------
-    most : int
-        Slabs in several pieces under way at once, at most.
-    merged : int
-        Fronts that reached a node together with another one.
-    dissolved : int
-        Breakpoints taken away because the pieces beside them continue each other.
-    dropped : int
-        Breakpoints taken away because a slab had too many.
-    lost : float
-        The largest of those, as a share of the largest wave.
-    """
-
-    most: int = 0
-    merged: int = 0
-    dissolved: int = 0
-    dropped: int = 0
-    lost: float = 0.0
+    most: int = 0  # slabs in several pieces under way at once, at most
+    merged: int = 0  # fronts that reached a node together with another one
+    dissolved: int = 0  # breakpoints taken away because the pieces beside them continue each other
+    dropped: int = 0  # breakpoints taken away because a slab had too many
+    lost: float = 0.0  # the largest of those, as a share of the largest wave
 
 
 def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -> Fronts:
@@ -142,7 +127,6 @@ def _packed(assembly: Assembly) -> Systems:
 
 
 def _joined(parts: list[NDArray]) -> tuple[NDArray, NDArray]:
-    """Where each begins, and all of them one after the other."""
     return np.cumsum([0, *map(len, parts)])[:-1], np.concatenate([np.empty(0), *parts])
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tline.compiled.structure import pack
-from tline.solver.assembly.settling import SUBSTEPS
+from tline.solver.assembly.node_maps import SUBSTEPS
 from tline.solver.kernel.diamonds.cells import CELL_ORDER, PARTS
 from tline.solver.kernel.fronts.structures import Steps, Workspace
 from tline.solver.kernel.network import (

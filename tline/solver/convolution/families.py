@@ -21,24 +21,13 @@ SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: whe
 
 
 class Changes(NamedTuple):
-    """A waveform by its fronts.
-
-    Attributes
-    ----------
-    before : float
-        Value before t = 0.
-    at : ndarray, shape (fronts,)
-        Instants, s.
-    jump, bend : ndarray, shape (fronts,)
-        Changes of value and slope, where the waveform is straight.
-    curved : bool
-    """
+    """A waveform by its fronts."""
 
     waveform: Waveform
-    before: float
-    at: NDArray
-    jump: NDArray
-    bend: NDArray
+    before: float  # value before t = 0
+    at: NDArray  # (fronts,) instants, s
+    jump: NDArray  # (fronts,) changes of value
+    bend: NDArray  # (fronts,) changes of slope, where the waveform is straight
     curved: bool
 
     def part(self, chosen: NDArray, ahead: float) -> Waveform:
@@ -54,13 +43,7 @@ class Changes(NamedTuple):
 def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
     """The fronts of a waveform from t = 0 to the end of a run.
 
-    Parameters
-    ----------
-    waveform : Waveform
-    steady : bool
-        Whether it has the value before t = 0 that it has immediately before; else it is zero till then.
-    t_end : float
-        End of the run, s.
+    Before t = 0 it has the value that it has immediately before, if that is steady; else it is zero till then.
     """
     before = just_before(waveform) if steady else 0.0
     breaks = waveform.breaks(t_end)
@@ -145,20 +128,8 @@ class Late(NamedTuple):
 def summed(records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis) -> tuple[NDArray, Noted]:
     """The sum of records on slabs that begin so many slabs earlier each, on n slabs from t = 0 on.
 
-    Parameters
-    ----------
-    records : iterable of ndarray, shape (rows, 2, slabs * s)
-        One for each of `ahead`.
-    ahead : ndarray
-    n : int
-    order : Basis
-
-    Returns
-    -------
-    ndarray, shape (rows, 2, n * s)
-        In whole slabs.
-    Noted
-        In pieces between the places at which slabs begin.
+    Records have the shape (rows, 2, slabs * s), one for each of `ahead`; the sum has whole slabs, and pieces between
+    the places at which slabs begin.
     """
     edges = np.append(np.unique([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
     values = np.zeros((1, 1, 1, 1, 1))

@@ -20,10 +20,9 @@ from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.nodal import Efforts, LinearRest
 from tline.solver.convolution.quadrature import Quadrature
-from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE, Shape
-from tline.solver.description.groups import Group
+from tline.solver.description.groups import Group, parts
 from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.description.switches import Moving
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
@@ -37,14 +36,7 @@ APART = 1e-11  # of a wave; laws that send each other less within a slab do not 
 
 
 class LawsAtPorts:
-    """The laws and switches of a scene, and what there is before t = 0.
-
-    Parameters
-    ----------
-    description : Description
-    network : LinearRest
-    before : Before
-    """
+    """The laws and switches of a scene, and what there is before t = 0."""
 
     def __init__(self, description: Description, network: LinearRest, before: Before):
         self.network, self.elements = network, network.laws
@@ -68,19 +60,7 @@ class LawsAtPorts:
     def waves(self, rule: Quadrature, order: Basis, h: float, ahead: float, efforts: Efforts) -> NDArray:
         """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K).
 
-        Parameters
-        ----------
-        rule : Quadrature
-        order : Basis
-        h, ahead : float
-            Slab, s, and by how many of them slabs begin before t = 0.
-        efforts : Efforts
-            At all points of the rule.
-
-        Raises
-        ------
-        NoFlowError
-            No flow was found in a slab.
+        Slabs of width h, s, begin `ahead` of them before t = 0; efforts are those at all points of the rule.
         """
         ports, K = self.network.ports, len(self.elements)
         given = rule.backward(2 * efforts.driven @ ports.T)
@@ -99,7 +79,6 @@ class LawsAtPorts:
         return rule.forward(back)
 
     def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> Laws:
-        """The elements as the kernel reads them, in this order and these groups."""
         laws = with_basis(self.packed, order, h, self.packed.record_row)
         each = "kind from_node to_node excitation_row control at state_at governor governor_state source_impedance"
         moved = {name: getattr(laws, name)[chosen] for name in (*each.split(), "before", "record_row")}

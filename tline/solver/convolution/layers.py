@@ -53,23 +53,9 @@ class Layer(NamedTuple):
 class Layers:
     """Rays of all sources of a scene, on grids of slabs of a width and of its parts.
 
-    Parameters
-    ----------
-    network : LinearRest
-    sources : list of Source
-    rows : list of pair of int
-        Of the record: node, and line end, or -1.
-    order : Basis
-    h : float
-        s.
-    slabs : ndarray, shape (lines,)
-        Whole ones by which lines move waves.
-    near : int
-        Slabs of each width, behind which those of twice the width follow a front.
-    padded : int
-        Times the slabs that transforms are long.
-    halvings : int
-        Times that slabs are halved, at most.
+    Rows of the record are pairs of a node and a line end, or -1; `slabs` are whole ones by which lines move waves.
+    Behind `near` slabs of each width those of twice the width follow a front; slabs are halved so often at most, and
+    transforms are so many times as long as they (`padded`).
     """
 
     def __init__(
@@ -94,13 +80,7 @@ class Layers:
     def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
         """A record (rows, 2, n s) on whole slabs, of sources as they are projected there, and its pieces beside fronts.
 
-        Parameters
-        ----------
-        record : ndarray
-        n : int
-        t_end : float
-        least : float
-            Of the largest value: what narrower slabs change no more.
+        What narrower slabs change by less than `least` of the largest value is left as it is.
         """
         s, least = self.order.s, least * float(np.abs(record).max())
         left = record.reshape(len(record), 2, -1, s).copy()

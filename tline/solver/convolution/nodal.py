@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.branches import Branch
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
+from tline.solver.description.links import Branch
 from tline.solver.description.nodes import Node
 from tline.solver.description.switches import switches_of
 from tline.solver.stability.scattering import Scattering
@@ -45,22 +45,9 @@ class Block(NamedTuple):
 class LinearRest(Scattering):
     """A scene in s without its laws and switches, of which each is a resistance and a source of waves.
 
-    Parameters
-    ----------
-    description : Description
-
-    Attributes
-    ----------
-    laws : list of PlacedLaw
-        Elements in the order of groups, then switches.
-    impedances : ndarray, shape (K,)
-        Behind which they are seen: about what they see of the rest within the shortest delay.
-    ports : ndarray, shape (K, N)
-        From efforts at nodes to those across laws.
-    bundles : dict of str to Bundle
-        Coupled conductors whose losses mix the modes.
-    pairs : ndarray, shape (P, 2)
-        Numbers of lines of which the second's efforts drive the first's flows: each line itself, and modes that mix.
+    Laws stand in the order of groups, then switches, seen behind `impedances` (K,): about what they see of the rest
+    within the shortest delay. `ports` (K, N) leads from efforts at nodes to those across laws. `pairs` (P, 2) are
+    numbers of lines of which the second's efforts drive the first's flows: each line itself, and modes that mix.
     """
 
     def __init__(self, description: Description):
@@ -113,7 +100,6 @@ class LinearRest(Scattering):
         """Laws stand behind their impedances, and modes of conductors are lines."""
 
     def _last(self, node: Node) -> float:
-        """Conductance of switches, which are laws."""
         return 0.0
 
     def _branches(self, group: Group) -> list[Branch]:
@@ -143,14 +129,8 @@ class LinearRest(Scattering):
     def efforts(self, s: NDArray, held: NDArray, flows: NDArray, lines: tuple[NDArray, NDArray]) -> Efforts:
         """Efforts under all sources, and under each law.
 
-        Parameters
-        ----------
-        s : ndarray of complex, shape (n,)
-            In the unit of the scattering.
-        held, flows : ndarray, shape (n, N)
-            Efforts that sources hold, and flows that they drive.
-        lines : pair of ndarray, shape (n, P)
-            Their `admittances`.
+        Sources hold efforts and drive flows, shape (n, N) each; `lines` are the `admittances` of lines, shape (n, P)
+        each.
         """
         size = self.known_by.shape[1] + sum(len(branch.nodes) for _, branches in self.groups for branch in branches)
         parts = int(len(s) * size * (size + len(self.laws)) / CHUNK) + 1

@@ -8,14 +8,29 @@ References
 ----------
 C. Lubich, A. Ostermann: Runge-Kutta methods for parabolic equations and convolution quadrature, Math. Comp. 60 (1993)
 105-131, doi:10.1090/S0025-5718-1993-1153166-7.
+
+Whether a line by convolution quadrature can create energy.
+
+Where a delay is what Radau makes of exp(-sT) it cannot. The scattering S of the line is analytic, and at most 1, where
+Re s > 0; the numerical range of D(ζ) lies there for |ζ| < 1, in the norm of the weights of Radau's quadrature; so
+‖S(D)‖ <= 1, by von Neumann's inequality. Where whole slabs of the delay are moved as they are, ζ^m stands for a part of
+exp(-sT), and the norm is looked at.
+
+References
+----------
+J. von Neumann, Math. Nachr. 4 (1951) 258-281, doi:10.1002/mana.3210040124.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.radau import Basis
+from tline.loss import LossyLine
+from tline.solver.description.bundle import Bundle
+from tline.solver.radau import Basis, basis
+from tline.solver.stability.scattering import carried
 
 PADDED = 2, 3, 7, 15  # times the slabs that a transform has
 LEAST = 0.2  # of a tolerance: what wraps around and rounding may be
@@ -73,14 +88,12 @@ def derivative(basis: Basis, zeta: NDArray) -> Modes:
 
 
 def _by_decomposition(basis: Basis, zeta: NDArray) -> Modes:
-    """The same at any places."""
     inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
     rates, vectors = np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
     return Modes(rates, vectors, np.linalg.inv(vectors))
 
 
 def _smooth(n: int) -> int:
-    """The next length of which a transform is quick."""
     halved = max(n.bit_length() - 4, 0)
     return min(part * 2**k for part in SMOOTH for k in (halved, halved + 1) if part * 2**k >= n)
 
@@ -128,10 +141,7 @@ class Quadrature:
     def weights(self, transfer: NDArray) -> NDArray:
         """Weights S_0, S_1, … by which values of slabs send others, shape (n, K s, K s), port by port.
 
-        Parameters
-        ----------
-        transfer : ndarray of complex, shape (points, K, K)
-            Of K ports.
+        `transfer` has the shape (points, K, K), of K ports.
         """
         K, (places, s, _) = transfer.shape[1], self._from_eigen.shape
         at, found = transfer.reshape(places, s, K, K), np.empty((self.n, K, s, K, s))
@@ -140,3 +150,40 @@ class Quadrature:
                 sums = (self._from_eigen * at[:, None, :, a, b]) @ self._to_eigen
                 found[:, a, :, b] = np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
         return found.reshape(self.n, K * s, K * s)
+
+
+SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
+
+
+def gain(line: LossyLine, z0: float, order: Basis, h: float, slabs: float) -> float:
+    """The largest norm of the scattering of a line, at places all round the circle |ζ| = 1.
+
+    The line has the impedance z0 for a front; so many whole slabs of its delay, h s each, move waves as they are.
+    """
+    rates, late, vectors, inverse = circle(order.s)
+    across, back = carried(line, z0, rates.ravel() / h, slabs * late.ravel())
+    modes = ((across + sign * back).reshape(-1, 1, order.s) for sign in (1, -1))  # of equal and opposite waves
+    return max(float(np.linalg.norm((vectors * mode) @ inverse, 2, axis=(1, 2)).max()) for mode in modes)
+
+
+def gain_of_bundle(bundle: Bundle, order: Basis, h: float, slabs: float) -> float:
+    """The same of coupled conductors whose modes mix, in power waves."""
+    rates, late, vectors, inverse = circle(order.s)
+    own, other = bundle.admittances(rates.ravel() / h, slabs * late.ravel())
+    root, one, k, found = np.sqrt(bundle.z0), np.eye(len(bundle.z0)), len(bundle.z0), 0.0
+    for sign in (1, -1):  # of equal and opposite waves
+        seen = root[:, None] * (own + sign * other) * root
+        back = np.linalg.solve(one + seen, one - seen).reshape(-1, order.s, k, k)
+        whole = np.einsum("nij,njab,njl->nialb", vectors, back, inverse).reshape(-1, order.s * k, order.s * k)
+        found = max(found, float(np.linalg.norm(whole, 2, axis=(1, 2)).max()))
+    return found
+
+
+@lru_cache
+def circle(s: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Eigenvalues of D, what a slab's delay is beyond them, and eigenvectors with their inverse, in that norm."""
+    order = basis(s)
+    zeta = np.exp(-2j * np.pi * np.geomspace(SLOWEST, 0.5, PLACES))
+    rates, vectors, inverse = derivative(order, zeta)
+    root = np.sqrt(order.A[-1])
+    return rates, -np.log(zeta)[:, None] - rates, root[:, None] * vectors, inverse / root

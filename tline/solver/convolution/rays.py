@@ -4,16 +4,22 @@ Beside an arrival a line with a memory answers on all time scales at once, which
 exp(-sT) taken out, a path from a source to a node is a transfer function F(s) that has no delay. So its answer to a
 step and to a ramp is known on few slabs of any width: on the scene's own, from which it is taken away, exactly as it is
 a part of the run there, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
+
+When jumps of sources arrive where.
 """
 
 from collections.abc import Iterator
 from heapq import heappop, heappush
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.convolution.families import changes_of
 from tline.solver.convolution.nodal import LinearRest
+from tline.solver.description.description import Description
+from tline.solver.description.switches import switches_of
 
 MOST = 100  # rays of one source
 SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
@@ -32,17 +38,8 @@ class Ray(NamedTuple):
 class Rays:
     """Paths through a linear rest without coupled conductors that mix.
 
-    Parameters
-    ----------
-    network : LinearRest
-    points : ndarray of complex, shape (points,)
-        Where waves are wanted, 1/s.
-    h : float
-        Slab, s.
-    slabs : ndarray, shape (lines,)
-        Whole ones by which lines move waves.
-    rows : list of pair of int
-        Of the record: node, and line end, or -1 where there is none.
+    Points are 1/s; `slabs` are whole ones, of width h, by which lines move waves; rows are pairs of a node and a line
+    end, or -1.
     """
 
     def __init__(self, network: LinearRest, points: NDArray, h: float, slabs: NDArray, rows: list[tuple[int, int]]):
@@ -67,14 +64,7 @@ class Rays:
     def of(self, node: int, held: bool, t_end: float, least: float) -> Iterator[Ray]:
         """Of a source of 1 at a node, which holds its effort or drives a flow, those that change fast.
 
-        Parameters
-        ----------
-        node : int
-        held : bool
-        t_end : float
-            Until when they are wanted, s.
-        least : float
-            What a wave has to be where |s| > 1/h to go on: else the scene's own slabs follow it.
+        A wave goes on where |s| > 1/h if it is `least` there: else the scene's own slabs follow it.
         """
         same, number = SAME * min(delay for delay, _, _ in self.ways), 0
         first = self.held[:, :, self.network.place[node]] if held else self.answers[:, :, node]
@@ -104,7 +94,6 @@ class Rays:
                     waves[end ^ 1] = waves.get(end ^ 1, 0.0) + wave
 
     def _efforts(self, group: int, into: dict[int, NDArray]) -> NDArray:
-        """Efforts at all nodes under waves into ends of one group."""
         found = np.zeros(self.answers.shape[:2], complex)
         at = self.groups[group]
         for end, wave in into.items():
@@ -119,3 +108,44 @@ class Rays:
             return np.stack([u, u], axis=1)
         flow = (u - 2 * into.get(end, 0.0)) * (self.network.z0[end // 2] / self.impedance[:, end // 2])
         return np.stack([u - flow, u + flow], axis=1)
+
+
+MOST_ARRIVALS = 10_000  # arrivals
+SAME_INSTANT = 1e-9  # of the shortest delay; arrivals so near are one
+
+
+def arrivals(description: Description) -> dict[str, NDArray]:
+    """Instants until the end of the run at which each node meets a jump, s; none anywhere if they are too many.
+
+    Jumps are those of sources and switches, and all that they become at other nodes, however small.
+    """
+    groups, nodes = description.grouped()
+    names = list(nodes)
+    edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
+    group_of = {name: g for g, (low, high) in enumerate(pairwise(edges)) for name in names[low:high]}
+    ways: list[list[tuple[int, float]]] = [[] for _ in groups]
+    for line in description.lines.values():
+        near, far = (group_of[name] for name in line.nodes)
+        ways[near].append((far, line.delay))
+        ways[far].append((near, line.delay))
+    heap: list[tuple[float, int]] = []
+    for name, node in nodes.items():
+        for waveform in (*([] if node.held is None else [node.held]), *(flow for flow, _ in node.flows)):
+            changes = changes_of(waveform, description.steady, description.t_end)
+            heap += [(float(t), group_of[name]) for t in changes.at[np.abs(changes.jump) > 0.0]]
+    for switch in switches_of(description):
+        moves = np.empty(0) if switch.law.factor is None else switch.law.factor.breaks(description.t_end)
+        heap += [(float(t), group_of[switch.nodes[0]]) for t in moves[moves >= 0]]
+    same = SAME_INSTANT * min(line.delay for line in description.lines.values())
+    heap, found = sorted(heap), [[-np.inf] for _ in groups]
+    while heap:
+        t, group = heappop(heap)
+        if t - found[group][-1] <= same:
+            continue
+        found[group].append(t)
+        if sum(map(len, found)) > MOST_ARRIVALS:
+            return dict.fromkeys(names, np.empty(0))
+        for far, delay in ways[group]:
+            if t + delay < description.t_end:
+                heappush(heap, (t + delay, far))
+    return {name: np.array(found[group][1:]) for name, group in group_of.items()}

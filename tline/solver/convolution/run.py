@@ -2,6 +2,10 @@
 
 All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
 with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
+
+The envelope of a convolution, from what its lines record.
+
+Which scenes are convolutions, and on which slabs these are is_affordable.
 """
 
 import time
@@ -14,23 +18,40 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.convolution.envelope import envelope_of
+from tline.solver.convolution.families import MOST as MOST_FAMILIES
 from tline.solver.convolution.families import Changes, changes_of, family_of, leads, summed
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
-from tline.solver.convolution.passive import gain, gain_of_bundle
-from tline.solver.convolution.quadrature import PADDED, Quadrature
+from tline.solver.convolution.quadrature import PADDED, Quadrature, gain, gain_of_bundle
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
-from tline.solver.description.given import Shape
+from tline.solver.description.given import Height, Shape
 from tline.solver.description.resolution import WHOLE, Resolution
 from tline.solver.loop.march import Noted
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Basis, basis
-from tline.solver.result.conductor import record_of
+from tline.solver.result.dense_output import extremes
+from tline.solver.result.envelope import Envelope
+from tline.solver.result.merged import record_of
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
+
+
+def envelope_of(description: Description, result: Result) -> Envelope:
+    """Extremes at all nodes at which lines end, all of which are recorded; what their errors are is not known yet."""
+    seen = {
+        node: ProbeResult(node, name, float(side), record, result.slabs, description.heights.get(node, Height()))
+        for name, record in result.lines.items()
+        for side, node in enumerate(description.lines[name].nodes)
+    }
+    found = [extremes(probe, "u") for probe in seen.values()]
+    (low, low_at), (high, high_at) = (np.array(side).T for side in zip(*found, strict=True))
+    start = np.array([sum(wave.before for wave in probe.waves) / 2 for probe in seen.values()])
+    weight, per_metre = (np.array([getattr(p.height, name) for p in seen.values()]) for name in ("weight", "per_metre"))
+    unknown = np.full(len(seen), np.nan)
+    return Envelope((*seen,), start, low, low_at, unknown, high, high_at, unknown, weight, per_metre)
+
 
 SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
@@ -40,22 +61,7 @@ MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 class Convolved:
     """A linear scene in s, and what its sources add to what they are before t = 0.
 
-    Parameters
-    ----------
-    description : Description
-    record : iterable of str
-        Lines whose waves are kept beside those of the probes.
-    padded : int
-        As in `Quadrature`.
-    envelope : bool
-        Whether results have one, without errors.
-    clocked : bool
-        Whether many fronts may be at edges of slabs, in place of narrower slabs beside each.
-
-    Raises
-    ------
-    InputError
-        There is no answer in s.
+    Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each.
     """
 
     def __init__(
@@ -171,7 +177,6 @@ class Convolved:
         return result
 
     def _layers(self, order: Basis, h: float, whole: NDArray, near: int) -> Layers:
-        """Rays to all rows of the record."""
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
         rows = [(int(self.network.node_of[end]), end) for end in ends]
@@ -284,3 +289,27 @@ def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: floa
         here = noted.row == row
         pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + before)
     return Wave(waves[row, side].reshape(-1, order.s) + before, before, order, h, pieces)
+
+
+MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
+MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
+
+
+def suits(description: Description) -> bool:
+    """Whether lines lose linearly, not all of them in diamonds, and the rest but laws and switches stays what it is."""
+    losses = [line.losses for line in description.lines.values() if line.losses is not None]
+    if not (description.dispersive or description.mixing) or not all(each.linear for each in losses):
+        return False
+    moving = any(element.governor is not None or element.kind.breaks for element in description.elements)
+    lifted = description.heights and not description.steady
+    return not (moving or lifted or description.active or (description.mixing and description.steady))
+
+
+def is_affordable(scene: Convolved, s: int, h: float) -> bool:
+    """Whether a scene is convolved on slabs of an order and a width within some seconds."""
+    leads = np.zeros(1) if scene.layered else scene.leads(h)
+    several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
+    points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
+    if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
+        return False
+    return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.branches import Branch
+from tline.solver.description.links import Branch
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 
@@ -56,23 +56,9 @@ def circuit(
 ) -> Circuit:
     """State space of a circuit, from the waves of its nodes and of its laws to the efforts at nodes and across laws.
 
-    Parameters
-    ----------
-    nodes : sequence of Node
-    branches : sequence of Branch
-        Loads with states too.
-    laws : sequence of LawPort
-    switched : sequence of float
-        Conductance of the switches at each node; none without it.
-
-    Raises
-    ------
-    InputError
-        Efforts and flows do not follow: what is prescribed contradicts itself, or nothing determines an effort.
-
-    Notes
-    -----
     Where branches see the gauge pressure at heights, a last state is always 1.
+
+    Loads with states are branches, too; `switched` has the conductance of the switches at each node.
     """
     k, m = len(nodes), len(laws)
     F, G, H, Q, L = equations(nodes, branches, laws, switched)
@@ -166,7 +152,6 @@ def _solved(F: NDArray, given: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def _norm(matrix: NDArray) -> float:
-    """Largest sum of a column's absolute values."""
     return float(np.abs(matrix).sum(axis=0).max())
 
 

@@ -19,22 +19,12 @@ NONE = np.empty(0)
 
 
 class Fit(NamedTuple):
-    """How well circuits stand for the laws of lossy lines.
+    """How well circuits stand for the laws of lossy lines."""
 
-    Parameters
-    ----------
-    low, high : float
-        Band, Hz.
-    tolerance : float
-        Of the impedance and the admittance in it, relative.
-    fastest : float
-        Rate up to which laws that are circuits stay what they are, 1/s.
-    """
-
-    low: float
-    high: float
-    tolerance: float
-    fastest: float
+    low: float  # Hz, of the band
+    high: float  # Hz
+    tolerance: float  # of the impedance and the admittance in it, relative
+    fastest: float  # rate up to which laws that are circuits stay what they are, 1/s
 
 
 class Circuits(NamedTuple):
@@ -48,13 +38,7 @@ class Circuits(NamedTuple):
 def fit_of(t_end: float, h: float, tolerance: float, drive: float = 0.0) -> Fit:
     """What a run of slabs of width h needs.
 
-    Parameters
-    ----------
-    t_end, h : float
-        s.
-    tolerance : float
-    drive : float
-        Shortest time scale of what drives, s, which the band is to hold up to `BAND` cycles per slab.
+    `drive` is the shortest time scale of what drives, s, which the band is to hold up to `BAND` cycles per slab.
 
     Examples
     --------
@@ -101,10 +85,8 @@ def one_step(law: Foster, scale: float, order: Basis, h: float) -> NDArray:
     With 2 q + ζ q = w and e = w - 2 q, in the coordinates in which its states do not see each other: ξ' = -p ξ + v q,
     v² = r p, and q = (w + v·ξ)/(2 + loss + Σ r). That matrix is symmetric.
 
-    Returns
-    -------
-    ndarray
-        D (s, s), C (s, modes), B (modes, s), decay (modes,), one after the other: e = D w + C x, x' = B w + decay x.
+    Returned are D (s, s), C (s, modes), B (modes, s), decay (modes,), one after the other: e = D w + C x, x' = B w +
+    decay x.
     """
     r, p, s = scale * law.strengths, law.rates, order.s
     through = 2 + scale * law.loss + r.sum()

@@ -18,18 +18,14 @@ from tline.scene.stretches import expanded
 from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
-from tline.solver.description.active import active_parts, impedances
-from tline.solver.description.branches import PlacedBranch
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
-from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped
-from tline.solver.description.lines import Line, lines_of
-from tline.solver.description.links import branches_of, inductive, resistive
-from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
-from tline.solver.description.probes import ProbePlace, probes_of
-from tline.solver.description.scales import filling_times, time_scales
-from tline.solver.description.tanks import Levels, levels_of
+from tline.solver.description.groups import Group, LumpedLine, filling_times, grouped, regrouped, time_scales
+from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
+from tline.solver.description.links import PlacedBranch, branches_of, inductive, resistive
+from tline.solver.description.nodes import NONE, Levels, Node, levels_of, nodes_anew, nodes_of
+from tline.solver.description.passive import active_parts, impedances
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
@@ -40,45 +36,23 @@ MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest d
 
 @dataclass(frozen=True, eq=False)
 class Description:
-    """What a scene is made of; what not every run needs is found when it is asked for first.
+    """What a scene is made of; what not every run needs is found when it is asked for first."""
 
-    Attributes
-    ----------
-    scene : Scene
-        As it was given, for the result.
-    lines : dict of str to Line
-        All that carry waves: single ones, and one for each mode of coupled conductors.
-    coupled : dict of str to pair of End
-        Ends of coupled conductors.
-    heights : mapping of str to Height
-        Of nodes; empty without elevations.
-    grids : dict
-        Lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`.
-    known : dict
-        What was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`.
-    origin : Origin or None
-        What it was changed from by values at some nodes.
-    """
-
-    scene: Scene
+    scene: Scene  # as it was given, for the result
     medium: Medium
     t_end: float
     steady: bool
-    lines: dict[str, Line]
-    coupled: dict[str, tuple[End, End]]
-    heights: Mapping[str, Height]
+    lines: dict[str, Line]  # all that carry waves: single ones, and one for each mode of coupled conductors
+    coupled: dict[str, tuple[End, End]]  # ends of coupled conductors
+    heights: Mapping[str, Height]  # of nodes; empty without elevations
+    # lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`
     grids: dict[Hashable, Any] = field(default_factory=dict, repr=False)
+    # what was found of this scene, for its next run; kept by `tline.solver.simulate` and `tline.solver.assembly`
     known: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
-    origin: "Origin | None" = field(default=None, repr=False)
+    origin: "Origin | None" = field(default=None, repr=False)  # what it was changed from by values at some nodes
 
     def changed(self, values: Mapping[str, Any]) -> "Description":
-        """The description of the scene with other values at dotted paths; lines that stay are not read again.
-
-        Raises
-        ------
-        InputError
-            There is nothing at a path, or a value does not fit there.
-        """
+        """The description of the scene with other values at dotted paths; lines that stay are not read again."""
         scene = changed(self.scene, values)
         touched = self._touched(scene, values)
         if touched is None:
@@ -297,12 +271,7 @@ class Description:
     ) -> tuple[list[Group], dict[str, Node]]:
         """Groups of nodes that something joins, and the nodes in their order.
 
-        Parameters
-        ----------
-        sections : mapping of str to int
-            Of lumped lines.
-        started : mapping of str to float
-            Flow in these before t = 0.
+        `sections` are those of lumped lines, `started` the flow in these before t = 0.
         """
         if not sections:
             return self._grouped
@@ -318,23 +287,11 @@ class Description:
         return grouped(self.nodes, [], self.elements, self.ends, self.branches)
 
     def check_linear(self, what: str) -> None:
-        """Refuse non-linear elements.
-
-        Raises
-        ------
-        InputError
-            Naming the first.
-        """
+        """Refuse non-linear elements."""
         self.scene.check_linear(what, besides=Multiport | RationalImpedance | Switch)
 
     def refuse_coupled(self, what: str) -> None:
-        """Refuse coupled conductors where something does not know them.
-
-        Raises
-        ------
-        InputError
-            Naming the first.
-        """
+        """Refuse coupled conductors where something does not know them."""
         refuse_coupled(self.scene.lines, what)
 
 

@@ -1,8 +1,14 @@
-"""Nodes that see each other without delay, and the circuit that stands between their line ends."""
+"""Nodes that see each other without delay, and the circuit that stands between their line ends.
 
-from collections.abc import Mapping, Sequence
+What hangs together.
+
+How fast the waveforms and the dynamic loads of a scene are.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 from operator import is_
 from typing import NamedTuple
 
@@ -10,15 +16,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.branches import Branch, PlacedBranch, conductors, lc_sections, one_port
 from tline.solver.description.circuit import Circuit, LawPort, circuit, equations
-from tline.solver.description.components import parts
 from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.excitation import Shape
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
+from tline.solver.description.links import Branch, PlacedBranch, conductors, lc_sections, one_port
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
+
+
+def parts(first: NDArray, second: NDArray, n: int) -> NDArray:
+    """Number of the connected part that each of n nodes lies in, for lines from the first nodes to the second."""
+    label, before = np.arange(n), np.full(n, -1)  # the least node of a part gives it its label, along the lines
+    while (label != before).any():
+        before = label.copy()
+        least = np.minimum(label[first], label[second])
+        np.minimum.at(label, first, least)
+        np.minimum.at(label, second, least)
+        label = label[label]
+    return np.unique(label, return_inverse=True)[1]
 
 
 class LumpedLine(NamedTuple):
@@ -93,12 +111,7 @@ class Group:
     def circuit(self, t: float, impedances: Sequence[float] = ()) -> Circuit:
         """The circuit just before an instant.
 
-        Parameters
-        ----------
-        t : float
-            s.
-        impedances : sequence of float
-            Behind which its laws are seen; without them it has none.
+        Its laws are seen behind impedances; without these it has none.
         """
         if self.single:
             A, b, c, d = self.nodes[0].reflection
@@ -271,3 +284,31 @@ def grouped(
     for lumped in lumped_lines:
         groups[part[number[lumped.line.nodes[0]]]].lumped_lines.append(lumped)
     return groups, {names[k]: nodes[names[k]] for k in order}
+
+
+def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
+    """Of each curved waveform and dynamic circuit the shortest time scale, and that of its oscillations, s."""
+    scales = {where: (waveform.fastest(), waveform.fastest()) for where, waveform in waveforms.items()}
+    for group in groups:
+        if group.poles is not None:
+            poles, where = group.poles, next(b.where for b in (*group.loads, *group.branches) if len(b.ports.Q))
+            ringing = poles[np.abs(np.imag(poles)) > np.abs(np.real(poles))]
+            scales[where] = (_shortest(poles), _shortest(ringing))
+    return scales
+
+
+def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node], pressure: float) -> list[float]:
+    """Times in which vessels and tanks fill through all else at their nodes, at a piezometric pressure, s."""
+    times = []
+    for element in elements:
+        capacity = element.kind.capacity(element.constants, pressure)
+        if capacity:
+            ends = [nodes[name] for name in element.nodes]
+            times.append(capacity * sum(1 / end.total for end in ends if end.held is None))
+    return times
+
+
+def _shortest(poles: NDArray) -> float:
+    """Time scale of the fastest pole, s; infinite if there is none."""
+    fastest = float(np.abs(poles).max(initial=0.0))
+    return 1 / fastest if fastest else inf

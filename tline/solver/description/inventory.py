@@ -63,13 +63,7 @@ class Inventory(NamedTuple):
 
 
 def inventory_of(description: Description, group: Group, h: float, t_end: float) -> Inventory:
-    """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen.
-
-    Parameters
-    ----------
-    h, t_end : float
-        Slab width and end of the run, s.
-    """
+    """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen."""
     found, steady = Inventory([], [], []), description.steady
     for node in group.nodes:
         alone = not node.ends and node.held is None  # no line tells its effort
@@ -92,7 +86,6 @@ def inventory_of(description: Description, group: Group, h: float, t_end: float)
 
 
 def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Member | Resistive | Excitation]:
-    """Sources, and loads that are linear."""
     name = node.name
     for where, source in node.sources.items():
         if np.isinf(source.conductance):
@@ -119,7 +112,6 @@ def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Membe
 
 
 def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: bool, to_air: bool) -> Member:
-    """A linear link, a lumped line, or a source between two nodes."""
     if link is None and where.startswith("sources."):
         return Member(where, nodes[:2], SUPPLIED, True, through=True, to_air=False)
     if not isinstance(link, RationalImpedance | Switch):

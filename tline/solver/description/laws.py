@@ -30,13 +30,7 @@ def laws_of(
 ) -> tuple[Laws, list[Shape]]:
     """Elements of groups as arrays, without the slabs' order and width; and what scales them over time.
 
-    Parameters
-    ----------
-    groups : sequence of Group
-    impedances : sequence of float
-        Of all elements, of the sources that they see.
-    first_row, first_state : int
-        Numbers of the first excitation row and of the first state.
+    Elements are seen behind impedances; excitation rows and states are numbered from given ones on.
     """
     excitations: list[Shape] = []
     rows, controls, states, moving = [], [], [], []
@@ -124,13 +118,7 @@ def with_basis(laws: Laws, order: Basis, h: float, record_row: NDArray) -> Laws:
 
 
 def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Mapping[str, float]) -> NDArray:
-    """States of the elements that have one, in equilibrium with the efforts of their nodes; and openings that move.
-
-    Raises
-    ------
-    InputError
-        A pressure is below what the gas in a vessel can have.
-    """
+    """States of the elements that have one, in equilibrium with the efforts of their nodes; and openings that move."""
     states: list[float] = []
     for element in elements:
         u = effort[element.nodes[0]]

@@ -4,16 +4,21 @@ The load is realised through its reflection (Z - z)/(Z + z) against the node's T
 every passive Z, be Z or 1/Z improper. A switch beside the load only feeds part of the reflected wave back. One slab is
 then a constant linear map from the Thévenin wave w at the points and the load's state at the slab's start to the
 node's effort u at the points and the state at the slab's end.
+
+A measured load: its poles as they were fitted, never multiplied out to coefficients of powers of s.
 """
 
 from math import isfinite
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from tline.errors import InputError
 from tline.solver.description.given import Ratio
 from tline.solver.radau import Basis, Matrix
+
+if TYPE_CHECKING:
+    from passivity import PoleResidueModel
 
 
 class StateSpace(NamedTuple):
@@ -28,20 +33,8 @@ class StateSpace(NamedTuple):
 def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     """Realise the reflection of a rational impedance against z in balanced companion form.
 
-    Parameters
-    ----------
-    impedance : Ratio
-        Z(s), at least of degree 1.
-    z : float
-        Thévenin impedance of the node, > 0 and finite.
-    where : str
-        Name for messages.
-
-    Raises
-    ------
-    InputError
-        If Z + z falls to a lower degree: Z tends to -z at high frequency, and no wave is defined; or if coefficients
-        are beyond the range of floats.
+    For Z of degree 1 or more, and 0 < z finite; refused where Z + z falls to a lower degree, so that no wave is
+    defined.
     """
     p, q = impedance
     n = max(len(p), len(q)) - 1
@@ -109,10 +102,7 @@ def _balance(A: Matrix) -> Matrix:
 def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
     """Radau IIA over one slab of width h for dx/dt = A x + b w, u = c x + d w (order 2s - 1 at the slab's end).
 
-    Returns
-    -------
-    ndarray, shape (k s + n, k s + n)
-        From (w, x) to (u, x at the slab's end): port by port the s points, then the states.
+    A matrix (k s + n, k s + n) from (w, x) to (u, x at the slab's end): port by port the s points, then the states.
     """
     s, (n, k) = basis.s, system.b.shape
     size, given, integral = n * s, k * s + n, h * basis.A
@@ -141,3 +131,30 @@ def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
             step.ravel()[i * s * given + j * s :][: s * given : given + 1] += through
     step[k * s :] = x[s - 1 :: s]
     return step
+
+
+def reflection_of_poles(model: "PoleResidueModel", ratio: float) -> StateSpace:
+    """Realise a load, whose reflection S against z0 is given by poles, by its reflection against z.
+
+    Each pole is a state, each pair two of a rotation; S is kept to the last bit. The waves against z0 are combinations
+    of those against z, a0 = (1 + z/z0)/2 a + (1 - z/z0)/2 r at the load, so that only the feedback of S is rounded.
+
+    The model is of S, |S| <= 1; `ratio` is z0/z > 0.
+    """
+    n = len(model.coefficients) - 2
+    A, b, c, k = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n)), 0
+    for a, r in zip(model.poles, model.residues, strict=True):
+        size = np.sqrt(abs(r)) or 1.0  # of inputs and outputs alike
+        if a.imag > 0:
+            A[k : k + 2, k : k + 2] = [[a.real, a.imag], [-a.imag, a.real]]
+            b[k], c[0, k : k + 2] = 2 * size, [r.real / size, r.imag / size]
+        else:
+            A[k, k], b[k], c[0, k] = a.real, size, r.real / size
+        k += 1 + (a.imag > 0)
+    # u = (a0 + r0)/2 and z0 i = (a0 - r0)/2: with g = z0/z, a = u + z i = ((g + 1) a0 + (g - 1) r0)/(2 g)
+    d = np.array([[model.constant]])
+    direct = (ratio + 1) + (ratio - 1) * model.constant
+    given, back = 2 * ratio / direct, (1 - ratio) / direct  # a0 = given a + back c x
+    through = (ratio - 1) / (2 * ratio) + (ratio + 1) / (2 * ratio) * d  # r of a0
+    output = (ratio + 1) / (2 * ratio) * c + back * through * c
+    return StateSpace(A + back * b @ c, given * b, output, given * through)

@@ -3,13 +3,16 @@
 In a scene with heights all efforts count from the level: the piezometric pressure of the liquid at rest, filled up to
 the highest node. What stands between a node and the open air sees the gauge pressure there, the effort less
 `Height.above_level`.
+
+How far a tank may fill and empty.
 """
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +25,11 @@ from tline.scene.rational import MOST_STATES, RationalImpedance
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
+from tline.scene.vessel import SurgeTank
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
-from tline.solver.description.load_step import StateSpace, reflection
-from tline.solver.description.partial_fractions import reflection_of_poles
+from tline.solver.description.load_step import StateSpace, reflection, reflection_of_poles
 from tline.words.wording import place
 
 SEA_LEVEL = Height()
@@ -65,13 +68,7 @@ class Node:
 
     @cached_property
     def reflection(self) -> StateSpace:
-        """From the wave into the dynamic loads to the one out of them, against 1/total.
-
-        Raises
-        ------
-        InputError
-            No wave is defined, or the loads' coefficients are beyond the range of floats.
-        """
+        """From the wave into the dynamic loads to the one out of them, against 1/total."""
         assert self.load is not None
         if self.measured is not None:
             return reflection_of_poles(self.measured.model.model, self.measured.z0 * self.total)
@@ -192,21 +189,7 @@ def lowered(pressure: Shape, level: float) -> Shape:
 def nodes_of(
     scene: Scene, lines: Mapping[str, Line], coupled: Iterable[End], sections: Mapping[str, int] = NONE
 ) -> dict[str, Node]:
-    """The nodes of a scene by name, in the order in which lines and links name them.
-
-    Parameters
-    ----------
-    lines : mapping of str to Line
-    coupled : iterable of End
-        Both ends of all coupled conductors.
-    sections : mapping of str to int
-        Of lumped lines.
-
-    Raises
-    ------
-    InputError
-        A line has cavities, or a load leaves no wave defined.
-    """
+    """The nodes of a scene by name, in the order in which lines and links name them."""
     refuse_cavities(scene.lines, "what is asked")
     nodes: dict[str, Node] = {}
     kept = 0
@@ -245,13 +228,7 @@ def nodes_of(
 
 
 def nodes_anew(scene: Scene, nodes: Mapping[str, Node], names: Iterable[str]) -> dict[str, Node]:
-    """Nodes of those names with what now stands there in a scene; they have kept their lines and heights.
-
-    Raises
-    ------
-    InputError
-        A load leaves no wave defined.
-    """
+    """Nodes of those names with what now stands there in a scene; they have kept their lines and heights."""
     fresh = {}
     for name in names:
         node = nodes[name]
@@ -262,7 +239,6 @@ def nodes_anew(scene: Scene, nodes: Mapping[str, Node], names: Iterable[str]) ->
 
 
 def _attach_all(scene: Scene, nodes: Mapping[str, Node]) -> None:
-    """Attach sources and loads to those of a scene's nodes that are given."""
     floating = []
     for name, source in scene.sources.items():
         if source.nodes is not None:
@@ -297,3 +273,26 @@ def node_of_end(nodes: Collection[Node]) -> NDArray:
     for k, node in enumerate(nodes):
         at[node.ends] = k
     return at
+
+
+class Levels(NamedTuple):
+    """Levels above its node at which a tank is empty, and overflows, m; and the pressure of a metre, Pa/m."""
+
+    node: str
+    weight: float
+    lowest: float
+    highest: float
+
+
+def levels_of(scene: Scene) -> dict[str, Levels]:
+    """Of tanks, by place."""
+    return {
+        place("loads", name): Levels(
+            load.at,
+            load.weight,
+            -inf if load.lowest_level is None else float(load.lowest_level),
+            inf if load.highest_level is None else float(load.highest_level),
+        )
+        for name, load in scene.loads.items()
+        if isinstance(load, SurgeTank)
+    }

@@ -4,6 +4,10 @@ What flows into a circuit flows into its elements, so that passive elements make
 scattering matrix at the line ends is found exactly, from the numbers as typed. Elements whose passivity rests on more
 than these numbers, such as laws, switches and what was measured, stay outside, with ports at their nodes: what is
 passive there is passive with them too.
+
+Linear elements of a scene with exact coefficients, from the numbers as typed; and which elements are none.
+
+Which elements of a scene may feed waves.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,12 +19,107 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from passivity.status import Decided, Status
-from tline.solver.description.components import parts
-from tline.solver.description.exact_elements import ExactElement, exact_elements
 from tline.solver.description.given import Scene
+from tline.solver.description.groups import parts
 
 if TYPE_CHECKING:
     from passivity import RationalFunction, RationalMatrix
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
+from tline.scene.multiport import Junction, Multiport
+from tline.scene.rational import RationalImpedance
+from tline.scene.touchstone import MeasuredMultiport, Touchstone
+from tline.words.wording import place
+
+if TYPE_CHECKING:
+    from passivity import RationalFunction
+from typing import TYPE_CHECKING
+
+from tline.scene.multiport import ControlledSource
+from tline.scene.rational import Impedance
+
+if TYPE_CHECKING:
+    from passivity import Verdict
+
+Matrix = Sequence[Sequence["RationalFunction"]]
+
+
+class ExactElement(NamedTuple):
+    """Where it stands, and M and N of M u + N i = 0; none of laws, switches and what is passive to rounding only."""
+
+    where: str
+    nodes: Sequence[str]
+    equations: tuple[Matrix, Matrix] | None
+
+
+def exact_elements(scene: Scene) -> Iterator[ExactElement]:
+    """All loads and links, and sources, which are silent."""
+    for (part, name), element in scene.placed:
+        nodes = element.nodes if part == "links" else (element.at,)
+        yield ExactElement(place(part, name), nodes, _equations(scene, element, len(nodes)))
+    for name, source in scene.sources.items():
+        nodes = [node for node in source.terminals if node is not None]
+        resistance = source.resistance if source.resistance is not None else 0.0 if source.is_effort else np.inf
+        yield ExactElement(place("sources", name), nodes, _impedance(*_resistance(float(resistance)), len(nodes)))
+
+
+def _equations(scene: Scene, element: Any, terminals: int) -> tuple[Matrix, Matrix] | None:
+    match element:
+        case Touchstone() | MeasuredMultiport() | Junction():
+            return None
+        case RationalImpedance():
+            impedance = element.rational().reduced()
+            return _impedance(impedance.numerator, impedance.denominator, terminals)
+        case NoFlow() | Resistor() | Short() | Reservoir():
+            ideal = np.inf if isinstance(element, NoFlow) else 0.0
+            return _impedance(*_resistance(float(getattr(element, "resistance", ideal))), terminals)
+        case Matched():
+            (line,) = (line for line in scene.lines.values() if element.at in line.nodes)
+            return _impedance(*_resistance(line.parameters.z0), terminals)
+        case Multiport():
+            return _multiport(element)
+    return None
+
+
+def _resistance(r: float) -> tuple[Sequence[Fraction], Sequence[Fraction]]:
+    return ([Fraction(1)], [Fraction(0)]) if np.isinf(r) else ([Fraction(repr(r))], [Fraction(1)])
+
+
+def _impedance(numerator: Sequence[Fraction], denominator: Sequence[Fraction], terminals: int) -> tuple[Matrix, Matrix]:
+    """p i = q u, from the only terminal to the reference, or from the first to the second."""
+    from passivity import RationalFunction
+
+    p, q = (RationalFunction.from_coefficients(side, [1]) for side in (numerator, denominator))
+    none, one = RationalFunction.constant(Fraction(0)), RationalFunction.constant(Fraction(1))
+    if terminals == 1:
+        return [[q]], [[-p]]
+    return [[q, -q], [none, none]], [[-p, none], [one, one]]
+
+
+def one_port(M: Matrix, N: Matrix) -> "tuple[RationalFunction, RationalFunction] | None":
+    """p and q of an impedance p/q with these equations, None if they are of no impedance."""
+    (q, *minus), (p, *none) = M[0], N[0]
+    across = len(M) == 2 and minus == [-q] and all(x.is_zero for x in (*none, *M[1])) and N[1][0] == N[1][1]
+    return (-p, q) if len(M) == 1 or (across and not N[1][0].is_zero) else None
+
+
+def _multiport(element: Multiport) -> tuple[Matrix, Matrix]:
+    """Of M u + N i = E x and dx/dt = P u + R i, s (M u + N i) = E (P u + R i)."""
+    from passivity import RationalFunction
+
+    typed = np.vectorize(lambda x: Fraction(repr(float(x))), otypes=[object])
+    M, N, E, _, P, R = map(typed, element.ports())
+
+    def exact(now: NDArray, rates: NDArray) -> Matrix:
+        both = zip(now, rates, strict=True)
+        return [[RationalFunction.from_coefficients([a, -b], [1]) for a, b in zip(*rows, strict=True)] for rows in both]
+
+    return exact(M, E @ P), exact(N, E @ R)
+
 
 MOST_PORTS = 12  # as many as are decided
 
@@ -41,11 +140,7 @@ class CircuitVerdict(Decided):
 def passive_circuits(scene: Scene, active: set[str]) -> list[CircuitVerdict]:
     """Verdicts of all circuits of two elements or more, with silent sources.
 
-    Parameters
-    ----------
-    scene : Scene
-    active : set of str
-        Places of the elements that are refuted to be passive, or may not be.
+    `active` has the places of elements that are refuted to be passive, or may not be.
     """
 
     elements = list(exact_elements(scene))
@@ -157,3 +252,39 @@ def _solved(rows: "list[dict[int, RationalFunction]]", n: int) -> "Mapping[int, 
                         other[k] = more
         solved[pivot] = row
     return solved
+
+
+def impedances(scene: Scene) -> dict[str, Impedance]:
+    """Loads and links that may be active, by place; R, L and C above zero are not."""
+    return {place(*at): x for at, x in scene.placed if isinstance(x, Impedance)}
+
+
+def active_impedances(scene: Scene) -> "dict[str, Verdict]":
+    """Loads and links whose impedance is refuted to be positive real, by place."""
+    given = impedances(scene)
+    if not given:
+        return {}
+    from passivity import Status, check_positive_real
+
+    verdicts = {where: check_positive_real(element.rational()) for where, element in given.items()}
+    return {where: verdict for where, verdict in verdicts.items() if verdict.status is Status.REFUTED}
+
+
+def controlled_sources(scene: Scene) -> list[str]:
+    """Names of the links that may feed waves."""
+    return [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
+
+
+def laws_not_through_the_origin(scene: Scene) -> dict[str, str]:
+    """What there is to say of each law that is not passive by its kind, by its place.
+
+    A law that never falls takes energy if no flow passes it without an effort; where one does, there is a source in it.
+    """
+    told = {place(*at): law.of_kind.source(law.constants) for at, law in scene.laws.items()}
+    return {where: sentence for where, sentence in told.items() if sentence}
+
+
+def active_parts(scene: Scene) -> dict[str, str]:
+    """What there is to say of each active load, and of each link that may feed waves, by its place."""
+    told = {where: f"is active: {verdict.why}" for where, verdict in active_impedances(scene).items()}
+    return told | {place("links", name): "may feed waves" for name in controlled_sources(scene)}

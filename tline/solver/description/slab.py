@@ -138,7 +138,6 @@ def _slab_beside_losses(
 
 
 def _affordable(description: Description, delays: list[float], cheap: float) -> float:
-    """The narrowest slab, s, that neither time nor memory forbids."""
     probed = min(len(description.scene.probes), len(delays))
     states = [len(group.poles) for group in description.grouped()[0] if group.poles is not None]
     dense = sum(n * n for n in states) / DENSE

@@ -79,7 +79,7 @@ class Diamonds(NamedTuple):
     at_group: Flags  # (G,) whether such a line ends there
     rest: Floats  # (rows,) fractional rest of the delay
     kind: Integers  # (rows,)
-    constants: Floats2  # (rows, 5) r, k, c, n or ρ, and roughness: see `tline.solver.kernel.diamonds.friction`
+    constants: Floats2  # (rows, 5) r, k, c, n or ρ, and roughness: see `tline.solver.kernel.diamonds.full`
     tables: Floats
     table_at: Integers  # (rows,) place of a row's table
     tools: Tools  # of the order of friction, that of waves or a low one in cells: r

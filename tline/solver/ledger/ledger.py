@@ -14,33 +14,18 @@ TOLERANCE = 1e-3  # of the turnover; what is lost or made beyond it is told
 
 
 class Entry(NamedTuple):
-    """One account, J.
+    """One account, J."""
 
-    Attributes
-    ----------
-    where : str
-        Place in the scene of an element or a line; of several whose shares the waves do not tell apart, or a node.
-    supplied : float
-        What came from a source, a reservoir or a pump; negative if it took.
-    dissipated : float
-        In resistances, valves and diodes.
-    stored : float
-        Change of what it stores.
-    taken : float
-        Dissipated and stored together, where these are not told apart.
-    unaccounted : float
-        What was lost on the way: by a line where fronts or fractional delays are projected on slabs (numerical
-        dissipation, never negative but for rounding), at a node where flows do not balance.
-    created : float
-        The most that it had given beyond what it had taken and held, at any slab's end, if it must not; else 0.
-    """
-
+    # place in the scene of an element or a line; of several whose shares the waves do not tell apart, or a node
     where: str
-    supplied: float
-    dissipated: float
-    stored: float
-    taken: float
+    supplied: float  # what came from a source, a reservoir or a pump; negative if it took
+    dissipated: float  # in resistances, valves and diodes
+    stored: float  # change of what it stores
+    taken: float  # dissipated and stored together, where these are not told apart
+    # what was lost on the way: by a line where fronts or fractional delays are projected on slabs (numerical
+    # dissipation, never negative but for rounding), at a node where flows do not balance
     unaccounted: float
+    # the most that it had given beyond what it had taken and held, at any slab's end, if it must not; else 0
     created: float
 
 
@@ -49,13 +34,6 @@ class Ledger(NamedTuple):
 
     With elevations, energies of lines, sources and reservoirs count from the highest node, those of what leads to the
     open air from the gauge pressure; "gravity" supplies the difference, density·g·height for what flows out below.
-
-    Attributes
-    ----------
-    entries : tuple of Entry
-        Lines first, then elements, then nodes.
-    turnover : float
-        What lossless lines held before t = 0, and the most that each account had given at any time, J.
 
     Examples
     --------
@@ -72,17 +50,11 @@ class Ledger(NamedTuple):
     4e-10 J, 1.75e-10 J
     """
 
-    entries: tuple[Entry, ...]
-    turnover: float
+    entries: tuple[Entry, ...]  # lines first, then elements, then nodes
+    turnover: float  # what lossless lines held before t = 0, and the most that each account had given at any time, J
 
     def of(self, where: str) -> Entry:
-        """The account at a place in the scene, such as ``"lines.pipe"``.
-
-        Raises
-        ------
-        InputError
-            There is none.
-        """
+        """The account at a place in the scene, such as ``"lines.pipe"``."""
         for entry in self.entries:
             if entry.where == where:
                 return entry

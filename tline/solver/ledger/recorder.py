@@ -83,7 +83,6 @@ class Recorder:
         return pieces
 
     def _post(self, g: int, waves: NDArray, slabs: NDArray, found: Found | None, through: NDArray) -> None:
-        """Enter some slabs of a group."""
         group, basis = self.groups[g], self.assembly.basis
         columns = Columns(basis, self.h, slabs)
         out, posted = group.energies(waves[:, 0], waves[:, 1], columns)
@@ -136,7 +135,6 @@ class Recorder:
         return Ledger(tuple(entries), turnover)
 
     def _of_lines(self, end: NDArray) -> list[Entry]:
-        """What lines took and hold, and what those without losses lost nevertheless."""
         at_rest, entries = not self.assembly.description.steady, []
         for k, (name, line) in enumerate(self.assembly.lines.items()):
             where, taken, least = place("lines", name), float(self.taken[k]), float(self.least[k])

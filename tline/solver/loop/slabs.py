@@ -14,20 +14,11 @@ NEAR = 1e-9  # slabs; an end this near to a slab's is its end
 
 
 class Slabs(NamedTuple):
-    """Slabs of equal width from t = 0 on; what a run gives out ends at `end`, its waves go on to the last slab's end.
-
-    Attributes
-    ----------
-    number : int
-    width : float
-        s.
-    end : float
-        Of the run, s, in the last slab or at its end.
-    """
+    """Slabs of equal width from t = 0 on; a run ends at `end`, its waves go on to the last slab's end."""
 
     number: int
-    width: float
-    end: float
+    width: float  # s
+    end: float  # of the run, s, in the last slab or at its end
 
     @classmethod
     def until(cls, t_end: float, width: float, number: int | None = None) -> "Slabs":
@@ -54,27 +45,14 @@ class Slabs(NamedTuple):
 
 @lru_cache(maxsize=8)
 def _ends(slabs: Slabs) -> NDArray:
-    """One array for all probes of a run."""
     return np.append(np.arange(slabs.whole + (slabs.rest > 0)) * slabs.width, slabs.end)
 
 
 def cut_at_end(slabs: Slabs, values: NDArray, pieces: Noted, order: Basis) -> tuple[Noted, Noted]:
     """Cut the slab in which a run ends, there: the same polynomials, seen closer.
 
-    Parameters
-    ----------
-    slabs : Slabs
-        Of which the last reaches beyond the end.
-    values : ndarray, shape (rows, 2, s)
-        Waves in that slab, for rows that are not in pieces there.
-    pieces : Noted
-        Of these rows, in any slab.
-    order : Basis
-
-    Returns
-    -------
-    tuple of Noted
-        All pieces before the end, and those behind it.
+    Values (rows, 2, s) are waves in that slab, of rows not in pieces there; pieces are of these rows, in any slab.
+    Returned are all pieces before the end, and those behind it.
     """
     inside = pieces.slab == slabs.whole
     earlier, held = (Noted(*(part[these] for part in pieces)) for these in (~inside, inside))
@@ -86,7 +64,6 @@ def cut_at_end(slabs: Slabs, values: NDArray, pieces: Noted, order: Basis) -> tu
 
 
 def _part(pieces: Noted, low: float, high: float, order: Basis) -> Noted:
-    """What lies between two places of a slab."""
     span = np.clip(pieces.span, low, high)
     kept = span[:, 1] > span[:, 0]
     row, slab, whole, values = (part[kept] for part in pieces)

@@ -23,27 +23,15 @@ PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a p
 
 @dataclass(frozen=True, eq=False)
 class ProbeOfCopies:
-    """What one probe saw in all copies; Pa and m³/s, or V and A.
+    """What one probe saw in all copies; Pa and m³/s, or V and A."""
 
-    Attributes
-    ----------
-    u, y : ndarray, shape (copies, instants)
-        Effort, piezometric pressure in a scene with elevations, and flow at the instants asked for.
-    z0 : ndarray, shape (copies,)
-        Impedance of its line.
-    lowest, highest : ndarray, shape (copies,)
-        Smallest and largest effort from t = 0, where it is that of rest, to the end.
-    lowest_at, highest_at : ndarray, shape (copies,)
-        When they are reached, s.
-    """
-
-    u: Floats
-    y: Floats
-    lowest: Floats
-    lowest_at: Floats
-    highest: Floats
-    highest_at: Floats
-    z0: Floats
+    u: Floats  # (copies, instants) effort, piezometric pressure in a scene with elevations
+    y: Floats  # (copies, instants) flow
+    lowest: Floats  # (copies,) effort from t = 0, where it is that of rest, to the end
+    lowest_at: Floats  # (copies,) when that is reached, s
+    highest: Floats  # (copies,)
+    highest_at: Floats  # (copies,)
+    z0: Floats  # (copies,) impedance of its line
 
     def samples(self, t: Floats, height: Height) -> Samples:
         """What it saw at the instants asked for, at its height, all copies as first axis."""
@@ -85,7 +73,6 @@ def run(
 
 
 def _line_ends(description: Description) -> dict[str, int]:
-    """Number of the line end that each probe sees."""
     lines, ends = list(description.lines), {}
     for name, probe in description.probes.items():
         if probe.share not in (0.0, 1.0) or not probe.line:
@@ -103,9 +90,7 @@ def _seen(
     Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants).
     """
     from tline.solver.kernel.peaks import extremes, find_extremes
-    from tline.solver.many.kernel.advance import CopiesRun, advance_copies
-    from tline.solver.many.kernel.maps import fill_maps, load_maps
-    from tline.solver.many.kernel.values import Values, find_values
+    from tline.solver.many.kernel.advance import CopiesRun, Values, advance_copies, fill_maps, find_values, load_maps
 
     order, unit, junctions = basis(s), copies.unit[rows], copies.junctions
     rate, projector = modes_of(order)
@@ -153,5 +138,4 @@ def _seen(
 
 
 def _rows(there: list[bool]) -> NDArray:
-    """Numbers of those that are there, -1 for the others."""
     return np.where(there, np.cumsum(there) - 1, -1)

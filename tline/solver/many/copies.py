@@ -35,17 +35,7 @@ class Load(NamedTuple):
 def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -> Load:
     """L and C side by side, R being part of z.
 
-    Parameters
-    ----------
-    z : ndarray, shape (copies,)
-        Thévenin impedance, > 0.
-    inductance, capacitance : ndarray, shape (copies,), or None
-        H or F, > 0; at least one is given.
-
-    Returns
-    -------
-    Load
-        States are u, and z times the inductor's flow.
+    Impedances, H and F are positive, shape (copies,); states are u, and z times the inductor's flow.
 
     Examples
     --------
@@ -127,7 +117,6 @@ def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
 
 
 def _refuse(scene: Scene) -> None:
-    """Refuse what copies may not hold."""
     what = "a scene of single lossless lines, resistances, R, L and C, from rest, for many runs"
     if scene.start != "rest":
         raise InputError("start", "many runs begin at rest", "'rest'", f"'{scene.start}'")
@@ -170,13 +159,11 @@ def variable(scene: Scene) -> dict[str, float]:
 
 
 def _numbers(scene: Scene, vary: Mapping[str, Floats]) -> dict[str, Floats]:
-    """The same, each in all copies."""
     n = len(next(iter(vary.values())))
     return {where: vary.get(where, np.full(n, value)) for where, value in variable(scene).items()}
 
 
 def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> NodeOfCopies:
-    """A node with all that is attached to it."""
     own = 1 / z0[np.array(node.ends) // 2]
     if node.held is not None:
         return NodeOfCopies(node.ends, 0.0 * own, [(node.held, np.ones(z0.shape[1]))], None)

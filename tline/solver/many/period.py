@@ -26,13 +26,7 @@ REAL = 1e-9  # share of its imaginary part below which a rate is real
 
 
 def breaks_of(description: Description) -> Floats:
-    """Instants after t = 0 at which a waveform jumps or bends, s.
-
-    Raises
-    ------
-    InputError
-        There are too many for a period.
-    """
+    """Instants after t = 0 at which a waveform jumps or bends, s."""
     instants = np.unique(np.concatenate([np.empty(0), *description.breaks]))
     instants = instants[(instants > 0) & (instants < description.t_end)]
     if len(instants) > MOST_BREAKS:
@@ -44,12 +38,7 @@ def breaks_of(description: Description) -> Floats:
 def front_places(breaks: Floats, unit: Floats) -> Floats:
     """Where fronts pass nodes, from the begin of a period to its end, as shares of it, shape (fronts, copies).
 
-    Parameters
-    ----------
-    breaks : ndarray
-        Instants at which they leave, s.
-    unit : ndarray, shape (copies,)
-        Period, s.
+    Breaks leave at instants, s; `unit` is the period of each copy, s.
 
     Examples
     --------
@@ -66,14 +55,8 @@ def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
 
     The first slab after any front is no wider than it would be were there no fronts.
 
-    Parameters
-    ----------
-    fronts : ndarray, shape (fronts, copies)
-        Places that are to be edges.
-    parts : int
-        Slabs in a period, were there no fronts; at least 1.
-    growth : float
-        Ratio of the width of a slab to the one before it, after a front.
+    Fronts have the shape (fronts, copies), as shares of the period; without fronts it would have so many parts. Behind
+    a front each slab is wider than the one before by the growth.
 
     Examples
     --------
@@ -116,17 +99,8 @@ def driven_waves(
 ) -> Floats:
     """The sources' parts of Thévenin waves at all points of n periods, or of so many that the last one goes on.
 
-    Parameters
-    ----------
-    drives : list of lists of (Shape, ndarray)
-        Of each node with sources: waveforms and their shares (batches, B).
-    unit : ndarray, shape (batches, B)
-        Period, s.
-    edges : ndarray, shape (batches, slabs + 1, B)
-
-    Returns
-    -------
-    ndarray, shape (batches, nodes, periods, slabs, s, B)
+    Drives of each node with sources are waveforms and their shares (batches, B); edges have the shape (batches, slabs +
+    1, B), waves (batches, nodes, periods, slabs, s, B).
     """
     shapes = [waveform for parts in drives for waveform, _ in parts]
     last = max((float(shape.breaks(t_end).max(initial=0.0)) for shape in shapes), default=0.0)

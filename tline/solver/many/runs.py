@@ -117,25 +117,15 @@ def _apart(
 
 
 class ManyRuns(NamedTuple):
-    """A scene in copies, ready to run.
-
-    Attributes
-    ----------
-    description : Description
-    copies : Copies
-    edges : ndarray, shape (slabs + 1, copies)
-        Edges of the slabs in a period, the common measure of a copy's delays, as shares of it.
-    order : int
-        Points in a slab.
-    estimate : float
-        Largest difference to the next higher order, at any instant and in the extremes, relative to the amplitude, in
-        a sample of the copies that holds the smallest and the largest of each number that varies.
-    """
+    """A scene in copies, ready to run."""
 
     description: Description
     copies: Copies
+    # (slabs + 1, copies) edges of the slabs in a period, the common measure of a copy's delays, as shares of it
     edges: Floats
-    order: int
+    order: int  # points in a slab
+    # largest difference to the next higher order, at any instant and in the extremes, relative to the amplitude, in a
+    # sample of the copies that holds the smallest and the largest of each number that varies
     estimate: float
 
     def run(self, rows: NDArray, t: Floats) -> dict[str, ProbeOfCopies]:
@@ -146,23 +136,12 @@ class ManyRuns(NamedTuple):
 def many_runs(description: Description, vary: Mapping[str, Floats], tol: float) -> ManyRuns:
     """Make a scene ready to run many times with other numbers, as finely as a tolerance takes.
 
-    Parameters
-    ----------
-    description : Description
-        Of a scene from rest; single lossless lines in any topology, whose delays are whole multiples of a common
-        measure; sources; resistances, R, L and C in series or parallel, reservoirs, shorts, open and matched ends;
-        probes at nodes.
-    vary : mapping of str to ndarray, shape (copies,)
-        Numbers in SI, one for each copy, by their place in the scene: ``lines.NAME.z0`` and ``lines.NAME.delay`` of
-        lines that are given by them, ``sources.NAME.resistance``, and ``resistance``, ``inductance`` and
-        ``capacitance`` of ``loads.NAME``. All are above zero. The delays of a copy keep their proportions.
-    tol : float, 1e-9 to 0.1
-        Largest error relative to the amplitude. Where no slabs reach it, the estimate says what was reached.
-
-    Raises
-    ------
-    InputError
-        The scene holds something else, or a number may not vary or is out of range.
+    Scenes start from rest and have single lossless lines in any topology, whose delays are whole multiples of a common
+    measure; sources; resistances, R, L and C in series or parallel, reservoirs, shorts, open and matched ends; probes
+    at nodes. Numbers vary by their place: ``lines.NAME.z0`` and ``lines.NAME.delay`` of lines that are given by them,
+    ``sources.NAME.resistance``, and ``resistance``, ``inductance`` and ``capacitance`` of ``loads.NAME``, all above
+    zero; the delays of a copy keep their proportions. Errors are relative to the amplitude; where no slabs reach the
+    tolerance, 1e-9 to 0.1, the estimate says what was reached.
     """
     TOLERANCE.parse(tol, "")
     copies, breaks = copies_of(description, vary), breaks_of(description)

@@ -14,17 +14,10 @@ EXACT = 1e-12  # errors told below it are rounding
 
 @dataclass(frozen=True)
 class Estimate:
-    """Estimated largest errors at one probe, each relative to its own amplitude.
+    """Estimated largest errors at one probe, each relative to its own amplitude."""
 
-    Parameters
-    ----------
-    u, y : float
-        Of the effort and the flow; 0 where there is none. Relative to the amplitude of the gauge pressure, if efforts
-        are pressures.
-    """
-
-    u: float
-    y: float
+    u: float  # of the effort, of gauge pressure if efforts are pressures; 0 where there is none
+    y: float  # of the flow; 0 where there is none
 
     @property
     def worst(self) -> float:
@@ -38,30 +31,16 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Attempt:
-    """One run on the way to a tolerance.
-
-    Parameters
-    ----------
-    order : int
-    slab : float
-        Width of a slab, s.
-    estimate : float or None
-        The worst of all probes, at any instant, or at slab ends alone where that is beyond the tolerance; None where
-        there is nothing to compare with yet.
-    samples : int
-        Line-end samples computed.
-    seconds : float
-        Time spent stepping.
-    sections : int
-        LC sections of each lumped line; 0 if no line was lumped.
-    """
+    """One run on the way to a tolerance."""
 
     order: int
-    slab: float
+    slab: float  # width of a slab, s
+    # the worst of all probes, at any instant, or at slab ends alone where that is beyond the tolerance; None where
+    # there is nothing to compare with yet
     estimate: float | None
-    samples: int
-    seconds: float
-    sections: int = 0
+    samples: int  # line-end samples computed
+    seconds: float  # time spent stepping
+    sections: int = 0  # LC sections of each lumped line; 0 if no line was lumped
 
     @classmethod
     def of(cls, result: "Result", estimate: float | None = None) -> "Attempt":
@@ -72,32 +51,19 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How accurate a result is, and what that took.
+    """How accurate a result is, and what that took."""
 
-    Parameters
-    ----------
-    tol : float or None
-        What was asked; None for a run fixed by hand.
-    estimates : dict of str to Estimate
-        By probe, at slab ends.
-    inside : dict of str to Estimate
-        By probe, at any instant of the run. Laws and fronts may bend waves between slab ends: this is never smaller
-        than at slab ends, and it is what the tolerance is about.
-    blurred : dict of str to Estimate
-        The same with the time in which lumped lines settle after a front, and that beside a jump into lines that
-        remember; what they do there is not resolved, and no tolerance is asked of it.
-    attempts : tuple of Attempt
-        All runs. Of two that are compared the finer is the result; the estimate of the coarser is its bound.
-    limit : str
-        What kept the tolerance from being met; empty if nothing did.
-    """
-
-    tol: float | None
-    estimates: Mapping[str, Estimate] = field(default_factory=dict)
+    tol: float | None  # what was asked; None for a run fixed by hand
+    estimates: Mapping[str, Estimate] = field(default_factory=dict)  # by probe, at slab ends
+    # by probe, at any instant of the run. Laws and fronts may bend waves between slab ends: this is never smaller than
+    # at slab ends, and it is what the tolerance is about
     inside: Mapping[str, Estimate] = field(default_factory=dict)
+    # the same with the time in which lumped lines settle after a front, and that beside a jump into lines that
+    # remember; what they do there is not resolved, and no tolerance is asked of it
     blurred: Mapping[str, Estimate] = field(default_factory=dict)
+    # all runs. Of two that are compared the finer is the result; the estimate of the coarser is its bound
     attempts: tuple[Attempt, ...] = ()
-    limit: str = ""
+    limit: str = ""  # what kept the tolerance from being met; empty if nothing did
 
     @property
     def worst(self) -> float:

@@ -30,15 +30,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     Also where a signal ends the program meanwhile. One that is killed leaves a hidden file ``.NAME.tline-*``, which the
     next that writes `path` removes: whoever writes holds a lock, which no dead program does.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the finished file shall stand; a link is followed.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
+    Of a link it is the file that it leads to.
 
     Examples
     --------
@@ -61,13 +53,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 def write_table(
     path: str | Path, head: Sequence[str], rows: Iterable[Iterable[object]], notes: Iterable[str] = ()
 ) -> None:
-    """Write a CSV file of one header line and rows, below comments; reading their floats gives the same ones.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
+    """Write a CSV file of one header line and rows, below comments; reading their floats gives the same ones."""
     with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         file.writelines(f"# {line}\n" for line in notes)
         writer = csv.writer(file, lineterminator="\n")
@@ -76,13 +62,7 @@ def write_table(
 
 
 def write_columns(path: str | Path, columns: "Mapping[str, NDArray]") -> None:
-    """Write arrays of one length as a CSV file, beside each other under their names.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
+    """Write arrays of one length as a CSV file, beside each other under their names."""
     write_table(path, [*columns], zip(*(column.tolist() for column in columns.values()), strict=True))
 
 

@@ -26,17 +26,7 @@ def curve(probe: ProbeResult, least: int = 2) -> Samples:
     A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab wiggles round it;
     there the curve is a straight line between the slabs on either side, where values are accurate.
 
-    Parameters
-    ----------
-    probe : ProbeResult
-        Probe of a finished run.
-    least : int, from 2
-        Instants in a slab, edges included, where there are many slabs.
-
-    Returns
-    -------
-    Samples
-        At some four thousand instants, or so many a slab if there are more slabs.
+    Some four thousand instants, or `least` in a slab, edges included, if there are many slabs.
     """
     shown = replace(probe, record=drawable(probe.record))
     h, n, last = probe.slabs.width, probe.slabs.whole, probe.slabs.whole + probe.slabs.rest
@@ -76,7 +66,6 @@ def _seen(probe: ProbeResult, t: NDArray, behind: NDArray, late: float) -> Sampl
 
 
 def _fronts(probe: ProbeResult) -> NDArray:
-    """Instants at which fronts inside slabs pass a probe, s."""
     record, share = probe.record, probe.share
     if share in (0.0, 1.0):
         passing = [(record.a1 if share == 0.0 else record.a2, 0.0)]  # both waves at an end have the same pieces
@@ -113,7 +102,6 @@ def _tail(wave: Wave) -> NDArray:
 
 
 def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
-    """Values just after and just before each slab's edge."""
     first = wave.basis.evaluation([0.0])[0]
     starts, begins = np.append(wave.values @ first, wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
     starts[wave.pieces.slab[begins]] = wave.pieces.values[begins] @ first
@@ -154,13 +142,6 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
     """The smallest and the largest value of the curve, and when each is first reached.
 
     Slabs are sampled; where values, or parabolas through three of them, come highest, the polynomials are searched.
-
-    Parameters
-    ----------
-    probe : ProbeResult
-        Probe of a finished run.
-    key : str
-        What of it: of a quantity in `tline.solver.result.quantities`.
     """
     if (waves := _in_whole_slabs(probe)) is not None:
         return _of_polynomials(probe, key, *waves)
@@ -221,20 +202,8 @@ def highest(
 ) -> tuple[float, float]:
     """The largest value (sign 1) or the smallest (sign -1) of a signal that is known at samples, and when.
 
-    Parameters
-    ----------
-    at : callable
-        The signal at any instants between the first and the last sample.
-    t, values : ndarray
-        Samples, several in a slab.
-    sign : int
-        1 or -1.
-    noise : float
-        What a value found between samples must exceed theirs by.
-    width : float
-        Time between samples, s.
-    candidates : int
-        Samples round which is searched, and as many of the highest parabolas.
+    Samples are several in a slab, so wide apart; what is found between them must exceed theirs by the noise. So many
+    candidates are samples round which is searched, and as many the highest parabolas.
     """
     rising = sign * values
     fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
@@ -254,18 +223,7 @@ def zoomed(
 ) -> tuple[NDArray, NDArray]:
     """Where a signal, times a sign, is largest round each of some instants within a span; and that value.
 
-    Parameters
-    ----------
-    at : callable
-        The signal at instants of any shape, whose last axis are those round one of the instants given.
-    found : ndarray
-        Instants, of any shape.
-    width : float
-        How far round each, s.
-    span : tuple of float
-        First and last instant of the signal.
-    sign : int
-        1 or -1.
+    `at` takes instants whose last axis are those round one of the instants given, so far (`width`) round each.
     """
     around, heights = np.linspace(-1.0, 1.0, AROUND), np.empty(found.shape)
     for _ in range(ZOOMS):

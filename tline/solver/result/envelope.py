@@ -18,44 +18,23 @@ from tline.solver.radau import Basis, basis
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Extremes at nodes, at any instant; in scenes with cavities or air valves, whose fronts are blurred, at slab ends.
+    """Extremes at nodes, at any instant; at slab ends in scenes with cavities or air valves, which blur fronts."""
 
-    Attributes
-    ----------
-    nodes : tuple of str
-        Those that a line ends at which is not lumped.
-    start : ndarray, shape (nodes,)
-        Effort before t = 0, Pa or V; in a scene with elevations the piezometric pressure, as the next.
-    lowest, highest : ndarray, shape (nodes,)
-        Pa or V.
-    lowest_at, highest_at : ndarray, shape (nodes,)
-        When they are first reached, s.
-    lowest_error, highest_error : ndarray, shape (nodes,)
-        Estimated, Pa or V: 1.5 to 3 times their difference to those of the next finer run; not a number if there is
-        none.
-    weight, per_metre : ndarray, shape (nodes,)
-        Density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure, and density·g, Pa/m.
-    """
-
-    nodes: tuple[str, ...]
+    nodes: tuple[str, ...]  # those that a line ends at which is not lumped
+    # (nodes,) effort before t = 0, Pa or V; in a scene with elevations the piezometric pressure, as the next
     start: NDArray
-    lowest: NDArray
-    lowest_at: NDArray
+    lowest: NDArray  # (nodes,) Pa or V
+    lowest_at: NDArray  # (nodes,) when that is first reached, s
+    # (nodes,) Pa or V: 1.5 to 3 times the difference to that of the next finer run; not a number if there is none
     lowest_error: NDArray
-    highest: NDArray
-    highest_at: NDArray
+    highest: NDArray  # (nodes,)
+    highest_at: NDArray  # (nodes,)
     highest_error: NDArray
-    weight: NDArray
-    per_metre: NDArray
+    weight: NDArray  # (nodes,) density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure
+    per_metre: NDArray  # (nodes,) density·g, Pa/m
 
     def of(self, node: str) -> dict[str, float]:
-        """Start, extremes, their instants and errors of one node.
-
-        Raises
-        ------
-        InputError
-            There is no such node, or only lumped lines end there.
-        """
+        """Start, extremes, their instants and errors of one node."""
         if node not in self.nodes:
             raise InputError("node", "has no envelope", "a node at which a line ends that is not lumped", repr(node))
         k = self.nodes.index(node)

@@ -32,24 +32,14 @@ CLOSE, MOST_ROUNDS = 1e-6, 200  # of the largest wave, where the iteration ends
 
 @dataclass(frozen=True, eq=False)
 class Inside:
-    """Waves and effort inside a recorded line.
+    """Waves and effort inside a recorded line."""
 
-    Attributes
-    ----------
-    record : LineRecord
-        Waves at its ends.
-    t : ndarray, shape (instants,)
-        Instants of the lattice, s: the delay of a cell is a whole number of its steps.
-    lost : ndarray, shape (2, cells + 1, instants), or None
-        What losses take from a and give to b at places apart by equal delays; None of a lossless line.
-    cells : int
-        How many such stretches the line has.
-    """
-
-    record: LineRecord
-    t: NDArray
+    record: LineRecord  # waves at its ends
+    t: NDArray  # (instants,) instants of the lattice, s: the delay of a cell is a whole number of its steps
+    # (2, cells + 1, instants) what losses take from a and give to b at places apart by equal delays; None of a
+    # lossless line
     lost: NDArray | None
-    cells: int
+    cells: int  # how many such stretches the line has
 
     @property
     def places(self) -> NDArray:
@@ -113,17 +103,10 @@ class Inside:
 
 @dataclass(frozen=True, eq=False)
 class InStretches:
-    """The same inside a line in stretches.
-
-    Attributes
-    ----------
-    cut : Stretches
-    stretches : list of Inside
-        From end 1 on.
-    """
+    """The same inside a line in stretches."""
 
     cut: Stretches
-    stretches: "list[Inside]"
+    stretches: "list[Inside]"  # from end 1 on
 
     @property
     def places(self) -> NDArray:
@@ -151,19 +134,7 @@ class InStretches:
 def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretches:
     """The inside of a line that was recorded.
 
-    Parameters
-    ----------
-    result : Result
-        Of ``simulate(scene, record=[line])``.
-    line : str
-        Name of a single line.
-    cells : int, from 1
-        Stretches at whose ends losses are known; fewer where the run is far longer than the delay.
-
-    Raises
-    ------
-    InputError
-        The line was not recorded, or takes so much that the iteration does not end.
+    Losses are known at the ends of so many cells; of fewer where the run is far longer than the delay.
 
     References
     ----------

@@ -1,16 +1,21 @@
-"""A run of stretches, seen as one of the lines that they are parts of."""
+"""A run of stretches, seen as one of the lines that they are parts of.
 
-from collections.abc import Iterable
+What a probe at one of several coupled conductors, or at a pair of them, sees: the sum of its modes.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene, Stretches
+from tline.solver.description.lines import ProbePlace
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.result.envelope import COLUMNS, Envelope
-from tline.solver.result.result import LineRecord, Result
+from tline.solver.result.result import LineRecord, Result, Wave
 from tline.words.wording import place
 
 NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
@@ -18,17 +23,10 @@ NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 
 @dataclass(frozen=True, eq=False)
 class CutRecord(LineRecord):
-    """The waves of a line in stretches, at its ends and at both sides of every place.
-
-    Attributes
-    ----------
-    cut : Stretches
-    stretches : tuple of LineRecord
-        From end 1 on.
-    """
+    """The waves of a line in stretches, at its ends and at both sides of every place."""
 
     cut: Stretches
-    stretches: tuple[LineRecord, ...]
+    stretches: tuple[LineRecord, ...]  # from end 1 on
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay; at a cavity before it."""
@@ -95,7 +93,6 @@ def _without(envelope: Envelope, places: set[str]) -> Envelope:
 
 
 def _summed(ledger: Ledger, description: Description) -> Ledger:
-    """One account for a line, and one for all its cavities."""
     whole: dict[str, str] = {}
     for name, stretches in description.stretches.items():
         whole |= {place("lines", each): place("lines", name) for each in stretches.lines}
@@ -106,3 +103,41 @@ def _summed(ledger: Ledger, description: Description) -> Ledger:
         where = whole.get(entry.where, entry.where)
         sums[where] = [x + y for x, y in zip(sums.get(where, NOTHING), entry[1:], strict=True)]
     return Ledger(tuple(Entry(where, *numbers) for where, numbers in sums.items()), ledger.turnover)
+
+
+def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecord:
+    """What a probe recorded; at conductors as on a single line that carries their voltage and current.
+
+    The z0 is then that of the conductor while the others are held at zero, of two while these are in that mode.
+    """
+    at = probe.conductor
+    if at is None:
+        return records[probe.line]
+    modes, weights = at.ends[0].modes, np.array(at.weights)
+    z0 = 1 / float(weights @ modes.admittance @ weights)
+    voltage, current = weights @ modes.T / (weights @ weights), np.linalg.inv(modes.T) @ weights  # per u and y of modes
+    found = [records[line] for line in probe.lines]
+
+    def wave(a: str, b: str, sign: float) -> Wave:
+        parts = [
+            part
+            for record, v, i in zip(found, voltage, sign * z0 * current, strict=True)
+            for part in (
+                (getattr(record, a), (v + i / record.z0) / 2),
+                (getattr(record, b), (v - i / record.z0) / 2),
+            )
+        ]
+        return _sum(parts)
+
+    delay = max(record.delay for record in found)
+    smeared = any(record.smeared for record in found)
+    waves = wave("a1", "b1", 1.0), wave("a1", "b1", -1.0), wave("a2", "b2", 1.0), wave("a2", "b2", -1.0)
+    return LineRecord(z0, delay, *waves, smeared, raw=any(record.raw for record in found))
+
+
+def _sum(parts: Sequence[tuple[Wave, float]]) -> Wave:
+    (first, _), *_ = parts
+    values = sum((factor * wave.values for wave, factor in parts), np.zeros_like(first.values))
+    before = sum(factor * wave.before for wave, factor in parts)
+    pieces = sum((factor * wave.pieces.values for wave, factor in parts), np.zeros_like(first.pieces.values))
+    return Wave(values, before, first.basis, first.h, first.pieces._replace(values=pieces))

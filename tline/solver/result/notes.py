@@ -6,13 +6,12 @@ from math import inf
 import numpy as np
 
 from tline.solver.assembly.fronts import Tally
-from tline.solver.description.components import parts
 from tline.solver.description.description import Description, describe
+from tline.solver.description.groups import parts
 from tline.solver.result.envelope import Envelope
-from tline.solver.result.limits import beyond_limits
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.result.states import emptied
-from tline.solver.result.surge import surges
+from tline.solver.result.surge import beyond_limits, surges
 from tline.words.wording import place
 
 LISTED = 4  # names
@@ -42,7 +41,6 @@ def remarks_of(result: Result) -> tuple[str, ...]:
 
 
 def _active(description: Description, result: Result) -> list[str]:
-    """Which user-defined elements gave more energy than they had taken."""
     own = description.own
     if not own or result.ledger is None:
         return []

@@ -27,36 +27,17 @@ class Bounds(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """What a probe shows.
+    """What a probe shows."""
 
-    Attributes
-    ----------
-    key : str
-        Its name in Python, arrays and files of arrays.
-    word : str
-        Its name for people; empty if the medium has one.
-    unit : str
-        SI unit, or whose unit of the medium it has: "effort" or "flow".
-    of : callable
-        From samples to values.
-    error : callable
-        From bounds of effort and flow to that of the quantity.
-    flows : bool
-        Whether it takes a line's flow.
-    heights : bool or None
-        Whether only scenes with elevations have it (True), or people read it only in scenes without (False).
-    in_tables : bool
-        Whether tables, plots and sweeps show it, and not files alone.
-    """
-
-    key: str
-    word: str
-    unit: str
-    of: "Callable[[Samples], NDArray]"
-    error: Callable[[Bounds], float]
-    flows: bool = False
+    key: str  # its name in Python, arrays and files of arrays
+    word: str  # its name for people; empty if the medium has one
+    unit: str  # SI unit, or whose unit of the medium it has: "effort" or "flow"
+    of: "Callable[[Samples], NDArray]"  # from samples to values
+    error: Callable[[Bounds], float]  # from bounds of effort and flow to that of the quantity
+    flows: bool = False  # whether it takes a line's flow
+    # whether only scenes with elevations have it (True), or people read it only in scenes without (False)
     heights: bool | None = None
-    in_tables: bool = True
+    in_tables: bool = True  # whether tables, plots and sweeps show it, and not files alone
 
     def named(self, scene: Scene) -> str:
         """What people call it."""

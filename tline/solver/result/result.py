@@ -24,8 +24,7 @@ from tline.solver.result.superconvergence import superconvergent
 from tline.words.wording import place
 
 if TYPE_CHECKING:
-    from tline.solver.result.measures import Measured
-    from tline.solver.result.states import StateTrace
+    from tline.solver.result.states import Measured, StateTrace
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
 ROUNDINGS = 1e-14  # of an instant; a front may be told so near to where it is
@@ -357,7 +356,7 @@ class Result(Display, Export):
     @cached_property
     def measures(self) -> "Mapping[str, Measured]":
         """Value and unit of each measure of the scene by name; not a number where it does not happen."""
-        from tline.solver.result.measures import measures_of
+        from tline.solver.result.states import measures_of
 
         return measures_of(self)
 

@@ -26,20 +26,6 @@ def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> No
     One header line names quantity and unit, SI if the scene says nothing, such as ``valve pressure [Pa]``, in a scene
     with elevations ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves. Where a value
     jumps just then, it is the one before the jump. Numbers are written so that reading them gives the same floats.
-
-    Parameters
-    ----------
-    result : Result
-        A finished run.
-    path : str or Path
-        The file; one that exists is replaced.
-    t : array_like, s, optional
-        Instants of the rows, up to the end of the run; slab ends if not given.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or an instant lies behind the run.
     """
     scene = result.scene
     instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
@@ -58,18 +44,6 @@ def save_envelope(result: Result, path: str | Path) -> None:
     """Write the effort before t = 0 and its extremes at every node as a table, in full precision.
 
     In a scene with elevations the gauge pressures, and behind them the heads.
-
-    Parameters
-    ----------
-    result : Result
-        Of ``simulate(scene, envelope=True)``.
-    path : str or Path
-        The file; one that exists is replaced.
-
-    Raises
-    ------
-    InputError
-        The run kept no envelope, or the file cannot be written.
     """
     envelope, written = result.envelope, quantity("u").written
     if envelope is None:
@@ -90,19 +64,7 @@ def save_envelope(result: Result, path: str | Path) -> None:
 
 
 def save_states(result: Result, path: str | Path) -> None:
-    """Write over time what elements with states show, a column each.
-
-    Parameters
-    ----------
-    result : Result
-    path : str or Path
-        A CSV file.
-
-    Raises
-    ------
-    InputError
-        The scene has none, or the file cannot be written.
-    """
+    """Write over time what elements with states show, a column each."""
     if not result.states:
         raise InputError(str(path), "nothing has a state", "a pump that trips, a vessel, a tank, a cavity, a valve")
     units = [result.medium.unit(trace.unit, written=True) for trace in result.states]
@@ -112,20 +74,7 @@ def save_states(result: Result, path: str | Path) -> None:
 
 
 def save_ledger(result: Result, path: str | Path) -> None:
-    """Write what every line and element gave, took and stored as a table, J and in full precision.
-
-    Parameters
-    ----------
-    result : Result
-        Of ``simulate(scene, ledger=True)``.
-    path : str or Path
-        The file; one that exists is replaced.
-
-    Raises
-    ------
-    InputError
-        The run kept no ledger, or the file cannot be written.
-    """
+    """Write what every line and element gave, took and stored as a table, J and in full precision."""
     if result.ledger is None:
         raise InputError(str(path), "the run kept no ledger", "simulate(scene, ledger=True)")
     write_table(path, ["where", *(f"{column} [J]" for column in Entry._fields[1:])], result.ledger.entries)
@@ -138,20 +87,6 @@ def save_npz(result: Result, path: str | Path, t: ArrayLike | None = None) -> No
     no line ends ``NAME/u`` alone; in a scene with elevations also ``NAME/gauge_pressure`` and ``NAME/head``, and u is
     the piezometric pressure; ``scene``, the scene as TOML text; ``version`` of this package; ``order`` and ``slab`` of
     the run.
-
-    Parameters
-    ----------
-    result : Result
-        A finished run.
-    path : str or Path
-        The file; one that exists is replaced.
-    t : array_like, s, optional
-        Instants, up to the end of the run; slab ends if not given.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written, or an instant lies behind the run.
     """
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez(file, **dict(_arrays(result, t)))

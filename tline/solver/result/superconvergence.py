@@ -77,14 +77,8 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
 def improved(width: NDArray, waves: NDArray, s: int) -> NDArray | None:
     """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1); None if nothing changes.
 
-    Parameters
-    ----------
-    width : ndarray, shape (cells,)
-        Of the cells in which each of two waves is a polynomial, in order of time, slabs.
-    waves : ndarray, shape (2, cells * s + 1)
-        What was constant before the first, and values at the Radau points of each.
-    s : int
-        Order of the polynomials.
+    Two waves (2, cells * s + 1) are what was constant before the first cell, and values at the Radau points of each;
+    cells are so wide, in slabs, in order of time.
     """
     n = width.size
     spread, told, start = _matrices(s)
@@ -136,7 +130,6 @@ def _moments(s: int, known: bool) -> tuple[int, int]:
 
 @lru_cache
 def _equal(s: int, known: bool) -> NDArray:
-    """Matrix of cells of equal width, with a start or without one."""
     return _pair(s, known, np.ones(1))[0]
 
 

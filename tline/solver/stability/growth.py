@@ -6,8 +6,7 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
-from tline.solver.stability.characteristic import Characteristic
-from tline.solver.stability.zeros import Box, UncountableError, count, rightmost
+from tline.solver.stability.zeros import Box, Characteristic, UncountableError, count, rightmost
 
 NEGLIGIBLE = 1e-3  # growth within a run that counts as none
 PERIODS = 4  # of the shortest line that the search reaches at least beyond the corners of all loads
@@ -19,18 +18,11 @@ MOST_WORK = 3e9  # entries of all matrices times their size
 
 @dataclass(frozen=True)
 class Growth:
-    """How the waves of a scene grow.
+    """How the waves of a scene grow."""
 
-    Parameters
-    ----------
-    s : complex or None
-        Of the waves exp(st) that grow fastest, the exponent, in 1/s; None if none grows by more than 0.1 % in the run.
-    highest : float
-        Angular frequency up to which was searched, rad/s.
-    """
-
+    # of the waves exp(st) that grow fastest, the exponent, in 1/s; None if none grows by more than 0.1 % in the run
     s: complex | None
-    highest: float
+    highest: float  # angular frequency up to which was searched, rad/s
 
 
 def growth(description: Description) -> Growth | None:
@@ -73,7 +65,6 @@ def growth(description: Description) -> Growth | None:
 
 
 def _below(s: complex, box: Box) -> Box:
-    """Where zeros would be that grow as fast and turn less."""
     return box._replace(left=s.real * (1 - ALIKE), high=max(s.imag - ALIKE * box.high, box.low + ALIKE * box.high))
 
 

@@ -4,6 +4,8 @@ Waves w that arrive at the line ends come back as w = P(s) (S(s) w + g), with th
 losses, the scattering S of the nodes and what the sources send, g. At a node with lines and resistances of conductance
 Y and a load Z = p/q, the effort follows from f u = p (sum of w/z0 + J - i) with f = Y p + q, J the flow of its sources
 and i that into branches, which bind efforts and flows of several nodes; 2u - w leaves each end.
+
+A lossy line in s, exactly: what it does to waves of its z0, and what stands inside it.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -13,12 +15,60 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.branches import Branch
+from tline.errors import InputError
+from tline.loss import LossyLine
 from tline.solver.description.description import Description
 from tline.solver.description.given import Touchstone
 from tline.solver.description.groups import Group
+from tline.solver.description.lines import Line
+from tline.solver.description.links import Branch
 from tline.solver.description.nodes import Node
-from tline.solver.stability.lossy_line import carried, losses_of
+from tline.words.wording import place
+
+
+def losses_of(name: str, line: Line) -> LossyLine:
+    """The exact laws of a line that has losses."""
+    losses = line.losses
+    if losses is None or not losses.linear:
+        problem = "depends on the size of the flow: there is no transfer function"
+        raise InputError(place("lines", name, "friction"), problem, "kind = 'linear', 'laminar' or 'zielke'")
+    return losses.exact
+
+
+def carried(line: LossyLine, z0: float, s: NDArray, late: NDArray | float = 0.0) -> tuple[NDArray, NDArray]:
+    """What of a wave that enters the line arrives at its other end, and what comes back; each of the shape of s.
+
+    `late` is added to Γl where it stands for the way of a wave: what a delay is beyond sT.
+    With A, B, C, A the chain matrix these are 2/(2A + B/z0 + C z0) and (B/z0 - C z0)/(2A + B/z0 + C z0).
+
+    References
+    ----------
+    D. M. Pozar, Microwave Engineering, 4th ed., Wiley 2012, table 4.2.
+    """
+    series, shunt = line.series.at(s), line.shunt.at(s)
+    total = np.sqrt(series) * np.sqrt(shunt) * line.length
+    fallen = np.exp(-total - late)
+    shape = _shape(total, late) * line.length  # sinh(Γl)/Γ exp(-Γl)
+    b, c = series * shape / z0, shunt * shape * z0
+    whole = 1 + fallen**2 + b + c
+    return 2 * fallen / whole, (b - c) / whole
+
+
+def inside(line: LossyLine, s: NDArray, share: float, u1: NDArray, u2: NDArray) -> tuple[NDArray, NDArray]:
+    """Effort and flow at a share of the length, between the efforts at the ends."""
+    total = line.gamma(s) * line.length
+    near, far = share, 1 - share
+    whole = _shape(total)
+    decay = np.exp(-total * np.array([near, far, 1 + near, 1 + far])[:, None])
+    u = (decay[0] * far * _shape(total * far) * u1 + decay[1] * near * _shape(total * near) * u2) / whole
+    slopes = (decay[0] + decay[3]) * u1 - (decay[1] + decay[2]) * u2
+    return u, slopes / (2 * line.series.at(s) * line.length * whole)
+
+
+def _shape(total: NDArray, late: NDArray | float = 0.0) -> NDArray:
+    """sinh(x)/x exp(-x), with x + `late` for x where it is no divisor."""
+    return np.where(total == 0, 1, -np.expm1(-2 * (total + late)) / (2 * np.where(total == 0, 1, total)))
+
 
 CHUNK = 2e6  # complex entries held at once
 Parts = tuple[NDArray, NDArray, NDArray]
@@ -27,12 +77,7 @@ Parts = tuple[NDArray, NDArray, NDArray]
 class Scattering:
     """A scene after its last switch has moved; s counts in units of 1/`second`.
 
-    Parameters
-    ----------
-    description : Description
-        Its sources count with their resistances only.
-    terminations : mapping of str to float, optional
-        Conductances at nodes, beside what stands there.
+    Sources count with their resistances only; terminations are conductances at nodes, beside what stands there.
     """
 
     def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
@@ -64,7 +109,6 @@ class Scattering:
         description.refuse_coupled("a transfer function")
 
     def _last(self, node: Node) -> float:
-        """Conductance of the switches at a node."""
         return node.switched(np.inf)
 
     def _branches(self, group: Group) -> list[Branch]:
@@ -175,20 +219,7 @@ def answers(
 ) -> tuple[NDArray, NDArray]:
     """Waves that arrive at the ends of lines, and efforts of the nodes.
 
-    Parameters
-    ----------
-    network : Scattering
-    s : ndarray of complex, shape (n,)
-        In the unit of the network.
-    held, flows : ndarray, shape (nodes,) or (n, nodes)
-        Efforts that sources hold, and flows that they drive.
-    late : ndarray of complex, shape (n, lines), optional
-        What delays are beyond sT.
-
-    Returns
-    -------
-    ndarray of complex, shape (n, ends)
-    ndarray of complex, shape (n, nodes)
+    Sources hold efforts and drive flows, shape (nodes,) or (n, nodes); `late` (n, lines) is what delays are beyond sT.
     """
     number = int(len(s) * network.size**2 / CHUNK) + 1
     nodes, lines = ((len(s), len(each)) for each in (network.names, network.delays))

@@ -1,22 +1,118 @@
-"""What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state."""
+"""What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state.
+
+Flows through the elements of a network without a state, each behind an effort and its source impedance.
+
+Lossy lines in a steady flow: what falls along them, what leaks from them, and efforts and flows inside.
+
+Of its resistance r and conductance g per metre such a line of length l makes a π: R = Zc sinh γl between its ends and
+G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that depends on the flow adds its fall to R's.
+"""
 
 from collections.abc import Mapping
 from copy import copy
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
+from tline.loss.flow_law import side_by_side
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
-from tline.solver.description.laws import laws_of, opened
+from tline.solver.description.laws import laws_of, opened, units_of_laws
+from tline.solver.description.lines import Line
+from tline.solver.kernel.network import Crossing, Laws
 from tline.solver.kernel.network import Laws as Elements
+from tline.solver.kernel.units import law_addresses
 from tline.solver.steady.balance import EdgeLaws
-from tline.solver.steady.flows import Flows
-from tline.solver.steady.lossy_lines import Falls
 from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
+
+
+class Flows:
+    """Laws of elements, packed once."""
+
+    def __init__(self, laws: Laws):
+        self._v, self._flow, self._slope = np.empty((3, len(laws.kind)))
+        if not len(laws.kind):
+            return
+        from tline.solver.kernel.laws.through import Through, through
+
+        crossing, law = Crossing(laws.constants, *np.empty((4, 1))), law_addresses(units_of_laws(laws))
+        values = law, laws.at, laws.control, self._v, laws.source_impedance, self._flow, self._slope, crossing
+        self._through, self._packed = through, pack(Through(*values))
+
+    def __call__(self, v: NDArray) -> tuple[NDArray, NDArray]:
+        """Flow through each element behind the efforts v, and its slope; each shape (E,)."""
+        if len(v):
+            self._v[:] = v
+            self._through(self._packed)
+        return self._flow.copy(), self._slope.copy()
+
+
+Slopes = tuple[NDArray, NDArray, NDArray, NDArray]
+
+
+def pi(line: Line) -> tuple[float, float]:
+    """Resistance between the ends and conductance at each, to a steady flow, without what depends on its size."""
+    if line.losses is None:
+        return 0.0, 0.0
+    exact = line.losses.exact
+    r, g = exact.series.loss * exact.length, exact.shunt.loss * exact.length
+    x = np.sqrt(r * g)
+    return (r * np.sinh(x) / x, g * np.tanh(x / 2) / x) if x else (r, g / 2)
+
+
+def falling(line: Line) -> bool:
+    """Whether effort falls along a line in a steady flow."""
+    return line.losses is not None and any(line.losses.steady_drop(1.0))
+
+
+class Falls:
+    """What falls along lines, over one unknown each: z0·y."""
+
+    def __init__(self, lines: Mapping[str, Line]):
+        self.z0 = np.array([line.z0 for line in lines.values()])
+        self._resistance = np.array([pi(line)[0] for line in lines.values()])
+        laws = [line.losses.flow_law if line.losses else None for line in lines.values()]
+        self._length = np.array([line.losses.exact.length if line.losses else 0.0 for line in lines.values()])
+        self._laws = side_by_side(laws)
+
+    def solved(self, a: NDArray) -> Slopes:
+        """Falls and flows, and their slopes over a."""
+        if not len(a):
+            return a, a, a, a
+        y, dy = a / self.z0, 1 / self.z0
+        fall, slope = self._resistance * y, self._resistance * dy
+        for here, law in self._laws:
+            drop, steep = law(np.abs(y[here]))
+            fall[here] += np.sign(y[here]) * drop * self._length[here]
+            slope[here] += steep * self._length[here] * dy[here]
+        return fall, y, slope, dy
+
+
+class Ends(NamedTuple):
+    """A line in a steady flow: efforts, and flows from end 1 to end 2."""
+
+    line: Line
+    u: NDArray  # (2,)
+    y: NDArray  # (2,)
+
+    def at(self, part: NDArray) -> tuple[NDArray, NDArray]:
+        """Effort and flow times z0 at parts of its length."""
+        (u1, u2), (y1, y2) = self.u, self.y
+        losses, z0 = self.line.losses, self.line.z0
+        assert losses is not None
+        x = losses.attenuation
+        if not x:
+            return u1 + part * (u2 - u1), z0 * (y1 + part * (y2 - y1))
+        Zc = np.sqrt(losses.exact.series.loss / losses.exact.shunt.loss)
+        u = (u1 * np.sinh(x * (1 - part)) + u2 * np.sinh(x * part)) / np.sinh(x)
+        y = (u1 * np.cosh(x * (1 - part)) - u2 * np.cosh(x * part)) / (Zc * np.sinh(x))
+        return u, z0 * y
+
 
 NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
 NONE = np.empty(0)
@@ -24,15 +120,7 @@ TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its n
 
 
 class Edges:
-    """Lossy lines first, then elements.
-
-    Attributes
-    ----------
-    where : list of str
-        Names for messages.
-    from_node, to_node : ndarray, shape (edges,)
-        Nodes, -1 for the reference.
-    """
+    """Lossy lines first, then elements."""
 
     def __init__(
         self,
@@ -138,5 +226,4 @@ def _standing(description: Description) -> list[PlacedLaw]:
 
 
 def _running(element: PlacedLaw) -> PlacedLaw:
-    """An element as it is while nothing changes."""
     return element._replace(law=element.law._replace(kind=element.kind.steady or element.law.kind))

@@ -32,16 +32,7 @@ def openings_at_rest(elements: Sequence[PlacedLaw]) -> dict[str, float]:
 def still(elements: Sequence[PlacedLaw], solve: "Callable[[dict[str, float]], Before]") -> "Before":
     """The steady state in which openings do not move, or stand at an end to which they are driven.
 
-    Parameters
-    ----------
-    elements : sequence of PlacedLaw
-    solve : callable
-        The steady state under openings by place.
-
-    Raises
-    ------
-    InputError
-        None was found.
+    `solve` gives the steady state under openings by place.
     """
     moving = [element for element in elements if element.governor is not None]
     openings = {e.where: REGULATOR if e.governor and not e.governor.inertia else DISC for e in moving}
@@ -104,7 +95,6 @@ def _opening(y: float) -> float:
 
 
 def _drive(element: PlacedLaw, before: "Before") -> float:
-    """What moves the opening of an element."""
     governor, through = element.governor, before.through.get(element.where, 0.0)
     assert governor is not None
     seen = [before.effort.get(node or "", 0.0) for node in (element.from_node, element.to_node)]

@@ -12,28 +12,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.components import parts
 from tline.solver.description.given import kinds_numbered
+from tline.solver.description.groups import parts
 from tline.solver.kernel.network import Laws as Elements
 
 WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
 
 
 class Holding(NamedTuple):
-    """Elements that nothing passes, between groups of parts.
+    """Elements that nothing passes, between groups of parts."""
 
-    Attributes
-    ----------
-    from_group, to_group : ndarray, shape (elements,)
-        Groups.
-    low, high : ndarray, shape (elements,)
-        By how much the effort of the first may exceed that of the other, beside what it does.
-    """
-
-    from_group: NDArray
-    to_group: NDArray
-    low: NDArray
-    high: NDArray
+    from_group: NDArray  # (elements,) groups
+    to_group: NDArray  # (elements,)
+    low: NDArray  # (elements,) by which the effort of the first may exceed that of the other, at least
+    high: NDArray  # (elements,) and at most
 
 
 def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
@@ -55,26 +47,9 @@ def settled(
 ) -> tuple[NDArray, NDArray]:
     """Efforts of parts, with those of pockets.
 
-    Parameters
-    ----------
-    effort : ndarray, shape (parts,)
-        As balances of flows give them.
-    known : ndarray of bool, shape (parts,)
-        Whether something that is not an edge determines it.
-    start : ndarray, shape (parts,)
-        What a pocket starts with, or nan.
-    ends : pair of ndarray, shape (edges,)
-        Parts, -1 for the reference.
-    passing : ndarray of bool, shape (edges,)
-        Whether flow passes, or would if it were driven.
-    drops : pair of ndarray, shape (edges,)
-        Least and largest difference of efforts at which nothing does.
-
-    Returns
-    -------
-    effort : ndarray, shape (parts,)
-    opened : ndarray
-        Parts whose start would open a valve; they have what is nearest to it.
+    Balances of flows give the efforts (parts,), which something that is not an edge determines if they are known; a
+    pocket starts with `start`, or nan. Edges join parts, -1 for the reference; flow passes some, or would if it were
+    driven, and none within the drops, least and largest. Also those parts whose start would open a valve.
     """
     n = len(effort)
     u = np.append(effort, 0.0)

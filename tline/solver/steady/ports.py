@@ -6,6 +6,10 @@ open, those of the first order in s tell it.
 References
 ----------
 C.-W. Ho, A. E. Ruehli, P. A. Brennan: The modified nodal approach to network analysis (1975).
+
+What stands at s = 0 at each node and joins nodes without a fall: what is held, driven, conducted; lossless lines.
+
+To the first order in s there are capacities to the reference, and an inertia along each join.
 """
 
 from collections.abc import Iterable, Mapping
@@ -15,13 +19,87 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.solver.description.branches import PlacedBranch, conductors
 from tline.solver.description.description import Description
-from tline.solver.description.links import capacitive
-from tline.solver.steady.at_nodes import AtNodes, Joins
-from tline.solver.steady.balance import Linear
-from tline.solver.steady.slow_limit import Limit, Sparse
+from tline.solver.description.excitation import just_before
+from tline.solver.description.links import PlacedBranch, admittance, capacitive, conductors
+from tline.solver.steady.balance import Limit, Linear, Sparse
+from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place
+
+
+class AtNodes(NamedTuple):
+    """Of each node, shape (nodes,)."""
+
+    given: NDArray  # effort that is held, else nan
+    conductance: NDArray  # to the reference
+    driven: NDArray  # flow of sources
+    capacity: NDArray  # to the reference
+    tie: NDArray  # 1/inertia between the node and what holds it: infinite where that is ideal
+
+
+class Lines(NamedTuple):
+    """Of each line, shape (lines,)."""
+
+    ends: NDArray  # (lines, 2), numbers of nodes
+    z0: NDArray
+    delay: NDArray
+    leak: NDArray  # conductance at each end
+    falls: NDArray  # whether effort falls along it
+
+
+class Joins(NamedTuple):
+    """Lossless lines, and then inductors, between nodes that have one effort in a steady state."""
+
+    ends: NDArray  # (joins, 2)
+    inertia: NDArray  # (joins,)
+    names: list[str]  # of the lines
+
+
+def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
+    """Numbers of all lines."""
+    lines = description.lines.values()
+    ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
+    values = [(line.z0, line.delay, pi(line)[1], falling(line)) for line in lines]
+    z0, delay, leak, falls = np.array(values).T
+    return Lines(ends, z0, delay, leak, falls > 0)
+
+
+def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) -> AtNodes:
+    """Balances of all nodes, with half of what leaks from a line and of what it stores at each of its ends."""
+    n = len(number)
+    given, conductance, driven, capacity, tie = np.full(n, np.nan), *np.zeros((4, n))
+    for k, node in enumerate(description.nodes.values()):
+        switched = node.switched(0.0)
+        if node.held is not None:
+            given[k], tie[k] = just_before(node.held), np.inf
+        elif switched == np.inf:
+            given[k], tie[k] = node.above_level, np.inf
+        else:
+            driven[k], conductance[k] = node.flow_before(), node.conductance + switched
+            driven[k] += switched * node.above_level
+            if node.load is not None and node.load.at_zero() == 0:  # an inductor: a short, with an inertia
+                inertia = node.load.numerator[-2] / node.load.denominator[-1]
+                given[k], tie[k] = node.above_level, 1 / inertia if inertia else np.inf
+            elif node.load is not None:
+                conducted, capacity[k] = admittance(node.load)
+                conductance[k] += conducted
+                driven[k] += conducted * node.above_level
+    for name, effort in description.tanks.items():
+        given[number[name]], tie[number[name]] = effort, np.inf
+    for end in lines.ends.T:
+        conductance += np.bincount(end, lines.leak, n)
+        capacity += np.bincount(end, lines.delay / lines.z0 / 2, n)
+    return AtNodes(given, conductance, driven, capacity, tie)
+
+
+def joins_of(description: Description, number: Mapping[str, int], lines: Lines) -> Joins:
+    """Lines along which nothing falls, and links that are shorts to a steady flow."""
+    shorts, lossless = description.inductive, ~lines.falls
+    pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
+    inertia = np.concatenate([(lines.z0 * lines.delay)[lossless], [inertia for _, _, inertia in shorts]])
+    names = [name for name, kept in zip(description.lines, lossless.tolist(), strict=True) if kept]
+    return Joins(np.vstack([lines.ends[lossless], pairs]), inertia, names)
+
 
 NAMED = 4  # elements in a message
 
@@ -37,13 +115,7 @@ class Ported(NamedTuple):
 class _Equations:
     """Entries of A and B, collected, and what each equation and unknown belongs to: edges first, then nodes.
 
-    Parameters
-    ----------
-    names : list of str
-    first : int
-        Number of the first node.
-    unit, rate : float
-        Impedance by which flows are multiplied; of s, 1/s.
+    Flows are multiplied by the impedance `unit`, s by 1/rate; nodes are numbered from `first` on.
     """
 
     def __init__(self, names: list[str], first: int, unit: float, rate: float):
@@ -127,14 +199,7 @@ def ported(
 ) -> Ported:
     """The equations; of the edges, which come first, with the inertia of the falling lines among them.
 
-    Parameters
-    ----------
-    edges : list of str
-        Places.
-    falls : ndarray
-        Delays of the falling lines, the first edges.
-    unit : float
-        Impedance by which flows are multiplied.
+    The first edges are falling lines, with their delays.
     """
     rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
@@ -157,12 +222,7 @@ def ported(
 
 
 def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Mapping[str, int]) -> None:
-    """Refuse equations that contradict each other, or leave something open, naming elements.
-
-    Raises
-    ------
-    InputError
-    """
+    """Refuse equations that contradict each other, or leave something open, naming elements."""
     for at, problem in (
         (limit.rows if limit else [], "nothing takes the flow, or efforts contradict each other"),
         (limit.columns if limit else [], "nothing determines its effort or flow"),

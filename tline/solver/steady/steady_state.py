@@ -12,15 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.components import parts
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.steady.at_nodes import AtNodes, Joins, Lines, at_nodes, joins_of, lines_of
+from tline.solver.description.groups import parts
 from tline.solver.steady.balance import CLOSE, Balance, EdgeLaws, Linear, balanced, symmetric
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.openings import openings_at_rest, still
 from tline.solver.steady.pockets import settled
-from tline.solver.steady.ports import branches_with_ports, check_limit, ported
+from tline.solver.steady.ports import (
+    AtNodes,
+    Joins,
+    Lines,
+    at_nodes,
+    branches_with_ports,
+    check_limit,
+    joins_of,
+    lines_of,
+    ported,
+)
 from tline.words.wording import place
 
 SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
@@ -47,13 +56,7 @@ def rest(description: Description) -> Before:
 
 
 def steady_state(description: Description) -> tuple[dict[str, float], NDArray]:
-    """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0.
-
-    Raises
-    ------
-    InputError
-        If there is none: different ideal efforts on connected lines, or a flow that nothing takes; or none was found.
-    """
+    """Effort of each node and flows at both ends of each line, from end 1 to end 2, immediately before t = 0."""
     effort, flows, *_ = above_level(description)
     return {name: u + description.nodes[name].height.level for name, u in effort.items()}, flows
 
@@ -160,7 +163,6 @@ def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray
 
 
 def _unit(parted: _Parts, laws: EdgeLaws) -> float:
-    """Impedance of the size of efforts over flows."""
     known = laws.impedance if len(laws.impedance) else parted.lines.z0
     return float(np.exp(np.log(known).mean()))
 
@@ -168,12 +170,7 @@ def _unit(parted: _Parts, laws: EdgeLaws) -> float:
 def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, driving: float) -> None:
     """Refuse what was not found, and a flow that nothing takes.
 
-    Parameters
-    ----------
-    part : ndarray, shape (nodes,)
-        Number of each node's balance.
-    driving : float
-        The largest flow that something drives.
+    `driving` is the largest flow that something drives, `part` the number of each node's balance.
     """
     if not found.worst <= CLOSE:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
@@ -193,13 +190,7 @@ def _driving(parted: _Parts, edges: Edges) -> float:
 
 
 def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, known: NDArray, driving: float) -> NDArray:
-    """The effort of each part, with those of pockets.
-
-    Raises
-    ------
-    InputError
-        What a node starts with would open a valve.
-    """
+    """The effort of each part, with those of pockets."""
     if known.all():
         return effort
     description, number, part = parted.description, parted.number, parted.part
@@ -223,7 +214,6 @@ def _starts(description: Description, number: dict[str, int], part: NDArray) -> 
 
 
 def _refuse_flow(description: Description, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
-    """Say that nothing takes the flow into a part."""
     sources = description.scene.sources.items()
     where = next(
         (place("sources", name) for name, source in sources if part[number[source.terminals[0]]] == stuck),
@@ -234,7 +224,6 @@ def _refuse_flow(description: Description, number: dict[str, int], part: NDArray
 
 
 def _least(values: NDArray, part: NDArray) -> NDArray:
-    """Least value in each part, nan where all are nan."""
     least = np.full(part.max() + 1, np.nan)
     np.fmin.at(least, part, values)
     return least

@@ -46,23 +46,9 @@ def compare(
 ) -> Comparison:
     """Estimate the errors of a run by its differences to a finer one.
 
-    Parameters
-    ----------
-    description : Description
-        Of their scene.
-    coarse, fine : Result
-    tol : float, optional
-        The tolerance, if there is one.
-    before : sequence of Accuracy
-        Differences of each earlier run to the next, up to the coarse one.
-    unknown : float
-        Share of a difference that a step leaves, if there is no earlier run.
-    whole : bool
-        Look inside slabs even if their ends are beyond the tolerance.
-
-    Returns
-    -------
-    Comparison
+    `before` are differences of each earlier run to the next, up to the coarse one; without any a step is taken to leave
+    the share `unknown`. The inside of slabs counts even if their ends are beyond the tolerance if all is asked
+    (`whole`).
     """
     found = Accuracy(tol, *differences(coarse, fine, None if whole else tol))
     by = caution(found, before[-1] if before else None, unknown)
@@ -111,7 +97,6 @@ def relative(
 
 
 def _share(error: float, amplitude: float, least: float) -> float:
-    """An error over an amplitude, if that is more than the least."""
     return max(error / amplitude, ROUNDING) if amplitude > least and error > 0 else 0.0
 
 
@@ -159,7 +144,6 @@ def unseen(description: Description, result: Result, followed: bool) -> float:
 
 
 def _over(result: Result, decays: Sequence[float]) -> float:
-    """What a run resolves over the fastest of some decays."""
     return max((result.resolution.resolved / decay for decay in decays if decay > 0), default=0.0)
 
 

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.solver.convolution.families import leads
-from tline.solver.convolution.jumps import arrivals
 from tline.solver.convolution.quadrature import padding, rounding
-from tline.solver.convolution.run import Convolved
-from tline.solver.convolution.suited import affordable, suits
+from tline.solver.convolution.rays import arrivals
+from tline.solver.convolution.run import Convolved, is_affordable, suits
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy
@@ -43,7 +42,7 @@ def convolved(search: Search) -> Result | None:
         description.refuse_coupled("an envelope")
     try:
         grids = Convolutions(search)
-        if not affordable(grids.scene, grids.order, grids.h / 2) and not grids.alone:
+        if not is_affordable(grids.scene, grids.order, grids.h / 2) and not grids.alone:
             return None
         result = refined(grids)
         if grids.scene.clock and result.accuracy and not result.accuracy.met:
@@ -107,7 +106,7 @@ class Convolutions(Grids):
         """What forbids a finer run: that it takes too long."""
         if self.scene.clock and 2 * ladder.last.samples > MOST_CLOCKED:
             return "slabs of one width converge slowly"
-        finer = affordable(self.scene, self.order, ladder.last.resolution.h / 2)
+        finer = is_affordable(self.scene, self.order, ladder.last.resolution.h / 2)
         return "" if finer else "narrower slabs would take too long"
 
     def _first_slab(self) -> float:

@@ -40,14 +40,8 @@ class PiecewiseQuantity(NamedTuple):
 class Cuts:
     """Where slabs of the next finer run are cut in pieces at elements with laws.
 
-    Attributes
-    ----------
-    kinked : list of PlacedLaw
-        Elements whose laws kink.
-    governed : bool
-        Whether openings move by themselves.
-    places : list of str
-        Elements whose waves runs are to record.
+    `kinked` are elements whose laws kink, `places` those whose waves runs are to record; if `governed`, openings move
+    by themselves.
     """
 
     def __init__(self, description: Description):

@@ -2,15 +2,21 @@
 
 What the grids are is the business of whoever brings them (`Grids`): orders and slabs, places of losses, slabs of
 convolutions. What a run is worth, what is given out, and what forbids a finer run is told here alone.
+
+How long a search may take, and what it expects to take.
 """
 
+import sys
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from itertools import pairwise
-from math import inf, log
-from typing import NamedTuple
+from math import ceil, inf, log
+from typing import Any, NamedTuple
 
+from tline.compiled.announce import compiling_seconds
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.resolution import Resolution
@@ -18,8 +24,64 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.notes import smeared
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS, Kinks, run
-from tline.solver.tolerance.budget import Budget
 from tline.solver.tolerance.compare import compare, with_errors
+from tline.words.progress import DELAY
+
+MOST_SECONDS = 600  # where nothing is asked
+PACE = 0.5  # of an estimate, that a run leaves where nothing is known yet
+SAMPLES = 2.0  # times as many in the next run, at least
+
+
+class Budget:
+    """Computing time from now on for all runs of a search, without what compiling takes.
+
+    Ten minutes if none is given; where it is shown, it is said after two seconds how many more are expected.
+    """
+
+    def __init__(self, seconds: float | None = None, shown: bool = False):
+        self.asked, self.seconds, self._shown = seconds is not None, seconds or MOST_SECONDS, shown
+        self._started = self._begun = _passed()
+        self._keeps: Callable[[Any], float] = lambda last: 0.0
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left; below zero if they are over."""
+        return self.seconds - (_passed() - self._started)
+
+    def keeping(self, keeps: Callable[[Any], float]) -> "Budget":
+        """The same for a search from now on that leaves so many seconds to others, by its last result."""
+        other = copy(self)
+        other._begun, other._keeps = _passed(), keeps
+        return other
+
+    def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0, last: Any = None) -> str:
+        """What forbids one more run beside these, each with the time of its comparison; empty if nothing does.
+
+        No run is of use that has not `least` times as many samples as the last one, whose result is `last`.
+        """
+        passed, seconds = self.seconds - self.left, self.seconds - self._keeps(last)
+        stepping = sum(attempt.seconds for attempt in attempts)
+        takes = (_passed() - self._begun) * attempts[-1].seconds / stepping if stepping else 0.0
+        growth = max([SAMPLES, *(fine.samples / rough.samples for rough, fine in pairwise(attempts[-2:]))])
+        if self._shown and passed > DELAY:
+            self._shown = False
+            sys.stderr.write(f"some {_expected(attempts, tol, takes, growth):.2g} s more are expected\n")
+        if passed + max(growth, least) * takes <= seconds:
+            return ""
+        wanted = "a finer run" if least <= growth else "a run in which no oscillation passes unseen"
+        return f"{wanted} would take the total beyond {seconds:g} s"
+
+
+def _passed() -> float:
+    return time.process_time() - compiling_seconds()
+
+
+def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: float) -> float:
+    told = [attempt.estimate for attempt in attempts if attempt.estimate]
+    pace = min(told[-1] / told[-2], PACE) if len(told) > 1 and told[-1] > 0 else PACE
+    runs = max(ceil(log(tol / told[-1]) / log(pace)), 1) if told else 1
+    return last * sum(growth**k for k in range(1, runs + 1))
+
 
 HELPS = 0.5  # a step that leaves more of the difference than this does not converge
 MISSED = 4  # grids in a row on which no flow was found, at most
@@ -109,18 +171,8 @@ class Grids(ABC):
 class Ladder:
     """The runs so far, and the best of them.
 
-    Attributes
-    ----------
-    last : Result
-        The finest run.
-    told : Accuracy
-        Estimated errors after the last step.
-    helps : bool
-        Whether that step converged.
-    stale : int
-        Halvings of the slab in a row that brought nothing.
-    differences : list of Accuracy
-        From each run to the next, where they are taken for errors.
+    `last` is the finest run, `told` its errors after the last step, and whether that converged (`helps`); `stale`
+    counts halvings of the slab in a row that brought nothing.
     """
 
     def __init__(self, grids: Grids, first: Result):
@@ -183,13 +235,7 @@ class Ladder:
 
 
 def refined(grids: Grids) -> Result:
-    """Run on ever finer grids until the estimated error is within the tolerance, or a limit is reached.
-
-    Raises
-    ------
-    InputError
-        The first run cannot be made; no flow is found, say.
-    """
+    """Run on ever finer grids until the estimated error is within the tolerance, or a limit is reached."""
     ladder, missed, limit = Ladder(grids, grids.first()), 0, ""
     while not limit:
         try:

@@ -8,8 +8,7 @@ from typing import NamedTuple
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
-from tline.solver.description.resolution import Resolution, cell_in, resolution
-from tline.solver.description.short_lines import short_lines
+from tline.solver.description.resolution import Resolution, cell_in, resolution, short_lines
 from tline.solver.description.slab import cell_of, cells_in
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result

@@ -75,7 +75,6 @@ def balances_of(description: Description) -> dict[str, Balance]:
 
 
 def _attach(here: Balance, load: Any, description: Description, weight: float) -> None:
-    """Attach a load, at a node whose gauge pressure is zero at some effort."""
     if load.kind in ("short", "reservoir"):
         level = weight if load.kind == "short" else float(load.pressure)
         here.hold(lambda t: np.full_like(t, level))
@@ -88,7 +87,6 @@ def _attach(here: Balance, load: Any, description: Description, weight: float) -
 
 
 def _join(found: Mapping[str, Balance], link: Any) -> None:
-    """Attach a link to both its nodes."""
     equation = equation_of(link) if len(link.nodes) == 2 and link.kind not in MULTIPORTS else None
     for here, there in zip(link.nodes, reversed(link.nodes), strict=True):
         if here in found:
@@ -96,7 +94,6 @@ def _join(found: Mapping[str, Balance], link: Any) -> None:
 
 
 def _drive(found: Mapping[str, Balance], source: Source, weights: Mapping[str, float]) -> None:
-    """Attach a source to the nodes at which it stands."""
     plus, minus = source.terminals
     value, conductance = source.value, source.conductance
     if source.is_effort and conductance == inf:

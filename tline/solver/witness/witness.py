@@ -1,33 +1,85 @@
-"""The witness of a run to a tolerance: what is given out is held against equations that share nothing with the run."""
+"""The witness of a run to a tolerance: what is given out is held against equations that share nothing with the run.
+
+A plain run beside one to a tolerance: first order, nothing cut, graded, lumped or followed.
+
+What switches, laws and sources do is spread over slabs, so it is right in the mean alone: compared are integrals over
+windows, and how far two plain runs are apart tells how well they know these.
+"""
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from itertools import islice
+from math import ceil, log2
 
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
-from tline.solver.description.short_lines import short_lines
-from tline.solver.result.result import Result
-from tline.solver.witness.balance import Doubt, balance_doubts, line_doubts
+from tline.solver.description.resolution import Resolution, short_lines
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.run import run
 from tline.solver.witness.nodes import lines_at, watched
-from tline.solver.witness.plain import plain_doubts
-from tline.solver.witness.seen import Seen
-from tline.solver.witness.stores import store_doubts
+from tline.solver.witness.seen import Doubt, Seen, balance_doubts, line_doubts, store_doubts
+
+WINDOWS = 8  # of the run, over which is integrated
+SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # of the samples of all runs to the tolerance, that plain ones may take
+INSTANTS = 128  # of a window, at which a mean is taken
+FEW = 16  # slabs of a window, at least
+CAUTION = 4.0  # times that two plain runs differ by, within which nothing is told
+FAINT = 1e-4  # of the largest wave, which is always allowed
+KNOWS = 0.1  # of the amplitude: plain runs that differ by more know nothing
+
+
+def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
+    """Probes whose integrals over windows are not those of plain runs, by more than these differ by."""
+    h = _slab(description, result)
+    if h is None:
+        return
+    try:
+        plain = [Resolution(1, h / k, fit=FAINT, plain=True) for k in (1, 2)]
+        coarse, fine = (run(description, chosen) for chosen in plain)
+    except (InputError, NoFlowError):  # a plain run may not be had, which says nothing of the other
+        return
+    window = description.t_end / WINDOWS
+    late = h / 2 / window + 1 / INSTANTS  # of a window, by which a jump may be moved, in both plain runs alike
+    largest = max(float(np.abs([probe.a, probe.b]).max()) for probe in fine.probes.values())
+    for name, probe in result.probes.items():
+        told = [_means(each.probes[name], description.t_end) for each in (coarse, fine, result)]
+        for letter, one, other, given in zip("uy" if probe.has_flow else "u", *told, strict=False):
+            size = float(np.ptp(getattr(fine.probes[name], letter)))
+            faint = FAINT * largest / (probe.record.z0 if letter == "y" else 1.0)
+            apart = float(np.abs(one - other).max()) + late * size + faint
+            off = np.abs(given - other)
+            if apart <= KNOWS * size and off.max() > CAUTION * apart:
+                what = f"the mean of {letter} is not that of a plain run"
+                yield Doubt(f"probes.{name}", float(off.argmax() * window), what)
+
+
+def _slab(description: Description, result: Result) -> float | None:
+    """Widest slab that suits all lines, if two runs with it and with half of it are cheap enough."""
+    attempts = result.accuracy.attempts if result.accuracy else ()
+    affordable = min(max(SHARE * sum(attempt.samples for attempt in attempts), LEAST), MOST)
+    shortest = min(line.delay for line in description.lines.values())
+    slabs = affordable / (6 * len(description.lines))
+    least = max(ceil(description.t_end / shortest), FEW * WINDOWS)
+    if slabs < least:
+        return None
+    parts = 2 ** int(log2(slabs / least))  # narrower where that is affordable
+    return min(shortest, description.t_end / (FEW * WINDOWS)) / parts
+
+
+def _means(probe: ProbeResult, t_end: float) -> NDArray:
+    """Of effort and flow over windows, shape (2, windows)."""
+    t = (np.arange(WINDOWS * INSTANTS) + 0.5) / (WINDOWS * INSTANTS) * t_end
+    seen = probe.at(t)
+    return np.array([each.reshape(WINDOWS, INSTANTS).mean(axis=1) for each in (seen.u, seen.y)])
 
 
 class Witness:
     """Looks at some nodes of a scene; made before its runs, for these keep the waves that it needs.
 
-    Parameters
-    ----------
-    description : Description
-    kept : collection of str
-        Lines whose waves are kept anyway, so that they are not lumped.
-
-    Attributes
-    ----------
-    nodes : list of Balance
-    lines : list of str
-        Whose waves it needs.
+    Lines that are kept anyway are not lumped; `lines` are those whose waves it needs.
     """
 
     def __init__(self, description: Description, kept: Collection[str] = ()):

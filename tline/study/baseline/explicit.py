@@ -15,7 +15,7 @@ from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import EDGE, Waveform, sampled
 from tline.solver.description.nodes import node_of_end
-from tline.solver.loop.kernel import advance
+from tline.solver.loop.march import advance
 from tline.solver.radau import Basis, gauss
 from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.baseline.loops import Grid, advance_cells, advance_fdtd, advance_grid, advance_moc

@@ -5,14 +5,18 @@ polynomial, or one on each side of a jump; these it advances as a diamond does, 
 their projections passes untouched. These are of a low order
 whatever that of the waves. Cells that touch a node would bind it for k slabs, so there are none: what is lost
 there is added to that of the cells beside them, to each part of a wave as much as it misses (`weigh`).
+
+What lines in cells remember or leak: circuits, each in its place along the line, from one cell there to the next.
+
+A circuit sees one polynomial of each wave over its cell, and is advanced by Radau IIA. What lies between a wave and its
+polynomial changes so fast, as fronts do, that the circuit answers at once: it is attenuated.
 """
 
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.arithmetic import copy, times
-from tline.solver.kernel.diamonds.friction import lost
-from tline.solver.kernel.diamonds.full import MIDDLE, flushed
+from tline.solver.kernel.arithmetic import TINY, copy, times
+from tline.solver.kernel.diamonds.full import MIDDLE, flushed, lost
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import FAR
 
@@ -187,18 +191,63 @@ def as_one(run, row, side):
 
 
 @function
-def recall(run, row, o, a, b, ring, column):
+def take_wave(run, row, o, at, ring, side, whole):
+    """Divide and project a wave in a cell. Returns that none of its slabs is in pieces, and the number of parts."""
+    n = fetch(run, row, o, at, ring, side)
+    if whole:
+        n = as_one(run, row, side)
+    take_up(run, side, n)
+    return False, n
+
+
+@function
+def put_wave(run, row, o, at, ring, side, in_pieces, n):
+    """Write a wave in a cell back with what has changed."""
+    put_back(run, row, o, at, ring, side, n)
+
+
+@function
+def recall(job, run, row, o, a, b, ring, column, take, put):
     """Let the circuits of a column take from the slabs of a cell."""
     memory = run.network.diamonds.memory
     if memory.first[row] == memory.first[row + 1]:
         return
-    fetch(run, row, o, a, ring, 0)
-    fetch(run, row, o, b, ring, 1)
-    take_up(run, 0, as_one(run, row, 0))
-    take_up(run, 1, as_one(run, row, 1))
+    of_a, n = take(job, row, o, a, ring, 0, True)
+    of_b, m = take(job, row, o, b, ring, 1, True)
     invoke(run.units.remember, (run, row, column))
-    put_back(run, row, o, a, ring, 0, np.int64(1))
-    put_back(run, row, o, b, ring, 1, np.int64(1))
+    put(job, row, o, a, ring, 0, of_a, n)
+    put(job, row, o, b, ring, 1, of_b, m)
+
+
+@function
+def pass_line(job, run, row, count, take, put):
+    """Advance a line by cells that are complete after so many slabs more. Returns whether friction was found.
+
+    Cells half of whose time has passed come first, then those half a cell later, with what they remember and friction
+    in reverse order. Waves are taken from the line for a cell, and put back.
+    """
+    network, line, k = run.network, run.network.diamonds.line[row], run.network.diamonds.cell[row]
+    begin = due(run, row, count)
+    if begin < -k:
+        return True
+    o, D = network.offset[line], network.delay[line]
+    ring, number = 2 * D, D // k
+    for later in range(2):
+        for i in range(number - later):
+            rest = number - 1 - later - i
+            a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
+            column = 2 * i + later
+            if later == 1:
+                recall(job, run, row, o, a, b, ring, column, take, put)
+            of_a, n = take(job, row, o, a, ring, 0, False)
+            of_b, m = take(job, row, o, b, ring, 1, False)
+            if not meet_in_cell(run, row, n, m, later + i == 0, later + rest == 0):
+                return False
+            put(job, row, o, a, ring, 0, of_a, n)
+            put(job, row, o, b, ring, 1, of_b, m)
+            if later == 0:
+                recall(job, run, row, o, a, b, ring, column, take, put)
+    return True
 
 
 @unit
@@ -206,33 +255,45 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
     """Advance the FAR or NEAR lines with losses by cells that are complete after so many slabs more.
 
     Returns as `pass_diamonds` does.
-
-    Cells half of whose time has passed come first, then those half a cell later, with what they remember and friction
-    in reverse order.
     """
-    network, diamonds, blocks = run.network, run.network.diamonds, run.network.blocks
-    rows = blocks.far_cells if chosen == FAR else blocks.near_cells
+    rows = run.network.blocks.far_cells if chosen == FAR else run.network.blocks.near_cells
     for index in range(rows.size):
         row = int(rows[index])
-        begin, line, k = due(run, row, count), diamonds.line[row], diamonds.cell[row]
-        if begin < -k:
-            continue
-        o, D = network.offset[line], network.delay[line]
-        ring, number = 2 * D, D // k
-        for later in range(2):
-            for i in range(number - later):
-                rest = number - 1 - later - i
-                a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
-                column = 2 * i + later
-                if later == 1:
-                    recall(run, row, o, a, b, ring, column)
-                n, m = fetch(run, row, o, a, ring, 0), fetch(run, row, o, b, ring, 1)
-                take_up(run, 0, n)
-                take_up(run, 1, m)
-                if not meet_in_cell(run, row, n, m, later + i == 0, later + rest == 0):
-                    return line
-                put_back(run, row, o, a, ring, 0, n)
-                put_back(run, row, o, b, ring, 1, m)
-                if later == 0:
-                    recall(run, row, o, a, b, ring, column)
+        if not pass_line(run, run, row, count, take_wave, put_wave):
+            return run.network.diamonds.line[row]
     return -1
+
+
+@unit
+def remember(run: Run, row: int, column: int) -> int:
+    """Let the circuits of a column of cells take from the two waves in the workspace what they see of them.
+
+    Puts the share in the workspace that is left of what they do not see.
+    """
+    diamonds, work, states = run.network.diamonds, run.work.diamonds, run.state.memory
+    memory, a, b, w, out = diamonds.memory, work.parts[0, 0], work.parts[1, 0], work.a, work.b
+    last, r = 2 * (run.network.delay[diamonds.line[row]] // diamonds.cell[row]) - 2, w.size
+    place = 1 if column == 0 or column == last else 0
+    work.rest[0] = memory.rest[row, place]
+    for c in range(memory.first[row], memory.first[row + 1]):
+        sign, n, across = memory.sign[c], memory.modes[c], 1 if memory.sign[c] > 0 else 0
+        direct = memory.at[c, place]
+        read, write, decay = direct + r * r, direct + r * r + r * n, direct + r * r + 2 * r * n
+        state = memory.state_at[c] + column * n
+        for i in range(r):
+            w[i] = a[i] + sign * b[i] - diamonds.steady[row, across]
+        for i in range(r):
+            out[i] = 0.0
+            for j in range(r):
+                out[i] += memory.maps[direct + i * r + j] * w[j]
+            for k in range(n):
+                out[i] += memory.maps[read + i * n + k] * states[state + k]
+        for k in range(n):
+            x = memory.maps[decay + k] * states[state + k]
+            for j in range(r):
+                x += memory.maps[write + k * r + j] * w[j]
+            states[state + k] = 0.0 if abs(x) < TINY else x
+        for i in range(r):
+            a[i] -= out[i]
+            b[i] -= sign * out[i]
+    return 0

@@ -1,11 +1,10 @@
 """Cells of friction where some of their slabs are in pieces: these are parts of a wave like whole slabs."""
 
-from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.arithmetic import clear, copy, times
-from tline.solver.kernel.diamonds.cells import PARTS, as_one, due, fetch, find_change, meet_in_cell, put_back, take_up
+from tline.compiled.unit import function, unit
+from tline.solver.kernel.arithmetic import clear, copy, project, series, times
+from tline.solver.kernel.diamonds.cells import PARTS, as_one, find_change, pass_line, put_back, take_wave
 from tline.solver.kernel.diamonds.full import flushed
 from tline.solver.kernel.fronts.structures import FrontRun
-from tline.solver.kernel.polynomials import project, series
 
 
 @function
@@ -102,23 +101,19 @@ def put_back_pieces(job, k, o, at, ring, side, n):
 
 
 @function
-def take_up_wave(job, row, o, at, ring, side, whole):
+def take_wave_in_pieces(job, row, o, at, ring, side, whole):
     """Divide and project a wave in a cell. Returns whether slabs of it are in pieces, and the number of parts."""
-    run, k, s = job.run, job.run.network.diamonds.cell[row], job.fronts.tools.c.size
+    k, s = job.run.network.diamonds.cell[row], job.fronts.tools.c.size
     for i in range(k):
         if job.fronts.pieces.of_slab[o // s + (at + i) % ring] >= 0:
-            n = as_one(run, row, side) if whole else divide_pieces(job, k, o, at, ring, side)
+            n = as_one(job.run, row, side) if whole else divide_pieces(job, k, o, at, ring, side)
             take_up_pieces(job, k, o, at, ring, side, n)
             return True, n
-    n = fetch(run, row, o, at, ring, side)
-    if whole:
-        n = as_one(run, row, side)
-    take_up(run, side, n)
-    return False, n
+    return take_wave(job.run, row, o, at, ring, side, whole)
 
 
 @function
-def put_back_wave(job, row, o, at, ring, side, in_pieces, n):
+def put_wave_in_pieces(job, row, o, at, ring, side, in_pieces, n):
     """Add to a wave in a cell what has changed."""
     if in_pieces:
         put_back_pieces(job, job.run.network.diamonds.cell[row], o, at, ring, side, n)
@@ -126,42 +121,10 @@ def put_back_wave(job, row, o, at, ring, side, in_pieces, n):
         put_back(job.run, row, o, at, ring, side, n)
 
 
-@function
-def recall_in_pieces(job, row, o, a, b, ring, column):
-    """Let the circuits of a column take from the slabs of a cell."""
-    memory = job.run.network.diamonds.memory
-    if memory.first[row] == memory.first[row + 1]:
-        return
-    of_a, n = take_up_wave(job, row, o, a, ring, 0, True)
-    of_b, m = take_up_wave(job, row, o, b, ring, 1, True)
-    invoke(job.run.units.remember, (job.run, row, column))
-    put_back_wave(job, row, o, a, ring, 0, of_a, n)
-    put_back_wave(job, row, o, b, ring, 1, of_b, m)
-
-
 @unit
 def pass_cells_in_pieces(job: FrontRun, count: int) -> int:
     """Advance all lines with losses as `pass_cells` does, where some slabs are in pieces."""
-    run, network, diamonds = job.run, job.run.network, job.run.network.diamonds
-    for row in range(diamonds.line.size):
-        begin, line, k = due(run, row, count), diamonds.line[row], diamonds.cell[row]
-        if begin < -k:
-            continue
-        o, D = network.offset[line], network.delay[line]
-        ring, number = 2 * D, D // k
-        for later in range(2):
-            for i in range(number - later):
-                rest = number - 1 - later - i
-                a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
-                column = 2 * i + later
-                if later == 1:
-                    recall_in_pieces(job, row, o, a, b, ring, column)
-                of_a, n = take_up_wave(job, row, o, a, ring, 0, False)
-                of_b, m = take_up_wave(job, row, o, b, ring, 1, False)
-                if not meet_in_cell(run, row, n, m, later + i == 0, later + rest == 0):
-                    return line
-                put_back_wave(job, row, o, a, ring, 0, of_a, n)
-                put_back_wave(job, row, o, b, ring, 1, of_b, m)
-                if later == 0:
-                    recall_in_pieces(job, row, o, a, b, ring, column)
+    for row in range(job.run.network.diamonds.line.size):
+        if not pass_line(job, job.run, row, count, take_wave_in_pieces, put_wave_in_pieces):
+            return job.run.network.diamonds.line[row]
     return -1

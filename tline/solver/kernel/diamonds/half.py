@@ -13,11 +13,9 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import times
-from tline.solver.kernel.diamonds.friction import lost
-from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, meet_apart
-from tline.solver.kernel.load import load
+from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
 from tline.solver.kernel.network import Run
-from tline.solver.kernel.scatter import begin, gather, note, note_effort, scatter
+from tline.solver.kernel.scatter import begin, gather, load, note, note_effort, scatter
 
 BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
 

@@ -6,7 +6,7 @@ from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.diamonds.full import ROUNDS, meet_apart
 from tline.solver.kernel.diamonds.half import arrive, begin_half, has_ended, keep_states, leave, lose_half, makes_energy
 from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
-from tline.solver.kernel.fronts.events import happen_until
+from tline.solver.kernel.fronts.advance import happen_until
 from tline.solver.kernel.fronts.respond import respond_piece
 from tline.solver.kernel.fronts.settle import rejoin
 from tline.solver.kernel.fronts.structures import BEGIN, END, FEWER, FrontRun

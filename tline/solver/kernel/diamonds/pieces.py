@@ -3,11 +3,10 @@
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import clear, copy, times
+from tline.solver.kernel.arithmetic import clear, copy, project, times
 from tline.solver.kernel.diamonds.full import flushed, meet_apart
-from tline.solver.kernel.fronts.send import release
+from tline.solver.kernel.fronts.merge import release
 from tline.solver.kernel.fronts.structures import MERGE, SCALE, FrontRun
-from tline.solver.kernel.polynomials import project
 
 WEAK = 8.0  # times what may be left of a breakpoint: fronts that friction does not see
 

@@ -1,11 +1,14 @@
-"""The loop over slabs in which fronts are under way."""
+"""The loop over slabs in which fronts are under way.
+
+What happens at a group, in order of time: what is due at an instant happens there, or counts as late.
+"""
 
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.blocks import node_at, rotate
 from tline.solver.kernel.fronts.gather import drives_front
-from tline.solver.kernel.fronts.structures import DONE, LIVE, MERGE, NOTED, FrontRun
+from tline.solver.kernel.fronts.structures import DONE, LATE, LIVE, MERGE, NOTED, SAME_MAP, FrontRun
 
 
 @function
@@ -163,3 +166,21 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
         k += 1
     counts[DONE] = n_slabs
     return -1
+
+
+@function
+def happen(network, events, g):
+    """Let the next event of a group happen."""
+    row = events.row[events.due[g]]
+    if row != SAME_MAP:
+        network.step_row[g] = row
+    events.due[g] += 1
+
+
+@function
+def happen_until(network, events, counts, g, begin):
+    """Let all events of a group happen that are due where a piece begins, given in slabs; moves before it are late."""
+    while events.due[g] < events.first[g + 1] and events.at[events.due[g]] <= begin + MERGE:
+        i = events.due[g]
+        counts[LATE] += events.row[i] != SAME_MAP and events.at[i] < begin - MERGE
+        happen(network, events, g)

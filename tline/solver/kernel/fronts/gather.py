@@ -3,9 +3,8 @@
 import numpy as np
 
 from tline.compiled.unit import function
-from tline.solver.kernel.arithmetic import TINY, clear, copy, times, weakest
+from tline.solver.kernel.arithmetic import TINY, clear, copy, project, times, weakest
 from tline.solver.kernel.fronts.structures import CUT, DROPPED, LOST, MERGE, MERGED, SAME_MAP, WIDER
-from tline.solver.kernel.polynomials import project
 
 
 @function

@@ -5,8 +5,8 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import clear, copy, times
 from tline.solver.kernel.fronts.gather import driven, fronts_at, part_before, regrouped, unfold, united
+from tline.solver.kernel.fronts.merge import keep, release, send
 from tline.solver.kernel.fronts.respond import respond
-from tline.solver.kernel.fronts.send import keep, release, send
 from tline.solver.kernel.fronts.settle import rejoin, settling
 from tline.solver.kernel.fronts.structures import ANEW, FEWER, SCALE, FrontRun
 from tline.solver.kernel.laws.passing import state_of

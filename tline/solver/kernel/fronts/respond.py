@@ -3,11 +3,11 @@
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.fronts.events import happen_until
+from tline.solver.kernel.fronts.advance import happen_until
 from tline.solver.kernel.fronts.settle import collocate, collocate_finely, map_of
 from tline.solver.kernel.fronts.structures import BEGIN, END, MERGE, FrontRun
 from tline.solver.kernel.laws.passing import pass_laws
-from tline.solver.kernel.load import load
+from tline.solver.kernel.scatter import load
 
 
 @unit

@@ -1,9 +1,8 @@
 """What the laws of a group answer to waves: flows, what is left of the equations, and the system of a Newton step."""
 
 from tline.compiled.unit import function, invoke
-from tline.solver.kernel.arithmetic import TINY, eliminate
+from tline.solver.kernel.arithmetic import FAINT, TINY, eliminate
 from tline.solver.kernel.network import MISSES
-from tline.solver.kernel.newton import FAINT
 
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
 

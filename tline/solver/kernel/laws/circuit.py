@@ -22,10 +22,9 @@ M. A. Krasnoselskii: Two remarks on the method of successive approximations, Usp
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import TINY, largest
+from tline.solver.kernel.arithmetic import CLOSE, SPARE, TINY, largest
 from tline.solver.kernel.laws.answers import answered, exchange_states, respond_to, unbalance
 from tline.solver.kernel.network import DIVIDED, MISSES, SPENT, Run
-from tline.solver.kernel.newton import CLOSE, SPARE
 
 AT_ONCE, ALONG = 40, 200  # waves at which laws are asked: from the last slab's, and for each μ
 MOST_SPENT = 50_000  # parts of slabs in which stores look for flows, of one group and slab: some seconds

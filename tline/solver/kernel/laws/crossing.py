@@ -2,9 +2,14 @@
 
 It sees a Thévenin source: the effort v behind the impedance z of its nodes. Its law, or its store, is a unit of its
 own, asked once for all samples.
+
+A law that gives its flow as a function of the effort, behind an impedance: a root between two efforts.
+
+A law at many samples.
 """
 
-from tline.compiled.unit import invoke, unit
+from tline.compiled.unit import function, invoke, unit
+from tline.solver.kernel.arithmetic import STEPS, ULPS
 from tline.solver.kernel.network import DIVIDED, MISSES, Run
 
 
@@ -45,4 +50,44 @@ def crossing(run: Run, g: int, n: int, h: float) -> int:
             into[0, slab * s + j] = store.drive[j]
             u[here + slab * s + j] -= z_from * flow[j]
             u[there + slab * s + j] += z_to * flow[j]
+    return 0
+
+
+@function
+def bracketed(conducted, c, at, control, d, z, low, high):
+    """Flow i and di/dd where d = u + z i(u), and u lies between low and high: Newton, bisection where that fails."""
+    u = high
+    for _ in range(STEPS):
+        i, slope = conducted(c, at, control, u)
+        rest = u + z * i - d
+        if rest > 0.0:
+            high = u
+        else:
+            low = u
+        step = rest / (1.0 + z * slope)
+        after = u - step
+        if not low * (1.0 - ULPS) <= after <= high * (1.0 + ULPS):
+            after = 0.5 * (low + high)
+        close = abs(after - u) <= ULPS * u
+        u = after
+        if close:
+            break
+    i, slope = conducted(c, at, control, u)
+    if z * slope > 1.0:  # then u is known better than what it conducts
+        i = (d - u) / z
+    return i, slope / (1.0 + z * slope)
+
+
+@function
+def sampled(law, crossing, at, n, z):
+    """Let a law, of its constants, a control signal, an effort and an impedance, give flows and slopes at n samples.
+
+    While nothing changes, such as behind an edge or before a valve moves, it is not asked again.
+    """
+    c, v, control, flow, slope = crossing.constants, crossing.v, crossing.control, crossing.flow, crossing.slope
+    for i in range(n):
+        if i > 0 and v[i] == v[i - 1] and control[i] == control[i - 1]:
+            flow[i], slope[i] = flow[i - 1], slope[i - 1]
+            continue
+        flow[i], slope[i] = law(c, at, control[i], v[i] - c[at], z)
     return 0

@@ -3,9 +3,9 @@
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.laws.sampled import sampled
+from tline.solver.kernel.arithmetic import STEPS
+from tline.solver.kernel.laws.crossing import sampled
 from tline.solver.kernel.network import Crossing
-from tline.solver.kernel.newton import STEPS
 
 
 @function

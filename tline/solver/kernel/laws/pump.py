@@ -10,7 +10,7 @@ over the rated one.
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.laws.sampled import sampled
+from tline.solver.kernel.laws.crossing import sampled
 from tline.solver.kernel.network import Crossing
 
 MOTOR, NOW, TABLES = 7, 8, 9  # the last where the pieces begin

@@ -6,7 +6,7 @@ Constants: effort beyond the element, capacity, 1 if it passes flow one way only
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.laws.sampled import sampled
+from tline.solver.kernel.laws.crossing import sampled
 from tline.solver.kernel.network import Crossing
 
 

@@ -6,9 +6,8 @@ Constants: effort beyond the element, capacity, set point, band.
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.laws.bracketed import bracketed
+from tline.solver.kernel.laws.crossing import bracketed, sampled
 from tline.solver.kernel.laws.quadratic import rooted
-from tline.solver.kernel.laws.sampled import sampled
 from tline.solver.kernel.network import Crossing
 
 

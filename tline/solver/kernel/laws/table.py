@@ -4,7 +4,7 @@ Constants: effort beyond the element, number n, n efforts, n flows.
 """
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.laws.sampled import sampled
+from tline.solver.kernel.laws.crossing import sampled
 from tline.solver.kernel.network import Crossing
 
 

@@ -4,8 +4,7 @@ Constants: effort beyond the element, current at a voltage, that voltage, expone
 """
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.laws.bracketed import bracketed
-from tline.solver.kernel.laws.sampled import sampled
+from tline.solver.kernel.laws.crossing import bracketed, sampled
 from tline.solver.kernel.network import Crossing
 
 

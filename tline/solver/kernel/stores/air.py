@@ -8,10 +8,19 @@ as it is outside, that choke; and that pressure over the one outside.
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import clear, eliminate, times
+from tline.solver.kernel.arithmetic import (
+    CLOSE,
+    HALVINGS,
+    SPARE,
+    TRIES,
+    after,
+    clear,
+    eliminate,
+    fallen,
+    project,
+    times,
+)
 from tline.solver.kernel.network import Store
-from tline.solver.kernel.newton import CLOSE, SPARE, TRIES
-from tline.solver.kernel.polynomials import HALVINGS, after, fallen, project
 from tline.solver.kernel.stores.gas import expanded
 
 SWITCHES = 0.5  # of the pressure that switches: so much more it takes until the smaller orifice alone is open

@@ -9,7 +9,7 @@ from tline.compiled.unit import function, unit
 from tline.solver.kernel.network import DIVIDED, Store
 from tline.solver.kernel.stores.fill import filled
 from tline.solver.kernel.stores.gas import FARTHEST, entering, expanded, is_missed, squeezed, stored
-from tline.solver.kernel.stores.parts import in_parts
+from tline.solver.kernel.stores.tank import in_parts
 
 
 @function

@@ -8,10 +8,8 @@ where dX/dt = r i, of a rotor about; and behind an effort and an impedance the f
 import numpy as np
 
 from tline.compiled.unit import function
-from tline.solver.kernel.arithmetic import clear, copy, eliminate, left_of, times
+from tline.solver.kernel.arithmetic import CLOSE, SPARE, TRIES, clear, copy, eliminate, left_of, project, times
 from tline.solver.kernel.network import DIVIDED, MISSES, SPENT
-from tline.solver.kernel.newton import CLOSE, SPARE, TRIES
-from tline.solver.kernel.polynomials import project
 
 MOST_PARTS, STRIDES = 256, 64  # of a slab, and of a first residual, that are tried
 

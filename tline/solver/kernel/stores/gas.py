@@ -6,11 +6,11 @@ Constants: effort beyond the element, capacity of the orifice, pressure outside,
 import numpy as np
 
 from tline.compiled.unit import function, unit
+from tline.solver.kernel.arithmetic import STEPS, ULPS
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import DIVIDED, MISSES, Store
-from tline.solver.kernel.newton import STEPS, ULPS
 from tline.solver.kernel.stores.fill import fill
-from tline.solver.kernel.stores.parts import PARTS, in_parts
+from tline.solver.kernel.stores.tank import PARTS, in_parts
 
 MISSED = 1e-3  # share of a gas's volume that a step may lose
 FARTHEST = 2.0  # change of ln V in a step of Newton's method

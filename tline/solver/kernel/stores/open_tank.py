@@ -8,12 +8,11 @@ above, so that what runs over takes energy.
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import clear, times
+from tline.solver.kernel.arithmetic import clear, integrated, project, series, times
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import DIVIDED, Store
-from tline.solver.kernel.polynomials import integrated, project, series
 from tline.solver.kernel.stores.fill import filled
-from tline.solver.kernel.stores.parts import PARTS
+from tline.solver.kernel.stores.tank import PARTS
 
 
 @function

@@ -8,7 +8,7 @@ import numpy as np
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.network import DIVIDED, Store
 from tline.solver.kernel.stores.fill import filled
-from tline.solver.kernel.stores.parts import in_parts
+from tline.solver.kernel.stores.tank import in_parts
 
 
 @function

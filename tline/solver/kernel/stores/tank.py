@@ -1,11 +1,14 @@
 """Tank with an area, or a capacitance, behind an orifice; its state is its effort.
 
 Constants: effort beyond the element, capacity of the orifice, capacitance.
+
+What has a volume, by steps of Euler's implicit method: slabs of order 1, and any that are far too long.
 """
 
 import numpy as np
 
 from tline.compiled.unit import function, unit
+from tline.solver.kernel.arithmetic import clear, integrated, project, series, times
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill
@@ -29,3 +32,28 @@ def tank(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into the tank at the points of a slab of width h, behind the efforts v and the impedance z."""
     fill(stored, entering, store, at, state, h, z, np.inf)
     return 0
+
+
+PARTS = 64
+
+
+@function
+def in_parts(step, store, at, volume, share, z, parts=PARTS):
+    """Flows at the points of a slab, under the efforts v there; share is the slab's time over the unit of volume.
+
+    Where the energy is convex in the volume a step adds none. Nor does the projection of these flows on the slab, which
+    keeps their integral. Returns the volume at the end.
+    """
+    tools, flow, coef, sent = store.tools, store.flow, store.coef, store.integral
+    constant, whole, c, width, last = store.constant, store.whole, store.constants, 1.0 / parts, 0.0
+    clear(whole)
+    times(tools.to_legendre, store.v, 0, coef)
+    integrated(coef, 1.0, sent)
+    for k in range(parts):
+        here = series(sent, 2.0 * (k + 1) * width - 1.0)
+        after = step(c, at, volume, share * width, (here - last) / width - c[at], z)
+        constant[0] = (volume - after) / (share * width)
+        project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
+        volume, last = after, here
+    times(tools.to_points, whole, 0, flow)
+    return volume

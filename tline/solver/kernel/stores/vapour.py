@@ -4,10 +4,9 @@ Constants: effort at which the liquid boils.
 """
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import clear, times
+from tline.solver.kernel.arithmetic import after, clear, fallen, integrated, project, series, times
 from tline.solver.kernel.network import DIVIDED, Store
-from tline.solver.kernel.polynomials import after, fallen, integrated, project, series
-from tline.solver.kernel.stores.parts import in_parts
+from tline.solver.kernel.stores.tank import in_parts
 
 
 @function

@@ -1,0 +1,153 @@
+"""Runs whose delays are rounded to whole slabs, on ever narrower ones, until extremes no longer move.
+
+This is the method of characteristics of textbooks, in the first order: no front lies inside a slab, so a network of
+many pipes costs little. Fronts arrive up to half a slab early or late at every pipe's end; what a tolerance is about
+are therefore the highest and the lowest values, at all nodes and probes.
+
+Conductors whose losses mix the modes and that are no convolution: with twice as many places in each run.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tline.errors import InputError, NoFlowError
+from tline.solver.description.resolution import resolution
+from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.tolerance.compare import added, relative
+from tline.solver.tolerance.difference import Difference
+from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
+
+CAUTION = 2.0  # errors over differences: delays that are rounded err at random, and by half as much on half the slab
+
+
+class Rounded(Grids):
+    """Slabs halved, until the extremes of two runs differ by what is asked; two comparisons are made at least."""
+
+    latest = True
+
+    def __init__(self, search: Search):
+        super().__init__(search._replace(envelope=True))
+
+    def first(self) -> Result:
+        """The run on the widest slabs."""
+        return self.search.run(resolution(self.search.description))
+
+    def next(self, ladder: Ladder) -> Result:
+        """The run on slabs half as wide; where it finds no flow, no finer one is tried."""
+        try:
+            return self.search.run(resolution(self.search.description, h=ladder.last.resolution.h / 2))
+        except NoFlowError as error:
+            raise InputError(error.where, error.problem) from error
+
+    def step(self, ladder: Ladder, finer: Result) -> Step:
+        """By how much extremes differ from those of the run before it."""
+        return Step(finer, compared(self.search.tol, ladder.last, finer), CAUTION)
+
+    def is_enough(self, ladder: Ladder) -> bool:
+        """Whether the tolerance is met, of which one comparison is no proof."""
+        return ladder.compared > 1 and ladder.told.met
+
+    def limit(self, ladder: Ladder) -> str:
+        """What forbids a finer run: that it takes too many samples."""
+        return limit_of(ladder.attempts, 0, False, self.search.most)
+
+
+def compared(tol: float | None, coarse: Result, fine: Result) -> Accuracy:
+    """Errors by the differences of extremes.
+
+    Those at nodes are relative to the largest effort of all (pressures are gauge pressures), as those at a probe are to
+    its own; no probe is said to be better than that.
+    """
+    assert fine.envelope is not None
+    assert coarse.envelope is not None
+    envelope = fine.envelope.compared(coarse.envelope, CAUTION)
+    weight = np.nan_to_num(envelope.weight)
+    most = max(np.abs(envelope.highest - weight).max(), np.abs(envelope.lowest - weight).max())
+    worst = max(envelope.highest_error.max(), envelope.lowest_error.max()) / most if most > 0 else 0.0
+    seen = {name: (_extremes(coarse.probes[name]), _extremes(probe)) for name, probe in fine.probes.items()}
+    off = {name: (CAUTION * np.abs(a - b).max(axis=0), np.abs(b).max(axis=0)) for name, (a, b) in seen.items()}
+    told, *_ = relative({name: Difference(error, error, error, size) for name, (error, size) in off.items()})
+    told = {name: each.or_more(Estimate(float(worst), 0.0)) for name, each in told.items()}
+    return Accuracy(tol, told, told, told)
+
+
+def _extremes(probe: ProbeResult) -> NDArray:
+    """Lowest and highest gauge effort, and flow times impedance, at slab ends; shape (2, 2)."""
+    seen = probe.at_slab_ends
+    both = np.stack([seen.gauge_pressure, probe.record.z0 * seen.y], axis=1)
+    return np.stack([both.min(axis=0), both.max(axis=0)])
+
+
+CLOSER = 0.1  # tolerance of the next over what the last doubling changed
+SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
+OFF = 0.618  # of what is between them: places of instants at which two runs are compared, between round ones
+INSTANTS, PER_SLAB, MOST = 4001, 4, 200_000
+ROUGH = 1e-3  # tolerance of the slabs of the first runs
+MOST_SAMPLES = 3e7  # line-end samples of all runs
+GROWTH = 6  # times as many samples with each doubling
+
+
+class Doublings(Grids):
+    """Twice as many places, and slabs as close as these are.
+
+    Places are of first order behind jumps, and nearly of second behind corners. Where each doubling leaves the share r
+    of the change before, the next ones leave r + r² + …; r counts as a half at most, and as that after the first.
+
+    `run` takes a number of doublings and the tolerance of its slabs.
+    """
+
+    def __init__(self, search: Search, run: Callable[[int, float], Result]):
+        super().__init__(search)
+        self.run, self.close, self.samples, self.changed = run, max(ROUGH, SHARE * search.tol), 0, 0.0
+
+    def first(self) -> Result:
+        """The run with the fewest places."""
+        return self.run(0, self.close)
+
+    def next(self, ladder: Ladder) -> Result:
+        """The run with twice as many."""
+        if ladder.compared:
+            self.close = max(min(self.close, CLOSER * self.changed), SHARE * self.search.tol)
+        return self.run(ladder.compared + 1, self.close)
+
+    def step(self, ladder: Ladder, finer: Result) -> Step:
+        """What places may leave, beside what slabs do."""
+        own, found = finer.accuracy, _changes(ladder.last, finer)
+        assert own is not None
+        self.samples += sum(attempt.samples for attempt in own.attempts)
+        share = min(found.worst / self.changed, SLOWEST) if self.changed > 0 else SLOWEST
+        self.changed, left = found.worst, found.times(share / (1 - share), share / (1 - share))
+        estimates, inside, blurred = (
+            added(getattr(own, name), getattr(left, name)) for name in ("estimates", "inside", "blurred")
+        )
+        told = Accuracy(self.search.tol, estimates, inside, blurred)
+        return Step(replace(finer, unresolved=()) if told.met else finer, told, 1.0)
+
+    def is_enough(self, ladder: Ladder) -> bool:
+        """Whether the tolerance is met, by slabs, too."""
+        return ladder.told.met and not self._own(ladder)
+
+    def limit(self, ladder: Ladder) -> str:
+        """What forbids more places: what slabs could not, or time."""
+        if self._own(ladder) or GROWTH * self.samples <= MOST_SAMPLES:
+            return self._own(ladder)
+        problem = f"the losses mix the modes; {ladder.compared} doublings of the places where they stand leave"
+        return f"{problem} {self.changed:.1g}"
+
+    def _own(self, ladder: Ladder) -> str:
+        return ladder.last.accuracy.limit if ladder.last.accuracy else ""
+
+
+def _changes(coarse: Result, fine: Result) -> Accuracy:
+    n = min(max(INSTANTS, PER_SLAB * fine.slabs.number), MOST)
+    t = (np.arange(n) + OFF) / (n + 1) * fine.slabs.end
+    found = {}
+    for name, probe in fine.probes.items():
+        one, other = (np.array([each.u, each.y]) for each in (coarse.probes[name].at(t), probe.at(t)))
+        off, most = abs(one - other).max(axis=1), abs(other).max(axis=1)
+        found[name] = Difference(off, off, off, most)
+    return Accuracy(None, *relative(found))
