@@ -207,6 +207,21 @@ def smooth(seed: int) -> Iterator[Answer]:
         yield Answer(f"{tol:g}", {"true over tolerance": share, "true over told": over}, wrong)
 
 
+def identification(seed: int) -> Iterator[Answer]:
+    """Parameters of random laws from forces by SciPy with 1 % noise: 95.4 % should lie within two deviations."""
+    from identified import TIMES, VELOCITY, random_law, record
+
+    from friction import MODELS, identify
+
+    for number, name in enumerate(MODELS):
+        rng = np.random.default_rng((31, number, seed))
+        law = random_law(name, rng)
+        found = identify(TIMES, record(law, rng), velocity=VELOCITY, models=(name,)).fits[name]
+        for key, value in found.parameters.items():
+            inside = abs(getattr(law, key) - value) <= 2.0 * found.deviations[key]
+            yield Answer(f"{name} {'within' if inside else 'beyond'} 2σ")
+
+
 def waterworks(seed: int) -> Iterator[Answer]:
     """Imported networks after a start-up, a burst and a closing settle where EPANET has its steady state."""
     from random_waterworks import waterworks
@@ -233,6 +248,7 @@ KINDS: dict[str, tuple[Judge, int]] = {  # and so many seeds in some minutes
     "statics": (statics, 1000),
     "bristles": (bristles, 200),
     "smooth": (smooth, 40),
+    "identification": (identification, 100),
     "waterworks": (waterworks, 15),
 }
 

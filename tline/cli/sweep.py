@@ -66,7 +66,7 @@ def sweep(
     wanted = _wanted(vary)
     from tline import sweeps
     from tline.solver.simulate import UnresolvedWarning
-    from tline.sweeps.report import as_text, notes, summary
+    from tline.sweeps.table import as_text, notes, summary
 
     with _executor(dask) as executor, warnings.catch_warnings():
         for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell

@@ -38,23 +38,10 @@ class SizeSearch(NamedTuple):
 
 
 def smallest(run: Callable[[float], Trial], first: float, largest: float = float("inf")) -> SizeSearch:
-    """Search the smallest size that keeps the limits, to 0.2 %.
+    """Search the smallest size, above zero, that keeps the limits, to 0.2 %, from `first` on and up to `largest`.
 
     A bracket by doubling or halving from `first`, then secants on the logarithm of the size, which bisect where they do
     not halve the bracket. Sizes around the one found are run as well: if a larger one fails, the search goes on above.
-
-    Parameters
-    ----------
-    run : callable
-        Gives the trial of a size, above zero.
-    first, largest : float
-        Where to begin, and where to end.
-
-    Examples
-    --------
-    >>> found = smallest(lambda size: Trial(size, 0, 0, size - 3, 0), 1).found
-    >>> 3 <= found.size <= 3.01
-    True
     """
     tried: dict[float, Trial] = {}
 

@@ -114,19 +114,7 @@ class Sizing(Presentation):
 
 
 class Runs:
-    """Runs of one prepared scene in which one size varies.
-
-    Parameters
-    ----------
-    scene : Scene
-        With an element of any size.
-    values : callable
-        Values by dotted path, of a size.
-    limits : Limits
-    tol : float, optional
-        That of the scene, or 1e-3, if not given.
-    progress : bool
-    """
+    """Runs of one prepared scene in which one size varies: `values` has its values by dotted path, of a size."""
 
     def __init__(
         self,

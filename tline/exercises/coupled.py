@@ -1,11 +1,13 @@
 """Problem 4: the coupled drives, with the exercise's numbers or any others."""
 
 import math
+import re
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
-from drives import CoupledDrives, Torque, design, hidden_modes, simulate, simulate_control
+from drives import CoupledDrives, Design, Torque, design, hidden_modes, simulate, simulate_control
 from drives.decoupling import decoupler, relative_gain_array
 from drives.derivation import check_pulley, wrong_sign
 from drives.linearise import artefact
@@ -16,7 +18,37 @@ from drives.symbolic import INPUTS, OUTPUTS
 from drives.transfer import TransferFunction
 from tline.errors import InputError
 from tline.exercises.answer import Found
-from tline.exercises.modelica import package
+
+MODELS = {  # of the package, by letter: each with the models that it is made of
+    "4b": ("Drive",),
+    "4c": ("Belt",),
+    "4e": ("Pulley",),
+    "4f": ("Drive", "Belt", "Pulley", "Assembly"),
+    "4g": ("Drive", "Belt", "Pulley", "Assembly", "WithPorts"),
+    "4h": ("Drive", "Belt", "Pulley", "Assembly", "Controlled"),
+}
+MODEL = re.compile(r"  (?:partial )?model (\w+).*?  end \1;\n\n?", re.DOTALL)
+
+
+def package(
+    letter: str, drives: CoupledDrives, made: Design | None = None, speed: float = 0, tension: float = 0
+) -> str:
+    """The package as far as a letter asks for it."""
+    text = files("tline.exercises").joinpath("coupled_drives.mo").read_text(encoding="utf-8")
+    text = MODEL.sub(lambda found: found[0] if found[1] in MODELS[letter] else "", text).replace("\n\nend", "\nend")
+    values = {"k": drives.pulley.stiffness, "theta": drives.pulley.angle, "speed": speed, "tension": tension}
+    for side, spool, belt in ((1, drives.left, drives.left_belt), (2, drives.right, drives.right_belt)):
+        values |= {f"J{side}": spool.inertia, f"B{side}": spool.friction, f"r{side}": spool.radius}
+        values |= {f"K{side}": belt.stiffness, f"D{side}": belt.damping}
+    for name, controller in () if made is None else (("speed", made.speed), ("tension", made.tension)):
+        values |= {f"{name}_gain": controller.gain, f"{name}_time": controller.integral_time}
+    return re.sub(r"\{(\w+)\}", lambda found: _number(float(values[found[1]])), text)
+
+
+def _number(value: float) -> str:
+    """As short as it can be; an angle of 45 degrees as a fraction of pi."""
+    return "Modelica.Constants.pi/4" if value == math.pi / 4 else f"{value!r}"
+
 
 OMEGA = np.logspace(-1, 4, 50)
 TORQUE, SPEED, TENSION, END, STEP = 0.1, 1.0, 5.0, 2.0, 0.01  # of the runs in (h): N m, m/s, N, s, s

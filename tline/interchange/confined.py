@@ -30,17 +30,7 @@ MEMORY, WRITTEN = 4 << 30, 1 << 30  # bytes; the latter of a file
 
 
 def solved(path: str, text: str, instant: int = 0) -> dict[str, Any]:
-    """What EPANET answers to a text, as `epanet_run` writes it.
-
-    Parameters
-    ----------
-    path : str
-        The file that messages name.
-    text : str
-        The network; it is to name no files.
-    instant : int
-        After the start of time, s.
-    """
+    """What EPANET answers to a text so many seconds after the start of time; messages name the file at `path`."""
     library = _library()
     seconds = min(SECONDS + EACH * len(text) / 1e6, MOST)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:

@@ -65,18 +65,11 @@ class FileUnits(NamedTuple):
 
 
 def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
-    """Read an EPANET file and its operating point: the steady flow at an hour after the file's start of time.
+    """Read an EPANET file (2.0 or 2.2) and its operating point: the steady flow at an hour, 0 to 8784, after its start.
 
     Levels of tanks, demand patterns, controls and rules count as they stand then. What is closed then is left out, but
     for check valves and regulating valves, and the notes name it. EPANET works in a process of its own, on a copy of
     the lines that bear on the flow: no file but this one is read, and none is written.
-
-    Parameters
-    ----------
-    path : str or Path
-        An ``.inp`` file of EPANET 2.0 or 2.2.
-    hour : float
-        After the start of time, 0 to 8784.
     """
     if not isinstance(hour, int | float) or not 0 <= hour <= LAST_HOUR:
         raise InputError("hour", "out of range", f"a number from 0 to {LAST_HOUR:g}", shown(hour))
@@ -110,7 +103,8 @@ def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float
     cut_off = set(nodes) - reached
     lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
     torn = _unbalanced(nodes, links, units.flow, cut_off)
-    dry = reached - _spread(_ends_of_pipes(links, kept), links, kept)
+    piped = {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
+    dry = reached - _spread(piped, links, kept)
     reached -= dry
     used = {name: links[name] for name in links if name in kept and not {*links[name]["ends"]} & dry}
     return WaterNetwork(
@@ -225,10 +219,6 @@ def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
     quiet -= _spread(loud, links, set(links) - closed)
     shut = {name for name in closed if not _is_left_out(links[name], True)}
     return _spread(reached, links, shut | (set(links) - closed), quiet | basins) - reached
-
-
-def _ends_of_pipes(links: Mapping[str, Any], kept: set[str]) -> set[str]:
-    return {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
 
 
 def _pipe(link: Mapping[str, Any], units: FileUnits, formula: str, vertices: list) -> Pipe:

@@ -47,13 +47,7 @@ class Names:
 
 
 def as_load(impedance: RationalFunction) -> dict[str, Any]:
-    """A load of that impedance as in a scene file: R, L and C in series or side by side where it is that.
-
-    Examples
-    --------
-    >>> as_load(RationalFunction.from_expression("50/(50*s*C + 1)", {"C": "1 nF"}))
-    {'kind': 'parallel', 'resistance': 50.0, 'capacitance': 1e-09}
-    """
+    """A load of that impedance as in a scene file: R, L and C in series or side by side where it is that."""
     impedance = impedance.reduced()
     if impedance.degree == 0:
         return {"kind": "resistor", "resistance": float(impedance.at_zero())}
@@ -93,18 +87,7 @@ def diode_cards(element: Diode, name: str, nodes: list[str], names: Names) -> li
 
 
 def multiport_cards(link: Link, name: str, names: Names) -> list[str]:
-    """The cards of a multiport.
-
-    Parameters
-    ----------
-    link : Link
-        A transformer (E and F, with a source of no voltage that measures its current), a gyrator (two G), a
-        controlled source (E and R), coupled inductors (two L and K), or a junction (G for each admittance).
-    name : str
-        Of the link.
-    names : Names
-        Of the netlist.
-    """
+    """Cards of a multiport: E, F and V of a transformer, two G of a gyrator, E and R, L and K, G of a junction."""
     where, nodes = place("links", name), [names.node[at] for at in link.nodes]
     grounded = not isinstance(link, Multiport) or link.is_grounded
     ports = [f"{at} 0" for at in nodes] if grounded else [" ".join(nodes[:2]), " ".join(nodes[2:])]

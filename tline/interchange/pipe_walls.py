@@ -22,13 +22,8 @@ Keys = dict[str, Any]  # of a line in a scene
 def wave_speeds(wave_speed: float | str | None, material: str | None) -> dict[str, Keys]:
     """Keys of the lines that set the wave speed of pipes, by pipe, and by "*" of all others.
 
-    Parameters
-    ----------
-    wave_speed : number or text, optional
-        Of all pipes without a row, such as ``"1000 m/s"``.
-    material : str, optional
-        A CSV file whose rows are ``pipe, wall, thickness`` or ``pipe, wave speed``. A wall is the name of a material,
-        or Young's modulus.
+    Rows of the CSV file `material` are ``pipe, wall, thickness`` or ``pipe, wave speed``; a wall is the name of a
+    material, or Young's modulus.
     """
     found: dict[str, Keys] = {EVERY: {"wave_speed": USUAL}}
     if not isinstance(material, str | Path | None):

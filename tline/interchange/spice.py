@@ -6,25 +6,26 @@ from typing import Any
 import numpy as np
 
 from tline.errors import InputError, SceneError
-from tline.interchange.coupled_windings import add_coupled, couplings, names_coupled
 from tline.interchange.deck import OVER_FREQUENCY, Card, Findings, read_deck
 from tline.interchange.elements import merge_shorts, take
-from tline.interchange.netlist import REFERENCE, Netlist
+from tline.interchange.netlist import REFERENCE, Netlist, connected, folded, with_open_ends, without_idle_capacitors
 from tline.interchange.spice_commands import (
     MEASURE,
     SHOWN,
+    STEP,
     measures,
     nodes_measured,
     nodes_shown,
+    note_steps,
     skip,
     transient,
     values_at_begin,
+    with_first_values,
 )
+from tline.interchange.spice_impedance import add_coupled, couplings, names_coupled
 from tline.interchange.spice_linear import with_linear_sources
 from tline.interchange.spice_source import Transient, with_generator
-from tline.interchange.spice_step import STEP, note_steps, with_first_values
 from tline.interchange.subcircuits import opened
-from tline.interchange.tidy import connected, folded, with_open_ends, without_idle_capacitors
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.words.wording import nearest, place
@@ -97,7 +98,12 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
     _take(net, [card for card in cards if card.kind != "."], commands[".ic"])
     found.check()
     dropped = connected(net) if net.tables["lines"] else set()
-    table = {"title": title, "medium": "electrical", "t_end": net.tran.end, "start": _start(net)}
+    table = {
+        "title": title,
+        "medium": "electrical",
+        "t_end": net.tran.end,
+        "start": "rest" if net.tran.uic or net.quiet else "steady",
+    }
     table["measures"] = measures((card for card in cards if card.name.lower() in MEASURE), net)
     with found.gathered():
         table["probes"] = _probes(net, shown, nodes_measured(table["measures"]), dropped)
@@ -148,11 +154,6 @@ def _add_unused_line(net: Netlist, path: str) -> None:
     if not net.tables["lines"]:
         net.found.note(path, "no line has an inductance; a scene needs a line, so one that joins nothing is added")
         net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
-
-
-def _start(net: Netlist) -> str:
-    """From rest with UIC, or where that is the steady state."""
-    return "rest" if net.tran.uic or net.quiet else "steady"
 
 
 def _probes(

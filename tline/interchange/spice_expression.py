@@ -172,27 +172,7 @@ class Token(NamedTuple):
 
 
 def expression(text: str, parameters: Parameters, signal: Signal | None = None) -> Value:
-    """Value of an expression.
-
-    Parameters
-    ----------
-    text : str
-        Numbers, names, + - * / and powers (^ or **), comparisons, conditions (a ? b : c), brackets and functions.
-    parameters : mapping
-        Values by name in lower case.
-    signal : callable, optional
-        What ``v(a,b)`` and ``i(source)`` stand for, which are not known without it.
-
-    Raises
-    ------
-    ValueError
-        Saying what is wrong with it; OverflowError and ZeroDivisionError where it has no value.
-
-    Examples
-    --------
-    >>> expression("2*Z0 + (Z0 > 40 ? sqrt(4) : 0)*1k", {"z0": 50.0})
-    2100.0
-    """
+    """Value of an expression."""
     return _Parser(text, parameters, signal, count()).whole(0)
 
 
@@ -316,13 +296,7 @@ def _check_count(name: str, arguments: list[Value], least: int, most: int) -> No
 
 
 def parse_value(word: str, parameters: Parameters, where: str) -> float:
-    """Value of a number, of a parameter, or of an expression of both in braces or quotes.
-
-    Examples
-    --------
-    >>> parse_value("{2*Z0 + 1k}", {"z0": 50.0}, "here")
-    1100.0
-    """
+    """Value of a number, of a parameter, or of an expression of both in braces or quotes."""
     if word[:1] in ("{", "'", '"'):
         value = computed(word[1:-1], parameters, where)
     else:

@@ -30,20 +30,8 @@ def water_controls(
 ) -> tuple[WaterControl, ...]:
     """Controls, then rules, in the order of the file; without those whose instant is past.
 
-    Parameters
-    ----------
-    answer : dict
-        EPANET's, of which ``controls`` and ``rules`` count.
-    lines : sequence of words
-        The lines of the section of controls: EPANET's answer does not tell ``OPEN`` from a setting of 1.
-    nodes : dict
-        By name, with their ``elevation`` in m.
-    scale : float
-        Pressure of a metre of liquid, in the unit of the file.
-    length : float
-        Unit of length of the file, m.
-    weight : float
-        Pressure of a metre of liquid, Pa.
+    Of a metre of liquid `scale` is the pressure in the unit of the file, `weight` that in Pa; `length` is the file's
+    unit, m. EPANET's answer does not tell ``OPEN`` from a setting of 1: words of the lines do.
     """
 
     def begin(when: Mapping[str, Any]) -> dict[str, Any]:

@@ -20,14 +20,7 @@ Points = list[tuple[float, float]]
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """head = a - b·flow^c, in m and m³/s.
-
-    Examples
-    --------
-    >>> law = PowerLaw(40.0, 1000.0, 2.0)
-    >>> law.head(0.1), law.last
-    (30.0, 0.2)
-    """
+    """head = a - b·flow^c, in m and m³/s."""
 
     a: float
     b: float
@@ -53,14 +46,7 @@ class PowerLaw:
 
 @dataclass(frozen=True)
 class Polyline:
-    """Straight lines between points of rising flow, m³/s, and falling head, m; the outer ones go on.
-
-    Examples
-    --------
-    >>> line = Polyline((0.0, 0.1, 0.2), (40.0, 35.0, 10.0))
-    >>> round(line.head(0.15), 9)
-    22.5
-    """
+    """Straight lines between points of rising flow, m³/s, and falling head, m; the outer ones go on."""
 
     flows: tuple[float, ...]
     heads: tuple[float, ...]
@@ -94,11 +80,6 @@ def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
     References
     ----------
     EPANET 2.2 User Manual, section 3.1, pumps.
-
-    Examples
-    --------
-    >>> round(pump_curve([(0.1, 30.0)]).head(0.1), 9)
-    30.0
     """
     points = sorted((float(q), float(h)) for q, h in points)
     flows, heads = tuple(q for q, _ in points), tuple(h for _, h in points)
@@ -235,15 +216,9 @@ MANNING = 1.49**2 * FOOT ** (2 - 1.333)  # of its formula in m and s: n²·v²/(
 
 
 def friction_of(pipe: Pipe, density: float, viscosity: float) -> dict[str, Any]:
-    """The table of friction of a pipe, which loses the same head at any flow.
+    """The table of friction of a pipe, which loses the same head at any flow; kg/m³ and, kinematic, m²/s.
 
     Where EPANET's constants are not those of the scene, friction acts over a slightly different length.
-
-    Parameters
-    ----------
-    pipe : Pipe
-    density, viscosity : float
-        kg/m³, and kinematic in m²/s.
 
     References
     ----------

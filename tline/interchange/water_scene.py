@@ -69,19 +69,7 @@ ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: what EPANET's own s
 
 
 def differences(network: WaterNetwork, scene: Scene) -> Iterator[str]:
-    """Notes on what of the scene's steady state differs from the network's.
-
-    Parameters
-    ----------
-    network : WaterNetwork
-    scene : Scene
-        What was made of it.
-
-    Returns
-    -------
-    iterator of str
-        A note that lists the nodes with the largest differences, or one that says why there is no steady state.
-    """
+    """Notes on what of the scene's steady state differs from the network's."""
     weight = network.density * GRAVITY
     try:
         effort, _ = steady_state(describe(scene))

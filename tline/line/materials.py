@@ -33,23 +33,13 @@ HYDRAULIC_OIL = Fluid(density=850.0, bulk_modulus=1.4e9)
 
 
 def water(temperature: float = ROOM) -> Fluid:
-    """Liquid water at 0.1 MPa.
-
-    Parameters
-    ----------
-    temperature : float
-        253.15 to 383.15 K; metastable below 273.15 K and above 372.76 K.
+    """Liquid water at 0.1 MPa, 253.15 to 383.15 K; metastable below 273.15 K and above 372.76 K.
 
     References
     ----------
     IAPWS SR6-08(2011), Revised Supplementary Release on Properties of Liquid Water at 0.1 MPa,
     http://www.iapws.org/relguide/LiquidWater.html; J. Pátek et al., J. Phys. Chem. Ref. Data 38 (2009) 21-29,
     doi:10.1063/1.3043575.
-
-    Examples
-    --------
-    >>> round(water(293.15).density, 3)
-    998.207
     """
     if not LOWEST <= temperature <= HIGHEST:
         problem = "no liquid water at 0.1 MPa" + ": it boils at 99.6 degC" * (temperature > HIGHEST)
@@ -65,15 +55,7 @@ def water(temperature: float = ROOM) -> Fluid:
 
 
 def fluid(name: str, temperature: float | str | None = None) -> Fluid:
-    """The fluid of that name.
-
-    Parameters
-    ----------
-    name : str
-        ``"water"`` or ``"hydraulic oil"``.
-    temperature : float or str, optional
-        Of water, in K or as ``"20 degC"``, which is also the default.
-    """
+    """The fluid of that name, water at a temperature, K or a text; 20 degC without one."""
     found = choose(FLUIDS, name, "fluid")
     if found is None:
         return water(ROOM if temperature is None else to_si(temperature, "K", "temperature"))
@@ -142,11 +124,5 @@ WALLS = {
 
 
 def youngs_modulus(name: str) -> float:
-    """Young's modulus in Pa of the wall material of that name.
-
-    Examples
-    --------
-    >>> youngs_modulus("steel")
-    206000000000.0
-    """
+    """Young's modulus in Pa of the wall material of that name."""
     return choose(WALLS, name, "wall")

@@ -40,42 +40,15 @@ def modes(
     resistances: Mapping[str, ArrayLike] = NONE,
     conductances: Mapping[str, ArrayLike] = NONE,
 ) -> Modes:
-    """Modes of a uniform line, fastest first.
+    """Modes of a uniform line, fastest first, by L in H/m, Maxwell's C in F/m, R in ohm/m and Maxwell's G in S/m.
 
     Losses must not make modes see each other: then each is a lossy line of its own, exactly. So it is for conductors
     alike in a symmetric arrangement, and in a homogeneous insulation (L C = 1/v²) whatever the resistances.
-
-    Parameters
-    ----------
-    inductance, capacitance : array_like, shape (k, k)
-        L in H/m and Maxwell's C in F/m, symmetric and positive definite.
-    length : float
-        In m.
-    resistances, conductances : mapping of str to array_like, shape (k, k)
-        R in ohm/m and Maxwell's G in S/m by any names, symmetric and not negative.
-
-    Raises
-    ------
-    InputError
-        A matrix is not square, symmetric or positive definite (R, G: semidefinite), or their sizes differ; C or G has
-        positive entries beside its diagonal.
-    MixedModesError
-        A loss couples modes: in units in which L is 1, more than 1e-9 of its largest entry is left beside the diagonal.
-        What that much takes from a mode over a line is 1e-9 of the exponent of its attenuation.
 
     References
     ----------
     C. R. Paul: Analysis of Multiconductor Transmission Lines, 2nd ed., Wiley 2008, section 4.4 (lossless lines):
     C v = m L^-1 v, solved as symmetric generalised eigenproblem.
-
-    Examples
-    --------
-    >>> L, C = [[3e-7, 1e-7], [1e-7, 3e-7]], [[1e-10, -2e-11], [-2e-11, 1e-10]]
-    >>> pair = modes(L, C, 1.0, {"wires": [[12, 2], [2, 12]]})
-    >>> pair.z0.round(3).tolist()  # odd: sqrt(2e-7/1.2e-10), even: sqrt(4e-7/0.8e-10)
-    [40.825, 70.711]
-    >>> pair.losses["wires"].round(9).tolist()
-    [10.0, 14.0]
     """
     from scipy.linalg import eigh
 

@@ -64,12 +64,6 @@ CABLES: Mapping[str, Range] = {
 def unusual(ranges: Mapping[str, Range], given: Given) -> Iterator[str]:
     """Remarks on what is given of a line, once read and before anything follows from it.
 
-    Parameters
-    ----------
-    ranges : mapping of str to Range
-        `PIPES` or `CABLES`.
-    given : Given
-
     Examples
     --------
     >>> list(unusual(PIPES, Given({"radius": 10.0}, typed={"radius": 10}, units={"radius": "m"})))

@@ -111,21 +111,7 @@ def _raised(name: str, power: Fraction) -> str:
 
 
 def solve(system: Relations, given: Given) -> dict[str, float]:
-    """Every quantity that follows from the given ones, with these themselves.
-
-    Parameters
-    ----------
-    system : Relations
-        Relations, constants and law.
-    given : Given
-        Gets a remark where quantities agree to the digits typed only.
-
-    Raises
-    ------
-    InputError
-        Given quantities contradict each other by more than a relative 1e-6 and more than half a unit in the last digit
-        typed of one of them (at most 1 %), or a value leaves the floats.
-    """
+    """Every quantity that follows from the given ones, with these themselves."""
     solution = _Solution(system, given)
     values, law = solution.values, system.law
     while True:

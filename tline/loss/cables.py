@@ -157,6 +157,13 @@ class DielectricLoss(Law):
         super().__init__(0.0, storage)
         self.slow, self.fast = 2 * math.pi * low, 2 * math.pi * high
 
+    @classmethod
+    def before_front(
+        cls, front: float, loss_tangent: float, frequency: float, band: tuple[float, float]
+    ) -> "DielectricLoss":
+        """The law with that capacitance, F/m, for a front; at lower frequencies it is larger."""
+        return cls(front / cls(1.0, loss_tangent, frequency, band).storage, loss_tangent, frequency, band)
+
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
         """s K ln(1 + (ω2 - ω1)/(ω1 + s))."""
         return s * arithmetic.log1p((self.fast - self.slow) / (s + self.slow)) * self.spread

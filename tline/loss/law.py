@@ -18,14 +18,7 @@ if TYPE_CHECKING:
 
 
 def positive(**parameters: float) -> None:
-    """Refuse a parameter that is not a finite number above zero.
-
-    Examples
-    --------
-    >>> positive(radius=-1)
-    Traceback (most recent call last):
-    tline.errors.InputError: radius: not positive, expected a finite number above 0, got -1
-    """
+    """Refuse a parameter that is not a finite number above zero."""
     for name, value in parameters.items():
         if not (_finite(value) and value > 0):
             raise InputError(name, "not positive", "a finite number above 0", repr(value))

@@ -21,17 +21,6 @@ BITS = 320  # the pencil loses as many digits as the interpolation gains, twice
 def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
     """Strengths r_k and rates p_k of loss + s·storage + Σ r_k s/(s + p_k) = F(s) at s = ±j w.
 
-    Parameters
-    ----------
-    law : Law
-    w : ndarray of float, shape (n,)
-        Points, rad/s, above 0, all different.
-
-    Returns
-    -------
-    r, p : ndarray of float, shape (n,)
-        In ascending order of p; positive but for rounding.
-
     Examples
     --------
     >>> from tline.loss import Foster

@@ -46,14 +46,14 @@ class Sheet(NamedTuple):
         f, whole = self.frequencies, 1 / (self.z0 * self.speed)
         middle, band = sqrt(f[0] * f[-1]), (f[0] / BAND, f[-1] * BAND)
         try:
-            share = DielectricLoss(1.0, tangent, middle, band).storage
+            shunt = DielectricLoss.before_front(whole, tangent, middle, band)
         except InputError:
             problem = "belong to no line of that z0 and speed: it would lose too much in a wave's length"
             raise InputError(
                 "attenuation.points", problem, "frequencies with their unit, and decibels per unit"
             ) from None
         series = (SkinEffect(self.resistance or sqrt(square), surface), ConstantLoss(beside))
-        return series[: 2 if beside else 1], DielectricLoss(whole / share, tangent, middle, band)
+        return series[: 2 if beside else 1], shunt
 
     def misses(self, p: NDArray) -> NDArray:
         """Differences of a line from the table, in halves of a digit."""
@@ -182,20 +182,7 @@ class Attenuation(Element):
         return sheet.attenuation(fitted(sheet)) * DECIBEL * self._metres
 
     def laws(self, z0: float, speed: float, resistance: float = 0.0) -> Laws:
-        """R and L, and G and C of what the line loses.
-
-        Parameters
-        ----------
-        z0, speed : float
-            Of a front, ohm and m/s.
-        resistance : float
-            To steady current, ohm/m; found from the points, if they tell it, where it is 0.
-
-        Returns
-        -------
-        tuple of Law, Law
-            In series, which add up, and across.
-        """
+        """R and L, and G and C of what the line loses."""
         return fitted(self._sheet(z0, speed, resistance))
 
     def residual(self, z0: float, speed: float, resistance: float = 0.0) -> float:
@@ -259,13 +246,7 @@ TYPES = {
 
 
 def cable_type(name: str) -> CableType:
-    """A cable by its name.
-
-    Examples
-    --------
-    >>> cable_type("RG-58").z0
-    '50 ohm'
-    """
+    """A cable by its name."""
     if name not in TYPES:
         raise InputError("cable", "not known here", nearest(name, list(TYPES)), shown(name))
     return TYPES[name]

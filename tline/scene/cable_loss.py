@@ -1,7 +1,7 @@
 """Losses of cables beside constant resistance and conductance, or by tables of R, L, G and C over frequency."""
 
 from functools import lru_cache
-from math import atan, hypot, log, pi, sqrt
+from math import pi, sqrt
 from typing import Annotated
 
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
@@ -65,15 +65,12 @@ class LossTangent(Element):
 
     def law(self, capacitance: float) -> Law:
         """With the capacitance that a front meets, F/m; at lower frequencies it is larger."""
-        f, low, high = float(self.frequency), float(self.low), float(self.high)
-        if not low < f < high:
-            raise InputError("loss_tangent.frequency", "not between its limits", "low < frequency < high", f"{f:g} Hz")
-        angle, fall = atan(f / low) - atan(f / high), log(hypot(high, f) / hypot(low, f))
-        left = 1 - float(self.value) * fall / angle
-        if left <= 0:
-            problem, most = "too much for limits so far apart", f"below {angle / fall:.3g}"
-            raise InputError("loss_tangent.value", problem, most, f"{self.value:g}")
-        return DielectricLoss(capacitance / left, self.value, f, (low, high))
+        band = float(self.low), float(self.high)
+        try:
+            return DielectricLoss.before_front(capacitance, float(self.value), float(self.frequency), band)
+        except InputError as error:
+            key = "value" if error.where == "loss_tangent" else "frequency"
+            raise InputError(f"loss_tangent.{key}", error.problem, error.expected, error.got) from None
 
 
 COLUMNS = {3: "frequency, R, L", 5: "frequency, R, L, G, C"}

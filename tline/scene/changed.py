@@ -22,31 +22,7 @@ from tline.words.wording import nearest, shown
 
 
 def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
-    """The element with another number at a path within.
-
-    Parameters
-    ----------
-    element : Element
-        Of a scene, so that its numbers know their units.
-    keys : sequence of str
-        As in a file: ``["opening", "duration"]``.
-    value : number or text
-
-    Returns
-    -------
-    Element or None
-        None where no number stands at the path, or where more than the element itself says whether it is valid.
-
-    Examples
-    --------
-    >>> from tline.scene import Scene
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns", lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
-    ...     loads={"series": {"at": "far", "kind": "series", "resistance": "5 ohm"}}, probes={"far": {"at": "far"}},
-    ... )
-    >>> with_number(scene.loads["series"], ["resistance"], "7 ohm").ratio
-    Ratio(numerator=(7,), denominator=(1,))
-    """
+    """The element with another number at a path within; None where none stands, or more than it says what is valid."""
     first, *rest = keys
     place = _places_of_numbers(type(element)).get(first) if isinstance(element, Element) else None
     if place is None:
@@ -100,27 +76,7 @@ Found = dict[str, dict[str, Any]]
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values.
-
-    Parameters
-    ----------
-    scene : Scene
-    values : mapping of str to anything that a scene file may hold
-        By dotted path: see `Scene.change`.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
-    ...     loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, "capacitance": "10 pF"}},
-    ... )
-    >>> changed(scene, {"loads.c.capacitance": "5 pF"}).loads["c"].capacitance
-    5e-12
-    >>> changed(scene, {"loads.d.capacitance": "5 pF"})
-    Traceback (most recent call last):
-    tline.errors.InputError: loads.d.capacitance: no such element, expected 'c', got 'd'
-    """
+    """The scene with other values."""
     if not isinstance(values, Mapping):
         raise InputError("", "not values by path", "a dict such as {'lines.cable.z0': 60}", shown(values))
     if not values:
@@ -171,7 +127,7 @@ def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[s
     for path, section, name, *keys in places:
         here = tables.setdefault(section, {})
         _put(here.setdefault(name, deepcopy(getattr(scene, section)[name].table())), path, keys, values[path])
-    context = _context(scene)
+    context = {"folder": scene.folder, "medium": scene.medium, "units": MEDIA[scene.medium].units}
     return {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
 
 
@@ -255,10 +211,6 @@ def _at(mistake: InputError, values: Mapping[str, Any]) -> InputError:
     (path,) = values
     problem = f"{mistake.where}: {mistake.problem}" if mistake.where and mistake.where != path else mistake.problem
     return InputError(path, problem, mistake.expected, mistake.got)
-
-
-def _context(scene: Scene) -> dict[str, Any]:
-    return {"folder": scene.folder, "medium": scene.medium, "units": MEDIA[scene.medium].units}
 
 
 _ADAPTERS: dict[str, Any] = {name: TypeAdapter(Scene.model_fields[name].annotation or dict) for name in SECTIONS}

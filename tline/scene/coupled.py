@@ -3,17 +3,16 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from tline.errors import InputError
 from tline.line.electrical import LIGHT, ROUNDING
 from tline.line.modes import MixedModesError, Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
-from tline.scene.element import Element, Name
+from tline.scene.element import Element, Name, nodes_of
 from tline.scene.line import Cable, SceneLine
 from tline.scene.mistakes import mistakes
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
-from tline.words.wording import shown
 
 MOST = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
@@ -22,13 +21,7 @@ RowOfR = list[Annotated[Quantity, Role("resistance per metre", "ohm/m")]]
 RowOfG = list[Annotated[Quantity, Role("conductance per metre", "S/m")]]
 
 
-def _some(nodes: object) -> object:
-    if not isinstance(nodes, list | tuple) or not 2 <= len(nodes) <= MOST:
-        raise InputError("", "not a list of nodes", f"one for each conductor, 2 to {MOST}", shown(nodes))
-    return nodes
-
-
-Nodes = Annotated[tuple[Name, ...], BeforeValidator(_some)]
+Nodes = Annotated[tuple[Name, ...], nodes_of(MOST, "one for each conductor")]
 
 
 class OneMode(Element):

@@ -1,5 +1,6 @@
 """What all elements of a scene share, and where they stand: at a node, between two, or either."""
 
+from collections.abc import Container
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import (
@@ -124,15 +125,25 @@ class AtNode(Element):
         return self.at, None
 
 
-def pair(words: str) -> BeforeValidator:
-    """Refuse what is no pair, in these words."""
+def sequence_of(sizes: Container[int], problem: str, expected: str) -> BeforeValidator:
+    """Refuse what is no list of so many."""
 
-    def checked(point: Any) -> Any:
-        if not isinstance(point, list | tuple) or len(point) != 2:
-            raise InputError("", "not a point", f"a pair [{words}]", shown(point))
-        return point
+    def checked(given: Any) -> Any:
+        if not isinstance(given, list | tuple) or len(given) not in sizes:
+            raise InputError("", problem, expected, shown(given))
+        return given
 
     return BeforeValidator(checked)
+
+
+def nodes_of(most: int, words: str) -> BeforeValidator:
+    """Refuse what is no list of nodes, of two or more."""
+    return sequence_of(range(2, most + 1), "not a list of nodes", f"{words}, 2 to {most}")
+
+
+def pair(words: str) -> BeforeValidator:
+    """Refuse what is no pair, in these words."""
+    return sequence_of((2,), "not a point", f"a pair [{words}]")
 
 
 class OneMedium(Element):
@@ -150,18 +161,14 @@ class OneMedium(Element):
         return kind
 
 
-def two_nodes(nodes: Any) -> Any:
-    """A pair of nodes as read, if it is a pair."""
-    if not isinstance(nodes, list | tuple) or len(nodes) != 2:
-        raise InputError("", "not two nodes", 'two names such as ["a", "b"]', shown(nodes))
-    return nodes
+TwoNodes = Annotated[tuple[Name, Name], sequence_of((2,), "not two nodes", 'two names such as ["a", "b"]')]
 
 
 class Between(Element):
     """An element between two different nodes; flow counts positive from the first to the second."""
 
     section: ClassVar[str] = "links"
-    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="first node, second node")
+    nodes: TwoNodes = Field(description="first node, second node")
 
     @property
     def terminals(self) -> tuple[str, str]:

@@ -2,10 +2,10 @@
 
 from functools import lru_cache
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
-from pydantic import PrivateAttr, SerializeAsAny, ValidationInfo
+from pydantic import PrivateAttr, SerializeAsAny
 
 from tline.errors import InputError
 from tline.scene.mistakes import Read
@@ -18,11 +18,7 @@ ROUNDING = 1e-9
 PARTS, HALVINGS = 64, 60  # of a smooth piece, and of each part in which a level is passed
 
 
-def _factor(value: Any, info: ValidationInfo) -> Shape:
-    return read_waveform(value, "", info)
-
-
-Factor = Annotated[Shape, Read(_factor, Waveform | float | str)]
+Factor = Annotated[Shape, Read(lambda value, info: read_waveform(value, "", info), Waveform | float | str)]
 ALWAYS = Constant(level=LEVEL.parse(1, ""))
 
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tline.errors import InputError
 from tline.line import HydraulicLine
-from tline.scene.measure import Probe
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Multiport
 from tline.scene.site import GRAVITY
@@ -62,16 +61,6 @@ def heights_of(scene: Scene) -> dict[str, Height]:
     """Height of every node that lines or links connect with one of given elevation; none without elevations.
 
     A node without an elevation of its own counts as one at 0 m.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
-    >>> scene = Scene(
-    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
-    ... )
-    >>> scene.heights["a"].above_level, scene.heights["b"].weight
-    (-98066.5, 98066.5)
     """
     known = _elevations(scene)
     found: dict[str, Height] = {}
@@ -111,20 +100,8 @@ def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
 
 
 def weight_at(scene: Scene) -> dict[str, float]:
-    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> pipe = {"nodes": ["a", "b"], "z0": 1e8, "delay": 1, "density": 1000}
-    >>> scene = Scene(
-    ...     medium="hydraulic", t_end=1, probes={"p": {"at": "a"}}, lines={"pipe": pipe}, nodes={"b": {"elevation": 10}}
-    ... )
-    >>> weight_at(scene)
-    {'b': 98066.5}
-    """
-    given = (name for name, site in scene.nodes.items() if site.elevation is not None)
-    return {name: scene.heights[name].weight for name in given}
+    """Density·g·elevation of nodes whose elevation is given, Pa: the piezometric pressure less the gauge pressure."""
+    return {name: scene.heights[name].weight for name in _elevations(scene)}
 
 
 def taken_as_zero(scene: Scene) -> list[str]:
@@ -135,7 +112,8 @@ def taken_as_zero(scene: Scene) -> list[str]:
     indifferent = {"closed", "open", "reservoir"}
     at = [load.at for load in scene.loads.values() if load.kind not in indifferent]
     at += [source.at for source in scene.sources.values() if source.at is not None and not source.is_effort]
-    at += [node for probe in scene.probes.values() for node in _probed(scene, probe)]
+    for probe in scene.probes.values():
+        at += [probe.at] if probe.at is not None else scene.lines[probe.line or ""].nodes
     grounded = (link for link in scene.links.values() if isinstance(link, Multiport) and link.is_grounded)
     at += [node for link in grounded for node in link.nodes]
     missing = list(dict.fromkeys(node for node in at if node not in known))
@@ -147,10 +125,6 @@ def taken_as_zero(scene: Scene) -> list[str]:
 
 def _elevations(scene: Scene) -> dict[str, float]:
     return {name: float(site.elevation) for name, site in scene.nodes.items() if site.elevation is not None}
-
-
-def _probed(scene: Scene, probe: Probe) -> tuple[str, ...]:
-    return (probe.at,) if probe.at is not None else scene.lines[probe.line or ""].nodes
 
 
 def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:

@@ -5,7 +5,7 @@ from functools import lru_cache
 from math import pi
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_validator
+from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
@@ -19,7 +19,7 @@ from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_vo
 from tline.loss.line import Losses
 from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
-from tline.scene.element import Element, Name, two_nodes
+from tline.scene.element import Element, TwoNodes
 from tline.scene.friction import AnyFriction
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
@@ -36,7 +36,7 @@ MATERIALS = {
 class SceneLine(Element):
     """A line from its end 1 (the first node) to its end 2 (the second)."""
 
-    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] = Field(description="node at end 1, node at end 2")
+    nodes: TwoNodes = Field(description="node at end 1, node at end 2")
     vertices: list[Place] | None = Field(
         default=None, description="places on a map that it passes between its nodes, from end 1 on"
     )

@@ -48,19 +48,7 @@ def mistakes(
     sections: Mapping[str, type[BaseModel]] | None = None,
     within: str = "",
 ) -> list[InputError]:
-    """One InputError per finding, for the first MOST of them.
-
-    Parameters
-    ----------
-    error : ValidationError
-        All findings of one validation.
-    root : type
-        The model that was validated.
-    sections : mapping, optional
-        The model of the tables in each section of it.
-    within : str
-        What stands in front of each location.
-    """
+    """One InputError per finding, for the first MOST of them."""
     findings = error.errors(include_url=False)
     sentences = [_sentence(finding, root, sections or {}, (within,) if within else ()) for finding in findings[:MOST]]
     meant = {f"{m.where.rpartition('.')[0]}.{m.expected.strip(chr(39))}" for m in sentences if m.problem == UNKNOWN}
@@ -163,14 +151,7 @@ def _validated(model: type[BaseModel], value: Any, info: ValidationInfo) -> Any:
 
 
 class OneOf:
-    """One of several models, told apart by the value of a key.
-
-    Parameters
-    ----------
-    models : union or sequence of types
-    word : str
-        The key.
-    """
+    """One of several models, told apart by the value of a key."""
 
     def __init__(self, models: Any, word: str):
         self.models, self.word = get_args(models) or tuple(models), word
@@ -191,15 +172,7 @@ class OneOf:
 
 
 class Read:
-    """A value that a function reads.
-
-    Parameters
-    ----------
-    reader : callable
-        Of the value and its context.
-    described : type
-        What stands in a file, for its JSON schema.
-    """
+    """A value that a function reads."""
 
     def __init__(self, reader: Callable[[Any, ValidationInfo], Any], described: Any):
         self.reader, self.described = reader, described

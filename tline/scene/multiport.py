@@ -4,10 +4,10 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Element, Name
+from tline.scene.element import Element, Name, nodes_of, sequence_of
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
 from tline.words.wording import shown
 
@@ -37,24 +37,6 @@ def floating(grounded: Ports) -> Ports:
     """The equations of two ports between two nodes each, from those of ports between a node and the reference.
 
     Each port's effort is that of its first node less that of its second, and its flow leaves at the second.
-
-    Parameters
-    ----------
-    grounded : Ports
-        Of two ports.
-
-    Returns
-    -------
-    Ports
-        Of the four nodes: those of the first port, then those of the second.
-
-    Examples
-    --------
-    >>> wire = floating(_memoryless([[1, -1], [0, 0]], [[0, 0], [1, 1]]))
-    >>> wire.M.tolist()
-    [[1.0, -1.0, -1.0, 1.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]
-    >>> wire.N[2:].tolist()
-    [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]]
     """
     M, N, E, Q, P, R = grounded
     across = np.array([[1, -1, 0, 0], [0, 0, 1, -1]], float)  # from nodes to ports
@@ -82,13 +64,6 @@ class Multiport(Element):
         raise NotImplementedError
 
 
-def _two_or_four(nodes: object) -> object:
-    if not isinstance(nodes, list | tuple) or len(nodes) not in (2, 4):
-        expected = 'two names such as ["a", "b"], or two for each port, ["a", "b", "c", "d"]'
-        raise InputError("", "not the nodes of two ports", expected, shown(nodes))
-    return nodes
-
-
 def _apart(nodes: tuple[str, ...]) -> tuple[str, ...]:
     for one, other in (nodes,) if len(nodes) == 2 else (nodes[:2], nodes[2:]):
         if one == other:
@@ -97,8 +72,13 @@ def _apart(nodes: tuple[str, ...]) -> tuple[str, ...]:
     return nodes
 
 
+TWO_OR_FOUR = sequence_of(
+    (2, 4), "not the nodes of two ports", 'two names such as ["a", "b"], or two for each port, ["a", "b", "c", "d"]'
+)
+
+
 class _TwoPort(Multiport):
-    nodes: Annotated[tuple[Name, ...], BeforeValidator(_two_or_four), AfterValidator(_apart)] = Field(
+    nodes: Annotated[tuple[Name, ...], TWO_OR_FOUR, AfterValidator(_apart)] = Field(
         description="a node for each port, against the reference; or four: the first port from the first to the "
         "second, the second port from the third to the fourth, which may share nodes"
     )
@@ -213,19 +193,13 @@ class CoupledInductors(_TwoPort):
         return Ports(none, one, one, none, inverse, none)
 
 
-def _some(nodes: object) -> object:
-    if not isinstance(nodes, list | tuple) or not 2 <= len(nodes) <= MOST_PORTS:
-        raise InputError("", "not a list of nodes", f"one for each port, 2 to {MOST_PORTS}", shown(nodes))
-    return nodes
-
-
 def _different(nodes: tuple[str, ...]) -> tuple[str, ...]:
     if len(set(nodes)) < len(nodes):
         raise InputError("", "two ports are at one node", "different nodes", shown(nodes))
     return nodes
 
 
-PortNodes = Annotated[tuple[Name, ...], BeforeValidator(_some), AfterValidator(_different)]
+PortNodes = Annotated[tuple[Name, ...], nodes_of(MOST_PORTS, "one for each port"), AfterValidator(_different)]
 
 
 class Junction(Multiport):

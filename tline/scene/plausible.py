@@ -18,21 +18,8 @@ LISTED = 3
 
 
 def plausibility_notes(scene: Scene) -> list[str]:
-    """What a user may have overlooked in a scene.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="1 us", probes={"far": {"at": "far"}},
-    ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "length": "300", "wave_speed": 2e8}},
-    ...     loads={"breaker": {"at": "far", "kind": "switch", "before": 0, "after": "inf", "time": "1 ms"}},
-    ... )
-    >>> for note in plausibility_notes(scene):
-    ...     print(note)
-    loads.breaker (0.001 s): nothing changes there before the run ends at 1e-06 s
-    taken as SI for want of a unit: lines.cable.length = '300' (m)
-    """
-    return [*_of_lines(scene), *_rings(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
+    """What a user may have overlooked in a scene."""
+    return [*_of_lines(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
 
 
 def _of_lines(scene: Scene) -> Iterator[str]:
@@ -52,12 +39,10 @@ def _of_lines(scene: Scene) -> Iterator[str]:
         if fitted is not None:
             guess = f"its resistance to steady current, {fitted:.3g} ohm/m, is a guess from its attenuation"
             lines[f"{guess}; `resistance` sets that of the data sheet"].append(place("lines", name))
+    for name, line in scene.single_lines.items():
+        if line.nodes[0] == line.nodes[1]:
+            lines["both ends are at one node"].append(place("lines", name))
     return (f"{_first(names)}: {remark}" for remark, names in lines.items())
-
-
-def _rings(scene: Scene) -> list[str]:
-    rings = [place("lines", name) for name, line in scene.single_lines.items() if line.nodes[0] == line.nodes[1]]
-    return [f"{_first(rings)}: both ends are at one node"] if rings else []
 
 
 def _idle(scene: Scene) -> list[str]:

@@ -142,16 +142,9 @@ TABLES = {"radial": RADIAL}
 
 
 def in_four_quadrants(kind: str, flow: float, rise: float, efficiency: float) -> tuple[PumpPieces, PumpPieces]:
-    """Pieces of a pump for a rotor that turns forward, and backward.
+    """Pieces of a pump for a rotor that turns forward, and backward, by its rated point in m³/s and Pa.
 
     Between two angles of the table F and G are straight lines over the angle, met at both and in the middle.
-
-    Parameters
-    ----------
-    kind : str
-        Of TABLES.
-    flow, rise, efficiency : float
-        Of the rated point: m³/s, Pa, 0 to 1.
 
     References
     ----------

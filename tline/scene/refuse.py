@@ -17,17 +17,7 @@ if TYPE_CHECKING:
 
 
 def refuse_losses(scene: Scene, what: str) -> None:
-    """Refuse lines with losses.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> cable = {"nodes": ["a", "b"], "z0": 50, "delay": "5 ns", "length": "1 m", "resistance": "2 ohm/m"}
-    >>> scene = Scene(medium="electrical", t_end=1, lines={"cable": cable}, probes={"p": {"at": "a"}})
-    >>> refuse_losses(scene, "no bounce diagram")
-    Traceback (most recent call last):
-    tline.errors.InputError: lines.cable: it has losses: no bounce diagram, expected lossless lines
-    """
+    """Refuse lines with losses."""
     for name, line in scene.lines.items():
         if line.losses is not None:
             raise InputError(place("lines", name), f"it has losses: {what}", "lossless lines")

@@ -3,7 +3,6 @@
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    BeforeValidator,
     ConfigDict,
     Field,
     ValidationInfo,
@@ -12,7 +11,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError
-from tline.scene.element import Element, Name, two_nodes, words_are_required
+from tline.scene.element import Element, Name, TwoNodes, words_are_required
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import Read
 from tline.scene.quantity import Resistance
@@ -58,7 +57,7 @@ class Source(Element):
     model_config = ConfigDict(json_schema_extra=_placed_once)
 
     at: Name | None = Field(default=None, description="node of a source against the reference")
-    nodes: Annotated[tuple[Name, Name], BeforeValidator(two_nodes)] | None = Field(
+    nodes: TwoNodes | None = Field(
         default=None,
         description="instead of `at`, plus and minus of a source between two nodes: an effort is that of the first "
         "less that of the second, and a flow is driven out of the second into the first",

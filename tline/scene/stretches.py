@@ -125,16 +125,6 @@ def stretches_of(scene: Scene, doublings: int = 0) -> dict[str, Stretches]:
     """Lines with cavities, with losses and a probe inside, or with losses that mix modes, in stretches.
 
     Those of the last kind have twice as many of them with each doubling.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> cable = {"nodes": ["a", "b"], "z0": 50, "delay": "5 ns", "length": 1, "resistance": 2}
-    >>> probes = {"near": {"at": "a"}, "inner": {"line": "cable", "position": "25 %"}}
-    >>> scene = Scene(medium="electrical", t_end="20 ns", lines={"cable": cable}, probes=probes)
-    >>> found = stretches_of(scene)["cable"]
-    >>> found.lines, found.places, found.widths
-    (('cable, stretch 1', 'cable, stretch 2'), ('cable, probe inner',), [0.25, 0.75])
     """
     cavities = {
         name: {Fraction(k, line.stretches): f"{name}, place {k}" for k in range(1, line.stretches)}
@@ -174,18 +164,6 @@ def expanded(scene: Scene, doublings: int = 0) -> Scene:
     """The same scene with stretches and nodes in place of the lines that are parted.
 
     Conductors whose losses mix the modes have twice as many with each doubling.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> pipe = {"nodes": ["tank", "valve"], "z0": "20 MPa s/m^3", "delay": "0.3 s", "cavities": {"places": 2}}
-    >>> probe = {"line": "pipe", "position": "50 %"}
-    >>> scene = Scene(medium="hydraulic", t_end=1, lines={"pipe": pipe}, probes={"p": probe})
-    >>> whole = expanded(scene)
-    >>> list(whole.lines), list(whole.loads)
-    (['pipe, stretch 1', 'pipe, stretch 2', 'pipe, stretch 3'], ['pipe, place 1', 'pipe, place 2'])
-    >>> whole.probes["p"].line, whole.lines["pipe, stretch 2"].shortest
-    ('pipe, stretch 2', 0.09999999999999999)
     """
     cut = stretches_of(scene, doublings)
     if not cut:

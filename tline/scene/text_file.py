@@ -21,16 +21,10 @@ LARGEST_FILE = 100_000_000  # bytes
 
 
 def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
-    """Text of a file in UTF-8, without a byte order mark; or of an older encoding.
+    """Text of a file in UTF-8, without a byte order mark; `legacy` files may be in UTF-16 or Latin-1.
 
-    Parameters
-    ----------
-    path : Path
-        What to read; a pipe will do, but not one with a name, for which a writer may never come.
-    where : str
-        The key that names the file; without it the error points at the file.
-    legacy : bool
-        Read what is not UTF-8 as UTF-16 if it begins so, or else as Latin-1.
+    Errors point at the key `where` that names it, or at the file. A pipe will do, but not one with a name, for which a
+    writer may never come.
     """
     name = f"'{one_line(str(path))}' " if where and len(str(path)) < 300 else ""
     try:
@@ -64,13 +58,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
 
 def check_ordinary(path: str | Path) -> None:
-    """Refuse what could be read for ever: devices, terminals, pipes that nobody may be writing to.
-
-    Raises
-    ------
-    OSError
-        Saying what it is.
-    """
+    """Refuse, by an OSError, what could be read for ever: devices, terminals, pipes that nobody may be writing to."""
     kind = os.stat(path).st_mode
     nameless = stat.S_ISFIFO(kind) and not os.path.exists(os.path.realpath(path))  # of a shell
     if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind) or nameless):
@@ -108,18 +96,9 @@ NO_WORD = re.compile(r"\s*[-+.\d]")  # how a cell of a heading does not begin
 
 
 def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> list[tuple[float, ...]]:
-    """Rows of finite numbers, all of one length.
+    """Rows of finite numbers, all of one length, which `columns` has with the words for it.
 
-    Parameters
-    ----------
-    path : Path
-        Empty lines, lines that begin with #, and a first line of words are skipped.
-    where : str
-        What an error points at.
-    what : str
-        What a row is, for messages.
-    columns : mapping of int to str
-        How many numbers a row may have, and the words for that.
+    Empty lines, lines that begin with #, and a first line of words are skipped.
     """
     found: list[tuple[float, ...]] = []
     name = one_line(str(path))

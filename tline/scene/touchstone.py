@@ -1,10 +1,9 @@
 """Loads and multiports from Touchstone files: rational models, proved passive."""
 
-from collections.abc import Callable
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
@@ -20,7 +19,6 @@ from tline.scene.text_file import beside
 if TYPE_CHECKING:
     from passivity import DelayedModel, RationalFunction
 
-Model = TypeVar("Model")
 Tolerance = Annotated[Quantity, FIT_TOLERANCE]
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
@@ -54,7 +52,7 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
         delay = None if self.delay is None else float(self.delay)
-        self._model = read_model(model_of, self.file, info, float(self.tolerance), delay, self.nearest)
+        self._model = read_model(self.file, info, float(self.tolerance), delay, self.nearest)
         self._ratio = Ratio.of(_impedance(self._model))
         return self
 
@@ -89,20 +87,23 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
 
 
 @lru_cache(maxsize=64)
-def model_of(path: Path, stamp: int, tolerance: float, delay: float | None, nearest: bool) -> "DelayedModel":
-    """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
+def model_of(path: Path, stamp: int, tolerance: float, delay: Any, nearest: bool, ports: int = 1) -> "DelayedModel":
+    """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times."""
+    from passivity import ExpressionError, Status, fit_behind_delay, fit_scattering, read_touchstone
 
-    Raises
-    ------
-    ExpressionError
-        The file cannot be read, holds no one-port, no model meets the tolerance, or the model is not passive.
-    """
-    from passivity import ExpressionError, Status, fit_behind_delay, read_touchstone
-
-    found = fit_behind_delay(read_touchstone(path), tolerance, delay, nearest)
+    response = read_touchstone(path)
+    if ports == 1:
+        found = fit_behind_delay(response, tolerance, delay, nearest)
+    elif response.ports == ports:
+        found = fit_scattering(response, tolerance, nearest, delay)
+    else:
+        got = f"{response.ports} port{'s' * (response.ports > 1)}"
+        raise ExpressionError("samples", "not one port for each node", f"{ports}", got)
     if found.verdict.status is not Status.PROVED:
         problem = f"the model with {found.order} poles is not proved passive: {found.why}"
-        raise ExpressionError("", problem, "nearest = true, or another tolerance")
+        undecided = ports > 1 and found.verdict.status is not Status.REFUTED
+        expected = "fewer poles, by a larger tolerance" if undecided else "nearest = true, or another tolerance"
+        raise ExpressionError("", problem, expected)
     return found
 
 
@@ -114,7 +115,7 @@ def _impedance(found: "DelayedModel") -> "RationalFunction":
     return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
 
 
-def read_model(model_of: Callable[..., Model], file: str, info: ValidationInfo, *asked: Any) -> Model:
+def read_model(file: str, info: ValidationInfo, *asked: Any) -> "DelayedModel":
     """The model of a file beside the scene's, found once for each time that it is written."""
     from passivity import ExpressionError
 
@@ -179,7 +180,7 @@ class MeasuredMultiport(OneMedium, Multiport):
         if self.delays is not None and len(self.delays) != k:
             raise InputError("delays", "not one for each node", f"{k}", f"{len(self.delays)}")
         delays = None if self.delays is None else tuple(map(float, self.delays))
-        self._model = read_model(multiport_of, self.file, info, float(self.tolerance), delays, self.nearest, k)
+        self._model = read_model(self.file, info, float(self.tolerance), delays, self.nearest, k)
         return self
 
     @property
@@ -213,29 +214,3 @@ class MeasuredMultiport(OneMedium, Multiport):
         (A, B, C, D), root = self._model.model.realised(), np.sqrt(self._model.samples.z0)
         one = np.eye(len(D))
         return Ports((one - D) / root, -(one + D) * root, C, A, B / root, B * root)
-
-
-@lru_cache(maxsize=64)
-def multiport_of(
-    path: Path, stamp: int, tolerance: float, delays: tuple[float, ...] | None, nearest: bool, ports: int
-) -> "DelayedModel":
-    """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times.
-
-    Raises
-    ------
-    ExpressionError
-        The file cannot be read, has another number of ports, no model meets the tolerance, or it is not proved passive.
-    """
-    from passivity import ExpressionError, Status, fit_scattering, read_touchstone
-
-    response = read_touchstone(path)
-    if response.ports != ports:
-        got = f"{response.ports} port{'s' * (response.ports > 1)}"
-        raise ExpressionError("samples", "not one port for each node", f"{ports}", got)
-    found = fit_scattering(response, tolerance, nearest, delays)
-    if found.verdict.status is not Status.PROVED:
-        problem = f"the model with {found.order} poles is not proved passive: {found.why}"
-        refuted = found.verdict.status is Status.REFUTED
-        expected = "nearest = true, or another tolerance" if refuted else "fewer poles, by a larger tolerance"
-        raise ExpressionError("", problem, expected)
-    return found

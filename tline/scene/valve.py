@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import (
-    BeforeValidator,
     Field,
     PrivateAttr,
     SerializerFunctionWrapHandler,
@@ -19,7 +18,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Between, Element, Placed
+from tline.scene.element import AtNode, Between, Element, Placed, pair
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.law import ANY_DROP, Bend, ElementLaw, Governor, LawKind, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
@@ -43,31 +42,14 @@ BUTTERFLIES = ((0.229, 45.0), (0.381, 35.0), (float("inf"), 25.0))  # the same u
 
 
 def shares(kind: str, loss: float) -> tuple[tuple[float, float], ...]:
-    """Share of its capacity that a valve has, over its opening.
+    """Share of its capacity that a valve has, over its opening; both go from 0 to 1.
 
     A valve that loses K open loses K plus what the table adds at an opening; between the points of the table the share
     follows straight lines.
 
-    Parameters
-    ----------
-    kind : str
-        "gate", "globe", "ball" (or plug) or "butterfly"
-    loss : float
-        K, wide open, > 0.
-
-    Returns
-    -------
-    tuple of pair of float
-        Openings from 0 to 1, and shares.
-
     References
     ----------
     R. H. Perry, D. W. Green: Perry's Chemical Engineers' Handbook, 7th edition (1997), table 6-4.
-
-    Examples
-    --------
-    >>> [(x, round(y, 3)) for x, y in shares("gate", 0.17)]
-    [(0.0, 0.0), (0.25, 0.084), (0.5, 0.194), (0.75, 0.435), (1.0, 1.0)]
     """
     return (0.0, 0.0), *((x, 1 / sqrt(1 + added / loss)) for x, added in ADDED[kind]), (1.0, 1.0)
 
@@ -78,11 +60,6 @@ def open_loss(kind: str, diameter: float) -> float:
     References
     ----------
     Crane Co.: Flow of Fluids through Valves, Fittings and Pipe, Technical Paper 410, appendix A.
-
-    Examples
-    --------
-    >>> round(open_loss("gate", 0.1), 3), round(open_loss("globe", 0.1), 2)
-    (0.131, 5.57)
     """
     friction = 0.25 / log10(3.7 * diameter / STEEL) ** 2
     lengths = DIAMETERS.get(kind) or next(length for most, length in BUTTERFLIES if diameter <= most)
@@ -90,13 +67,7 @@ def open_loss(kind: str, diameter: float) -> float:
 
 
 def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
-    """The opening with that share of the capacity, 0 to 1.
-
-    Examples
-    --------
-    >>> opening_of([(0.0, 0.0), (0.5, 0.2), (1.0, 1.0)], 0.6)
-    0.75
-    """
+    """The opening with that share of the capacity, 0 to 1."""
     for (x, y), (after, above) in pairwise(points):
         if share <= above:
             return x + (after - x) * (share - y) / (above - y)
@@ -105,12 +76,6 @@ def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 PRESSURE_BEHIND = "has a pressure behind it, which is a source"
-
-
-def _pair(point: Any) -> Any:
-    if not isinstance(point, list | tuple) or len(point) != 2:
-        raise InputError("", "not a point", "a pair [opening, share of the capacity]", shown(point))
-    return point
 
 
 def _named_or_points(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
@@ -125,7 +90,7 @@ def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
     return value if isinstance(value, str) else points(value)
 
 
-Points = list[Annotated[tuple[Share, Share], BeforeValidator(_pair)]]
+Points = list[Annotated[tuple[Share, Share], pair("opening, share of the capacity")]]
 Characteristic = Annotated[
     Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
 ]

@@ -232,15 +232,7 @@ class Table(Points):
 
 
 def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Times and levels from a CSV file.
-
-    Parameters
-    ----------
-    path : Path
-        Two numbers a line with a comma between; empty lines and lines that begin with # are skipped.
-    where : str
-        What an error points at.
-    """
+    """Times and levels from a CSV file."""
     rows = read_rows(path, where, "a point", {2: "two finite numbers with a comma between"})
     if len(rows) < 2:
         raise InputError(where, f"too few points in '{path}'", "at least two lines 'time, level'", str(len(rows)))

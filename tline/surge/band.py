@@ -51,16 +51,7 @@ class Band(NamedTuple):
 def band_of(result: Result, run: Callable[[Scene], Result], budget: Budget, known: Collection[str] = ()) -> Band | None:
     """The band that guesses leave, by runs with rounded delays; None if there is nothing to vary.
 
-    Parameters
-    ----------
-    result : Result
-        Of an operated scene.
-    run : callable
-        Of a scene, with an envelope.
-    budget : Budget
-        Time for all of them.
-    known : collection of str
-        What is no guess: "wave speed", "friction", "travel", "inertia".
+    No guess is what is `known`: "wave speed", "friction", "travel", "inertia".
     """
     scene, chosen = result.scene, result.resolution
     changed = {guess: tables for kind, guess, tables in _variations(scene) if kind not in known}

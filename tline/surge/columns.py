@@ -52,17 +52,7 @@ class Vapour(NamedTuple):
 def separated(
     result: Result, run: Callable[[Scene], Result], budget: Budget
 ) -> tuple[Result, Columns | None, tuple[str, ...]]:
-    """The run with cavities where the first one boils, what these do, and notes; the first one where nothing boils.
-
-    Parameters
-    ----------
-    result : Result
-        Of a run without them, with an envelope.
-    run : callable
-        Of a scene, with an envelope.
-    budget : Budget
-        Time for all of them.
-    """
+    """The run with cavities where the first one boils, what these do, and notes; the first one where nothing boils."""
     scene, nodes, pipes = result.scene, set[str](), set[str]()
     still = held_nodes(scene) | {load.at for load in scene.loads.values() if load.kind in (*CAVITIES, "air valve")}
     seen, found, notes, takes = result, list[Result](), list[str](), result.seconds

@@ -71,14 +71,6 @@ def triggered(
 
     What happens before an instant does not depend on what follows: the run is made again with each event that was
     found, and the next is sought behind it. An instant is found to rounding on the curves of its run.
-
-    Parameters
-    ----------
-    controls, events : sequence
-    build : callable
-        The scene with some events.
-    run : callable
-        Of a scene.
     """
     waiting, done, notes, since = list(controls), list(events), list[str](), 0.0
     whole = build([*events, *(control.event for control in controls)])
@@ -126,16 +118,6 @@ def acting(
 
     A link is operated once: by the first of its controls that changes its state. A pump is tripped or started, for a
     file says nothing of how its speed changes, and everything else is moved at once.
-
-    Parameters
-    ----------
-    scene : Scene
-        In the state in which the controls begin to count.
-    controls : iterable of WaterControl
-    taken : collection of str
-        Elements that are operated otherwise.
-    t_end : float
-        s
     """
     held, done = held_nodes(scene), {*taken}
     events, waiting, left = list[Event](), list[Control](), defaultdict[str, set[str]](set)

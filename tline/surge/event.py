@@ -54,16 +54,10 @@ class Event(NamedTuple):
 
 
 def read_event(kind: str, text: str) -> Event:
-    """The event that a text says.
+    """The event that a text says, of a kind of OPERATIONS: name, flow with a unit if it takes one, time, duration.
 
-    Parameters
-    ----------
-    kind : str
-        One of OPERATIONS.
-    text : str
-        Name, flow with a unit if it takes one, and time with a duration, which is none if it is not given. A valve may
-        have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times after
-        the beginning and openings, ``V1@1s:shut.csv``.
+    A valve may have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times
+    after the beginning and openings, ``V1@1s:shut.csv``.
 
     Examples
     --------
@@ -146,12 +140,6 @@ def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterat
 
     A name that the scene has means that. Of pumps a pattern means those that run, or to start them those that stand or
     have tripped; of what opens and shuts the valves, or pipes in a scene without valves.
-
-    Examples
-    --------
-    >>> import tline as tl
-    >>> [event.name for event in each_of(tl.examples["pump_group"], Event("trip", "*", 1.0))]
-    ['pump']
     """
     if event.name in {*scene.lines, *scene.links, *scene.loads, *_nodes(scene)} or not {*event.name} & {*"*?,"}:
         yield event
@@ -160,13 +148,7 @@ def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterat
 
 
 def matching(names: Iterable[str], event: Event) -> Iterator[Event]:
-    """The event for each of some names that the list, or the pattern, of its own name means.
-
-    Examples
-    --------
-    >>> [event.name for event in matching(["north 1", "south", "north 2"], Event("close", "north*", 1.0))]
-    ['north 1', 'north 2']
-    """
+    """The event for each of some names that the list, or the pattern, of its own name means."""
     known, found = [*names], dict[str, None]()
     for part in (part.strip() for part in event.name.split(",")):
         fits = {name: None for name in known if fnmatchcase(name, part)} if {*part} & {*"*?"} else {part: None}

@@ -42,16 +42,9 @@ def operated(
     inertia: float | str | None = None,
     rated_speed: float | str | None = None,
 ) -> tuple[Scene, list[str]]:
-    """The scene with events, and notes on what was guessed.
+    """The scene with events, none twice for an element but for demands, and notes on what was guessed.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of liquids; it starts in the steady state.
-    events : sequence of Event
-        None of them twice for one element, but for demands.
-    inertia, rated_speed : number or text, optional
-        Of the pumps that trip, kg m² and turns per second, unless the scene has them; else what is usual.
+    Inertia, kg m², and rated speed, 1/s, are those of pumps that trip, unless the scene has them; else what is usual.
     """
     if scene.medium != "hydraulic" or scene.start != "steady":
         got = f"medium = '{scene.medium}', start = '{scene.start}'"
@@ -275,11 +268,6 @@ def usual_inertia(power: float, rated_speed: float) -> float:
     ----------
     A. R. D. Thorley: Fluid Transients in Pipeline Systems, 2nd edition, Professional Engineering Publishing (2004),
     with power in kW and speed in turns per minute: 1.5e7·(P/N³)^0.9556 and 118·(P/N)^1.48.
-
-    Examples
-    --------
-    >>> round(usual_inertia(75e3, 25.0), 2)
-    2.13
     """
     kilowatt, turns = power / 1e3, 60 * rated_speed
     return 1.5e7 * (kilowatt / turns**3) ** 0.9556 + 118 * (kilowatt / turns) ** 1.48

@@ -72,13 +72,7 @@ class Plan(NamedTuple):
 
 
 def read_plan(given: str | Path | Tables) -> Plan:
-    """The plan in a file, or in its tables.
-
-    Raises
-    ------
-    InputError
-        The file or the network cannot be read, or something is operated in it that it does not have.
-    """
+    """The plan in a file, or in its tables."""
     folder = Path(given).parent if isinstance(given, str | Path) else Path()
     tables = read_toml(Path(given), "a study in TOML") if isinstance(given, str | Path) else given
     _check("", tables, TABLES)

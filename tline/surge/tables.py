@@ -84,31 +84,12 @@ class Table(NamedTuple):
 
 
 def tables(result: Result) -> list[Table]:
-    """Nodes, pipes that were recorded, and states, in the units of the scene.
-
-    Parameters
-    ----------
-    result : Result
-        Of a run with an envelope.
-    """
+    """Nodes, pipes that were recorded, and states, in the units of the scene."""
     return [_nodes(result), _pipes(result), _states(result)]
 
 
 def save_tables(result: Result, path: str | Path) -> None:
-    """Write them: as three files NAME-nodes.csv, NAME-pipes.csv and NAME-states.csv, three sheets, or a map.
-
-    Parameters
-    ----------
-    result : Result
-        Of a run with an envelope.
-    path : str or Path
-        ``.csv``, ``.xlsx`` or ``.geojson``: nodes as points and pipes as lines, states at their nodes.
-
-    Raises
-    ------
-    InputError
-        Another suffix, or a file cannot be written.
-    """
+    """Write them as NAME-nodes.csv, NAME-pipes.csv and NAME-states.csv, as sheets (.xlsx), or as a map (.geojson)."""
     path, found = Path(path), tables(result)
     suffix = path.suffix.lower()
     if suffix not in WRITTEN:

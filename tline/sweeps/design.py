@@ -34,17 +34,7 @@ class Distribution(NamedTuple):
 
 
 def values_or_distribution(scene: Scene, path: str, given: Any) -> list[Any] | Distribution:
-    """Values that a path of a scene takes, in SI where they are numbers, or what they are drawn from.
-
-    Parameters
-    ----------
-    scene : Scene
-    path : str
-        Dotted, as in a scene file.
-    given : sequence, text, or object with a method ``ppf``
-        Values, each a number in SI, a text with its unit, or whatever a scene file may hold there; a text of values
-        with commas between, of a range ``"40 ohm:60 ohm:5"`` (five values, both ends included; ``:log`` after it for
-        equal ratios), or of a distribution; or a frozen distribution of `scipy.stats`.
+    """Values that a path of a scene takes, in SI where they are numbers, or what they are drawn from; as of `sweep`.
 
     Examples
     --------

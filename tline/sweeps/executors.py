@@ -53,19 +53,7 @@ class NotSent(InputError):
 
 
 def sent(task: Task, by_value: bool) -> tuple[str, bytes]:
-    """A task as bytes for other processes, and what tells it from others.
-
-    Parameters
-    ----------
-    task : Task
-    by_value : bool
-        Whether functions of the main module shall be sent as code, for those who cannot import it.
-
-    Raises
-    ------
-    NotSent
-        A function that it keeps cannot be sent.
-    """
+    """A task as bytes for other processes, its functions as code if `by_value`, and what tells it from others."""
     try:
         data = _by_value(task) if by_value else pickle.dumps(task)
     except Exception:  # noqa: BLE001 (whatever pickle stumbles on)

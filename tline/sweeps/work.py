@@ -139,19 +139,9 @@ CHUNK = 20_000  # runs at once
 
 
 def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]]) -> tuple[NDArray, ManyRuns]:
-    """Runs that can be made side by side, as a mask over all, and what makes them.
+    """Runs that can be made side by side, as a mask over all, and what makes them; else why not is raised.
 
-    Parameters
-    ----------
-    task : Task
-    table : Sweep
-    samples : sequence of (int, Scene)
-        Some runs and their scenes, in which no other numbers may differ than those that vary.
-
-    Raises
-    ------
-    InputError
-        Why they must be made one at a time.
+    In some sample runs no other numbers may differ than those that vary.
     """
     scene, inputs = task.prepared.scene, table.inputs
     if task.keep.functions or task.tol is None:

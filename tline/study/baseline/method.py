@@ -45,18 +45,6 @@ class Baseline:
         From a scene to why this method cannot do it, or None.
     knows : str
         What lines may lose by: "nothing", "resistance", or "friction", then also from a steady start.
-
-    Examples
-    --------
-    >>> from tline.study.baseline import BASELINES
-    >>> scene = Scene(
-    ...     medium="electrical", t_end=3, probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "resistance": 1, "value": {"shape": "ramp", "to": 1,
-    ...         "duration": 1}}},
-    ... )
-    >>> BASELINES["moc_trapezoid"].run(scene, 2).u["far"].tolist()
-    [0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 1.0]
     """
 
     label: str
@@ -88,13 +76,7 @@ class Baseline:
         return self.unfit(scene)
 
     def run(self, scene: Scene, n: float) -> BaselineRun:
-        """Run a scene with n steps per shortest delay.
-
-        Raises
-        ------
-        InputError
-            The method cannot do the scene (`incompatibility` says why), or n is too small or too large for it.
-        """
+        """Run a scene with n steps per shortest delay."""
         if why := self.incompatibility(scene):
             raise InputError("", f"{self.label}: {why}")
         if not n >= 2:

@@ -91,14 +91,7 @@ def line(transits: float, *, near: float = np.inf, far: dict[str, Any] | None = 
 
 
 def rate(t: NDArray, u: NDArray) -> float:
-    """Growth rate per transit: slope of the logarithm of the peaks, over the later half of what is within bounds.
-
-    Examples
-    --------
-    >>> t = np.linspace(0, 50, 2001)
-    >>> round(rate(t, np.exp(0.3 * t) * np.cos(7 * t)), 2)
-    0.3
-    """
+    """Growth rate per transit: slope of the logarithm of the peaks, over the later half of what is within bounds."""
     with np.errstate(invalid="ignore"):
         beyond = ~(np.abs(u) < BEYOND)
     end = int(np.argmax(beyond)) if beyond.any() else len(u)

@@ -118,14 +118,10 @@ class Stepped:
 
 
 class Judge:
-    """Errors of efforts on a scene.
+    """Errors of efforts on a scene, at random instants, the same for all runs.
 
-    Parameters
-    ----------
-    scene : Scene
-    instants : int
-        How many are drawn at random, the same for all runs. Errors are largest behind fronts: a tenth as many fronts
-        are followed by instants at distances from the shortest delay down to a 2^14th of it.
+    Errors are largest behind fronts: a tenth as many fronts are followed by instants at distances from the shortest
+    delay down to a 2^14th of it.
     """
 
     def __init__(self, scene: Scene, instants: int):
@@ -135,9 +131,10 @@ class Judge:
         behind = shortest * 0.5 ** (np.arange(15) + 0.5)  # at no whole share, where another front may be
         anywhere = np.random.default_rng(SEED).uniform(0, scene.t_end, instants)
         self.times = {
-            probe: _within(np.append(anywhere, solution.fronts[: instants // 10, None] + behind), scene.t_end)
+            probe: np.sort(np.append(anywhere, solution.fronts[: instants // 10, None] + behind))
             for probe, solution in self.solutions.items()
         }
+        self.times = {probe: t[t <= scene.t_end] for probe, t in self.times.items()}
         self.exact = {probe: solution.efforts(self.times[probe]) for probe, solution in self.solutions.items()}
         self.amplitude = max(np.abs(u).max() for u in self.exact.values())
         self.own = max(getattr(solution, "error", 0.0) for solution in self.solutions.values()) / self.amplitude
@@ -156,10 +153,6 @@ class Judge:
     def _relative(self, wrong: list[NDArray]) -> float:
         relative = np.abs(np.concatenate(wrong)) / self.amplitude
         return float(np.where(np.isfinite(relative), relative, np.inf).max())
-
-
-def _within(t: NDArray, end: float) -> NDArray:
-    return np.sort(t[t <= end])
 
 
 def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:

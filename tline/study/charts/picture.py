@@ -27,11 +27,6 @@ def draw(table: ChartTable) -> Figure:
     """Error against run time, one curve for each method; all axes logarithmic.
 
     To the left the time of the whole call, and the error at any instant; to the right what the method itself does.
-
-    Parameters
-    ----------
-    table : ChartTable
-        From `work_precision` or `peers`.
     """
     from tline.study.baseline import BASELINES
 

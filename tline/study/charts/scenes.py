@@ -151,13 +151,7 @@ NAMES = tuple(MAKERS)
 
 
 def chart_scene(name: str) -> ChartScene:
-    """A scene of the charts.
-
-    Examples
-    --------
-    >>> chart_scene("y").title
-    'Y of 1, √2 and 1/√3 ns, ramp of 0.1 ns'
-    """
+    """A scene of the charts."""
     if name not in MAKERS:
         raise InputError("scene", "no such chart scene", nearest(name, list(NAMES)), f"'{name}'")
     return MAKERS[name]()

@@ -62,13 +62,7 @@ class Stability:
 
 
 def crossings(x: NDArray, rates: NDArray, level: float) -> NDArray:
-    """Where a curve through the points passes a level, straight lines between them.
-
-    Examples
-    --------
-    >>> crossings(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 0.0, 4.0, 0.0]), 1.0).tolist()
-    [1.25, 2.75]
-    """
+    """Where a curve through the points passes a level, straight lines between them."""
     height = np.maximum(rates, level - 1.0) - level
     k = np.flatnonzero((height[:-1] > 0) != (height[1:] > 0))
     return x[k] + (x[k + 1] - x[k]) * height[k] / (height[k] - height[k + 1])

@@ -51,14 +51,7 @@ def corners(waveform: Shape, t_end: float) -> list[tuple[float, float]] | None:
 
 
 def netlist(scene: Scene, longest: float) -> str:
-    """The scene in SPICE, its steps no longer than so many seconds.
-
-    Examples
-    --------
-    >>> from tline.study.charts.scenes import chart_scene
-    >>> netlist(chart_scene("rc").scene, 1e-12).splitlines()[1]
-    'Tline near 0 far 0 Z0=50.0 TD=1e-09'
-    """
+    """The scene in SPICE, its steps no longer than so many seconds."""
     cards, tran, end = spice_text(scene, step=longest).rpartition("\n.tran")
     return f"{cards}\n.options acct{tran}{end}"
 

@@ -26,13 +26,7 @@ SPARE = 15  # digits carried beyond those that are asked
 
 @dataclass(frozen=True)
 class Exact:
-    """What a probe sees.
-
-    Parameters
-    ----------
-    u, y : tuple of Decimal
-        Effort and flow, Pa and m³/s or V and A.
-    """
+    """What a probe sees: effort and flow, Pa and m³/s or V and A."""
 
     u: tuple[Decimal, ...]
     y: tuple[Decimal, ...]
@@ -51,21 +45,11 @@ class Exact:
 class Solution:
     """Exact solution at a probe of a scene that starts at rest, by its rays; with switches, by its lattice.
 
+    Lines are lossless, loads linear, sources of straight, exponential or sine pieces; floats count as the shortest
+    decimals that they are.
+
     Rays are computed in ball arithmetic: every number comes with a bound of its error, and the working precision is
     doubled until the bounds are below what is asked.
-
-    Parameters
-    ----------
-    scene : Scene
-        Lossless lines, linear loads, sources of straight, exponential or sine pieces. Floats in it count as the
-        shortest decimals that they are.
-    probe : str
-        Name of a probe.
-
-    Raises
-    ------
-    InputError
-        Naming what of the scene has no exact solution here.
 
     Examples
     --------
@@ -89,13 +73,7 @@ class Solution:
 
     @property
     def fronts(self) -> NDArray:
-        """Instants at which jumps or corners of the sources pass the probe, on any way, in order, s.
-
-        Raises
-        ------
-        InputError
-            There are switches: what they send out is not looked for.
-        """
+        """Instants at which jumps or corners of the sources pass the probe, on any way, in order, s."""
         if self._switched:
             raise InputError("loads", "the fronts that switches send out are not known", "a scene without switches")
         return np.array(sorted({instant for wave in self._arriving(FEW_BITS) for instant, _ in wave}), float)
@@ -149,31 +127,8 @@ class Solution:
 def exact(scene: Scene, times: Iterable[Any], probe: str, digits: int = 20) -> Exact:
     """Exact solution of a scene, once; `Solution` says of which scenes and how.
 
-    Parameters
-    ----------
-    scene : Scene
-    times : iterable of float, Fraction, int or str
-        Instants, s, from 0 to the scene's end, in any order. At a jump the value is that before it.
-    probe : str
-        Name of a probe.
-    digits : int
-        From 1 to 1000: errors of u and z0 y are below 10^-digits of the largest of them at these times.
-
-    Raises
-    ------
-    InputError
-        Naming what of the scene has no exact solution here; or a bad argument.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end=9, probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 1}},
-    ...     loads={"c": {"at": "far", "kind": "parallel", "capacitance": 1}},
-    ... )
-    >>> print(exact(scene, [2], "far", digits=30).u[0])  # 1 - 1/e
-    0.6321205588285576784044762298385
+    Errors of u and z0 y are below 10^-digits (1 to 1000) of the largest of them at these times, s, in any order; at a
+    jump the value is that before it.
     """
     return Solution(scene, probe).at(times, digits)
 

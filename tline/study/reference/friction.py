@@ -28,13 +28,8 @@ DEGREE = 5  # of splines between fronts
 class FrictionSolution:
     """Efforts at the probes of pipes that run steadily, held by pressures, until flows into their nodes are changed.
 
-    Parameters
-    ----------
-    scene : Scene
-        Lines with Darcy's friction alone, reservoirs or short circuits, and sources of flows in straight pieces, from
-        the steady state.
-    finest : int, optional
-        Reaches of the shortest line on the finest of three grids, a multiple of 8.
+    Lines have Darcy's friction alone, and flows straight pieces. Of three grids the finest has `finest` reaches, a
+    multiple of 8, in the shortest line.
 
     Attributes
     ----------
@@ -42,11 +37,6 @@ class FrictionSolution:
         By probe: instants at which corners of the flows, or their echoes, are there, s.
     error : float
         Largest difference to the same from grids of half as many reaches, Pa; errors are some eighth of it.
-
-    Raises
-    ------
-    InputError
-        Naming what is not so, or if delays or corners are on no grid.
 
     Examples
     --------

@@ -17,45 +17,17 @@ Arrival = tuple[Fraction, int]  # instant and end
 def lattice(
     scene: Scene, times: Iterable[Any], probe: str, number: Callable[[Any], Any] = Fraction
 ) -> tuple[list[Any], list[Any]]:
-    """Effort and flow of a resistive scene from its lattice diagram.
+    """Effort and flow of a resistive scene, at rest before t = 0, from its lattice diagram.
+
+    Lines, resistors, switches, and sources with straight pieces, computed in numbers of a type: Fraction (exact),
+    float, mpmath.mpf. Instants are in s; a float counts as its shortest decimal.
 
     A wave that arrives at an end left the other end one delay before, when 2u - w left a node where w arrived. Instants
     are fractions, so waves that arrive together are told to; at a jump the value is that before it.
 
-    Parameters
-    ----------
-    scene : Scene
-        Lines, resistors, switches, and sources with straight pieces, at rest before t = 0.
-    times : iterable of Fraction, float, int or str
-        Instants, s; a float counts as its shortest decimal.
-    probe : str
-    number : type
-        What is computed in: Fraction (exact), float, mpmath.mpf, ...
-
-    Returns
-    -------
-    u, y : list of `number`
-        Effort and flow at the instants, Pa and m³/s or V and A.
-
-    Raises
-    ------
-    InputError
-        Naming what the lattice does not know, or if there are too many waves.
-
     References
     ----------
     L. V. Bewley, Traveling Waves on Transmission Systems, 2nd ed., Wiley 1951, chapter 4.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end=9, probes={"far": {"at": "far"}},
-    ...     lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 3}},
-    ...     loads={"r": {"at": "far", "kind": "resistor", "resistance": 5}},
-    ... )
-    >>> [str(u) for u in lattice(scene, [1, 2, 4], "far")[0]]
-    ['0', '5/12', '5/9']
     """
     network = ReferenceNetwork(scene)
     refuse_unless_resistive(network)
@@ -76,13 +48,7 @@ def instant(t: Any) -> Fraction:
 
 
 def refuse_unless_resistive(network: ReferenceNetwork) -> None:
-    """Refuse what has no lattice.
-
-    Raises
-    ------
-    InputError
-        Naming it.
-    """
+    """Refuse what has no lattice."""
     for node in network.loaded():
         raise InputError(f"node '{node}'", "not resistive: the lattice has no place for its load", "resistances")
     for name, source in network.scene.sources.items():

@@ -227,29 +227,8 @@ def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
 class LossySolution:
     """What a probe at an end sees, from rest, to as many digits as asked.
 
-    Parameters
-    ----------
-    scene : Scene
-        One line with linear losses; a voltage or pressure source behind a resistance at one end, of straight pieces; a
-        resistor, or nothing, at the other.
-    probe : str
-        Name of a probe, at one of the ends.
-
-    Raises
-    ------
-    InputError
-        Naming what is not so.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="20 ns", probes={"far": {"at": "far"}},
-    ...     lines={"l": {"nodes": ["near", "far"], "z0": 50, "delay": "1 ns", "length": "0.2 m", "resistance": 20}},
-    ...     sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
-    ...     loads={"end": {"at": "far", "kind": "resistor", "resistance": 50}},
-    ... )
-    >>> print(LossySolution(scene, "far").at(["1.5e-9"], digits=12).u[0])
-    0.4805612853383
+    Of one line with linear losses, a source of straight pieces behind a resistance at one end, and a resistor, or
+    nothing, at the other.
     """
 
     def __init__(self, scene: Scene, probe: str):

@@ -66,13 +66,7 @@ def level(pieces: list[Straight], t: Fraction) -> Fraction:
 
 
 def motions(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction | None, ExponentialSum]]:
-    """A waveform as motions, each counted from its start.
-
-    Raises
-    ------
-    InputError
-        The waveform has no exact motion here.
-    """
+    """A waveform as motions, each counted from its start."""
     pieces = straight(shape, t_end)
     if pieces is not None:
         return [(start, _polynomial(first, slope)) for start, first, slope in pieces]
@@ -205,13 +199,7 @@ class ReferenceNetwork:
                 raise InputError(place("loads", name), "has no exact solution", "a linear load")
 
     def seen_by(self, probe: str) -> tuple[int, Fraction]:
-        """Line of a probe, and its place as a share of the delay.
-
-        Raises
-        ------
-        InputError
-            There is no such probe.
-        """
+        """Line of a probe, and its place as a share of the delay."""
         if probe not in self.scene.probes:
             raise InputError("probe", "no such probe", nearest(probe, list(self.scene.probes)), f"'{probe}'")
         lines, own = self.scene.lines, self.scene.probes[probe]

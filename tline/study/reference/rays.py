@@ -71,11 +71,6 @@ def rays(
     """Waves that leave ends 1 and 2 of a line after a unit impulse at a node, by the delay that they have behind them.
 
     The impulse is one of effort where that is held, else of flow.
-
-    Raises
-    ------
-    InputError
-        There are too many.
     """
     first = scatterers[node]
     u = Ray(acb(1)) if first.held else first.effort(Ray(acb(1)))
