@@ -6,9 +6,9 @@ from passivity.calculus.derivation import Derivation as Derivation
 from passivity.calculus.derivation import admittance_identity as admittance_identity
 from passivity.calculus.derivation import derive as derive
 from passivity.calculus.derivation import reflection_identity as reflection_identity
-from passivity.delayed.chain import check_line as check_line
+from passivity.delayed.line import check_line as check_line
+from passivity.delayed.line import check_line_two_port as check_line_two_port
 from passivity.delayed.roots import roots_right as roots_right
-from passivity.delayed.two_port import check_line_two_port as check_line_two_port
 from passivity.errors import ExpressionError as ExpressionError
 from passivity.evidence import verify as verify
 from passivity.exact.margin import margins as margins
@@ -23,9 +23,6 @@ from passivity.exact.verdict import Margin as Margin
 from passivity.exact.verdict import Margins as Margins
 from passivity.exact.verdict import Verdict as Verdict
 from passivity.exact.verdict import Witness as Witness
-from passivity.rational.elements import circulator_scattering as circulator_scattering
-from passivity.rational.elements import gyrator_impedances as gyrator_impedances
-from passivity.rational.elements import gyrator_scattering as gyrator_scattering
 from passivity.rational.elements import impedances as impedances
 from passivity.rational.elements import scattering as scattering
 from passivity.rational.elements import transformer_scattering as transformer_scattering
@@ -51,6 +48,6 @@ from passivity.status import Status as Status
 from passivity.symbolic.assumption import Range as Range
 from passivity.symbolic.assumption import parse_assumption as parse_assumption
 from passivity.symbolic.check import check_symbolic as check_symbolic
-from passivity.symbolic.counterexample import Counterexample as Counterexample
 from passivity.symbolic.verdict import Condition as Condition
+from passivity.symbolic.verdict import Counterexample as Counterexample
 from passivity.symbolic.verdict import SymbolicVerdict as SymbolicVerdict

@@ -1,5 +1,6 @@
-"""How much work a question may take, in units of about a nanosecond that do not depend on the machine or its load.
+"""How much work a question may take, how long its numbers and polynomials may grow, and the only powers.
 
+Work is counted in units of about a nanosecond that do not depend on the machine or its load.
 What may take long says so before it does: `spend`. Within `budget` the sum is limited, and what passes it is undecided.
 """
 
@@ -8,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, TypeVar
 
 from passivity.errors import ExpressionError, shown
@@ -15,6 +17,9 @@ from passivity.errors import ExpressionError, shown
 T = TypeVar("T")
 VERDICT = 1_500_000_000
 ASIDE = 500_000_000  # for what is said beside the verdict
+MAX_DEGREE = 400
+MAX_BITS = 100_000  # of a number or a coefficient
+MAX_TOTAL = 4_000_000  # bits of all coefficients together
 
 
 class UndecidedError(ArithmeticError):
@@ -27,19 +32,12 @@ class _Account:
 
 
 _account: ContextVar[_Account | None] = ContextVar("account", default=None)
-
-
 _times: ContextVar[float] = ContextVar("times", default=1)
 
 
 @contextmanager
 def granted(times: float) -> Iterator[None]:
     """Make every budget within so many times as large.
-
-    Raises
-    ------
-    ExpressionError
-        For what is not a positive number.
 
     Examples
     --------
@@ -57,16 +55,7 @@ def granted(times: float) -> Iterator[None]:
 
 @contextmanager
 def budget(units: int) -> Iterator[None]:
-    """Limit the work within, which also counts against a budget around it.
-
-    Examples
-    --------
-    >>> with budget(100):
-    ...     spend(101, "this")
-    Traceback (most recent call last):
-    ...
-    passivity.budget.UndecidedError: this takes too long
-    """
+    """Limit the work within, which also counts against a budget around it."""
     around = _account.get()
     units = round(units * _times.get())
     given = units if around is None else max(min(units, around.left), 0)
@@ -90,15 +79,42 @@ def if_affordable(units: int, ask: Callable[..., T], *given: Any) -> T | None:
 
 
 def spend(units: int, what: str) -> None:
-    """Count work that is about to be done.
-
-    Raises
-    ------
-    UndecidedError
-        If that is more than is left; nothing is limited outside of `budget`.
-    """
+    """Count work that is about to be done; UndecidedError if it is more than is left of a `budget` around."""
     account = _account.get()
     if account is not None:
         account.left -= units
         if account.left < 0:
             raise UndecidedError(f"{what} takes too long")
+
+
+def check_size(degree: int, bits: int, where: str = "") -> None:
+    """Refuse what has too high a degree in s, or too long numbers."""
+    if degree > MAX_DEGREE:
+        raise ExpressionError(where, "the degree in s is too high", f"at most {MAX_DEGREE}", f"{_count(degree)}")
+    if bits > MAX_BITS:
+        raise ExpressionError(where, "the numbers are too long", f"at most {MAX_BITS} bits", f"{_count(bits)}")
+    if (degree + 1) * bits > MAX_TOTAL:
+        problem = f"degree {degree} is too high for numbers of {bits} bits"
+        raise ExpressionError(where, problem, f"at most {MAX_TOTAL} bits in all")
+
+
+def _count(number: int) -> str:
+    return f"{number}" if number.bit_length() < 64 else f"over 2^{number.bit_length() - 1}"
+
+
+def bits_of(x: Fraction | int) -> int:
+    """Length of the longer of numerator and denominator."""
+    return max(x.numerator.bit_length(), x.denominator.bit_length())
+
+
+def powered(base: Any, exponent: int, degree: int, bits: int) -> Any:
+    """A number or polynomial of this degree, with numbers of this length, to a whole power, if that is not too large.
+
+    Examples
+    --------
+    >>> powered(Fraction(2, 3), -2, 0, 2)
+    Fraction(9, 4)
+    """
+    if bits > 1 or degree > 0:
+        check_size(abs(exponent) * degree, abs(exponent) * bits)
+    return base**exponent

@@ -8,6 +8,11 @@ from tline.errors import InputError
 class ExpressionError(InputError):
     """One mistake in a given impedance: at ``column 7``, ``parameter L``, ``numerator[2]``."""
 
+    def within(self, where: str) -> "ExpressionError":
+        """The same mistake in a part of something."""
+        place = ", ".join(x for x in (where, self.where) if x)
+        return ExpressionError(place, self.problem, self.expected, self.got)
+
 
 def shown(given: object, write: Callable[[object], str] = str) -> str:
     """What was given, as a message quotes it: at most 60 characters, by `str` or `repr`.
@@ -23,6 +28,6 @@ def shown(given: object, write: Callable[[object], str] = str) -> str:
         return f"{type(given).__name__} of over 4300 digits"
 
 
-def shorten(text: str) -> str:
-    """The text as a message quotes it: at most 30 characters."""
-    return text if len(text) <= 30 else text[:27] + "..."
+def shorten(text: str, length: int = 30) -> str:
+    """The text as a message quotes it: at most 30 characters, or another length."""
+    return text if len(text) <= length else text[: length - 3] + "..."

@@ -64,18 +64,9 @@ class Decided(Presentation):
         return {"status": self.status.value, "why": getattr(self, "why", "")}
 
     def plot(self, ax: Any = None) -> Any:
-        """The picture: impedance plane, Smith chart and reflection, or samples against their bound.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw the first of these alone; without it a new figure.
-
-        Raises
-        ------
-        ExpressionError
-            If there is none.
-        """
+        """Impedance plane, Smith chart and reflection, or samples against their bound; on `ax` one of these alone."""
+        if self.picture:
+            return super().plot(ax)
         raise ExpressionError("plot", "there is no picture of this", "a rational function of one port, or samples")
 
     def __bool__(self) -> NoReturn:

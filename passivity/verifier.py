@@ -1,28 +1,30 @@
 # type: ignore -- facts are plain tuples of two shapes, told apart by their first entry
 """Check a proof of passivity from its file: `python verifier.py proof.json`, with the standard library alone.
 
-A proof is a list of nodes, each an operation on earlier ones, and of steps: node, fact, rule, steps it rests on, data.
 Nodes are functions of s: 1, s, a name, a sum of multiples, a product of powers, exp, log, sqrt, tanh, cosh, the input
-impedance of a line. A fact holds in Re s > 0, for all values of the names that are assumed. It is a quadratic form in
-the value w, Q |w|^2 + 2 S Re w + R >= 0, told by where its region crosses the real axis: ("disc", low, high), a
-half-plane if an end is infinite; positive real is (0, inf), bounded real (-1, 1). ("real", low, high) is a constant in
-s. ("arg", t), two half-planes turned: w > 0 for real s, no zeros and poles, and |arg w| <= 90 t degrees. An infinite
-constant is the limit of an unbounded region, an open circuit; a function that is 0 or infinite everywhere satisfies any
-bound of the argument; what is 0/0 everywhere has no value.
+impedance of a line. A fact holds in Re s > 0 for all values of the names: ("disc", low, high), a quadratic form in the
+value w told by where its region crosses the real axis, a half-plane if an end is infinite, so that positive real is
+(0, inf) and bounded real (-1, 1); ("real", low, high), a constant in s; ("arg", t), w > 0 for real s, no zeros and
+poles, and |arg w| <= 90 t degrees. An infinite constant is the limit of an unbounded region, an open circuit; what is 0
+or infinite everywhere satisfies any bound of the argument; what is 0/0 everywhere has no value. A step is a node, a
+fact, a rule, steps it rests on, data.
 """
 
 import json
 import sys
+from bisect import bisect_left
 from decimal import MAX_EMAX, MIN_EMIN, Context
 from fractions import Fraction
+from functools import reduce
 from itertools import pairwise, zip_longest
-from math import gcd, inf, lcm
+from math import gcd, inf, lcm, prod
 
 FUNCTIONS = "exp", "log", "sqrt", "tanh", "cosh"
 FORMAT, LARGEST = "passivity proof 1", 4000  # terms of a polynomial, arguments of an exponential
 DECIMAL = Context(prec=100, Emax=MAX_EMAX, Emin=MIN_EMIN)
 ZERO, ONE, UNITY = Fraction(0), Fraction(1), {(): 1}
 RIGHT, UNIT = ("disc", ZERO, inf), ("disc", -ONE, ONE)
+STEPS, SINES = 64, [k * (3 * 64**2 - k * k) for k in range(65)]  # 2 64^3 times t (3 - t^2)/2 <= sin(90 t degrees)
 
 
 def need(condition, what):
@@ -39,11 +41,8 @@ def times(x, y):
 
 def inverted(low, high):
     """All 1/w for w in a disc, None if that has 0 inside."""
-    if low < 0 < high or low == high == 0:
-        return None
-    if low < 0:
-        return tuple(-x for x in reversed(inverted(-high, -low)))
-    return (1 / high if high < inf else ZERO), (1 / low if low else inf)
+    ends = (1 / x if 0 < abs(x) < inf else ZERO if x else zero for x, zero in ((high, -inf), (low, inf)))
+    return None if low < 0 < high or low == high == 0 else tuple(ends)
 
 
 def scaled(fact, c):
@@ -62,7 +61,9 @@ def disc(fact):
 
 def turn(fact):
     """The bound of the argument that a fact tells of, None if there is none; 0 everywhere has any."""
-    return fact[1] if fact[0] == "arg" else None if fact[1] < 0 else Fraction(int(fact[0] == "disc"))
+    if fact[0] != "disc" or fact[1] <= 0 or fact[2] == inf:
+        return fact[1] if fact[0] == "arg" else None if fact[1] < 0 else Fraction(int(fact[0] == "disc"))
+    return Fraction(bisect_left(SINES, 2 * STEPS**3 * (fact[2] - fact[1]) / (fact[2] + fact[1])), STEPS)
 
 
 def implies(fact, goal):
@@ -94,14 +95,14 @@ class Graph:
         self.nodes, self.names, self.roots = [("one", ())], names, {}  # roots that were met: their arguments
 
     def enter(self, kind, parts):
-        """Append a node after a look at its parts."""
+        """Append a node from its file after a look at its parts."""
         need(kind in ("s", "name", "sum", "mul", "line", *FUNCTIONS), f"unknown node {kind}")
-        pairs = () if kind in ("s", "name") else parts if kind != "mul" else [(e, n) for n, e in parts]
-        ids, number = [n for _, n in pairs], int if kind == "mul" else Fraction
-        right = all(isinstance(c, number) and isinstance(n, int) and 0 <= n < len(self.nodes) for c, n in pairs)
-        size = len(set(ids)) if kind in ("sum", "mul") else len(ids) - (3 if kind == "line" else kind in FUNCTIONS)
-        need(right and size == (len(ids) if kind in ("sum", "mul") else 0), f"wrong parts in {kind}")
-        self.nodes.append((kind, parts))
+        if kind not in ("s", "name"):
+            parts = [tuple(x) if kind == "mul" else (Fraction(x[0]), *x[1:]) for x in parts]
+            ids = [n for n, e in parts if isinstance(e, int)] if kind == "mul" else [n for _, n in parts]
+            right = len(ids) == len(parts) == {"sum": len(set(ids)), "mul": len(set(ids)), "line": 3}.get(kind, 1)
+            need(right and all(type(n) is int and 0 <= n < len(self.nodes) for n in ids), f"wrong parts in {kind}")
+        self.nodes.append((kind, tuple(parts)))
 
     def powers(self, n):
         """A node as a product: base to exponent."""
@@ -146,12 +147,10 @@ class Graph:
     def powered(self, factors):
         """A product of powers of quotients; what stands above and below goes."""
         top, bottom = UNITY, UNITY
-        for pair, e in factors:
-            for _ in range(abs(e)):
-                p, q = pair[:: 1 if e > 0 else -1]
-                p, bottom = (UNITY, UNITY) if p == bottom else (p, bottom)
-                top, q = (UNITY, UNITY) if q == top else (top, q)
-                top, bottom = self.multiplied(top, p), self.multiplied(bottom, q)
+        for p, q in (pair[:: 1 if e > 0 else -1] for pair, e in factors for _ in range(abs(e))):
+            p, bottom = (UNITY, UNITY) if p == bottom else (p, bottom)
+            top, q = (UNITY, UNITY) if q == top else (top, q)
+            top, bottom = self.multiplied(top, p), self.multiplied(bottom, q)
         return top, bottom
 
     def exponentials(self, c, n):
@@ -188,11 +187,9 @@ class Graph:
 
     def rule_combination(self, n, known, data):
         """w = sum of c w_k: discs add up, and so do constants; arguments of up to 90 degrees are a convex cone."""
-        terms, parts = {}, []
-        for c, (m, fact) in zip(map(Fraction, data), known, strict=True):
-            terms = added(terms, self.terms(m, c))
-            parts.append(scaled(fact, c))
-        need(terms == self.terms(n) and None not in parts, "not this sum")
+        pairs = zip(map(Fraction, data), known, strict=True)
+        parts, terms = zip(*((scaled(fact, c), self.terms(m, c)) for c, (m, fact) in pairs), strict=True)
+        need(reduce(added, terms) == self.terms(n) and None not in parts, "not this sum")
         turns, discs = [turn(f) for f in parts], [disc(f) for f in parts]
         found = [("arg", max(turns))] if None not in turns and max(turns) <= 1 else []
         if None not in discs:
@@ -202,14 +199,14 @@ class Graph:
 
     def rule_product(self, n, known, data):
         """w = product of w_k^e: arguments add, moduli multiply; constants multiply as intervals, and scale one disc."""
-        total, facts = {}, [fact for _, fact in known]
-        for e, (m, _) in zip(data, known, strict=True):
-            need(isinstance(e, int) and e, "not an exponent")
-            total = added(total, {b: e * k for b, k in self.powers(m).items()})
-        need(total == self.powers(n), "not this product")
-        turns, discs = [turn(f) for f in facts], [disc(f) for f in facts]
-        found = [("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True)))] if None not in turns else []
-        discs = [d if e > 0 else d and inverted(*d) for e, d in zip(data, discs, strict=True)]
+        facts = [fact for _, fact in known]
+        powers = [{b: e * k for b, k in self.powers(m).items()} for e, (m, _) in zip(data, known, strict=True)]
+        need(all(type(e) is int for e in data) and reduce(added, powers, {}) == self.powers(n), "not this product")
+        signs = [1 if turn(f) is not None else -1 for f in facts]
+        turns = [turn(scaled(f, sign)) for f, sign in zip(facts, signs, strict=True)]
+        total = None not in turns and ("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True)))
+        found = list(filter(None, [total and scaled(total, prod(map(pow, signs, map(abs, data))))]))
+        discs = [disc(f) if e > 0 else disc(f) and inverted(*disc(f)) for e, f in zip(data, facts, strict=True)]
         if None in discs:
             return found
         moving, low, high, bound = [e for e, f in zip(data, facts, strict=True) if f[0] != "real"], ONE, ONE, ONE
@@ -229,9 +226,14 @@ class Graph:
         return [scaled(fact, Fraction(c))] if scaled(fact, Fraction(c)) else []
 
     def rule_function(self, n, known, data):
-        """exp, log, sqrt, tanh, 1/cosh and exp(c log w_1) where the argument keeps to a region."""
+        """exp, log, sqrt, tanh, 1/cosh, exp(c log w_1) in a region; Re sqrt(c w_1 w_2) >= sqrt(c Re w_1 Re w_2)."""
         ((base, e),), (m, fact) = self.powers(n).items(), known[0]
         name, parts = self.nodes[base]
+        if len(known) == 2:  # for half the sum of two angles has at least the geometric mean of their cosines
+            (c, x), low, least = parts[0], *((disc(f) or (-inf,))[0] for _, f in known)
+            same = self.powers(x) == added(*(self.powers(m) for m, _ in known))
+            need((name, e) == ("sqrt", 1) and same and c > 0 and min(low, least) >= 0, "not such a root")
+            return [("disc", image(name, c * low * least)[0], inf)]
         if name == "exp" and self.nodes[parts[0][1]] == ("log", ((ONE, m),)):  # a power turns so many times as much
             return [("arg", abs(parts[0][0]) * turn(fact))] if turn(fact) is not None and turn(fact) <= 2 else []
         need(name in FUNCTIONS and parts[0][1] == m and e == (-1 if name == "cosh" else 1), "not at this argument")
@@ -246,20 +248,18 @@ class Graph:
         if (name != "exp" and fact[0] == "arg") or (name == "log" and low <= 0):
             return found
         floor, roof = image(name, low)[0], image(name, high if name != "sqrt" else max(-disc(fact)[0], high))[1]
-        if fact and fact[0] == "real":
-            return [*found, ("real", floor, roof)]
-        ends = [("disc", floor, inf)] if name != "exp" else []
-        return [*found, *ends, *([("disc", -roof, roof)] if name != "log" else [])]
+        ends = [("disc", floor, inf)] * (name != "exp") + [("disc", -roof, roof)] * (name != "log")
+        return [*found, *([("real", floor, roof)] if fact and fact[0] == "real" else ends)]
 
     def rule_square(self, n, known, data):
         """w^2 = c w_1, c > 0, where w > 0 for real s, without zeros and poles, so that w is the root of c w_1."""
-        ((m, fact), *parts), (c, exponents), total = known, data, {}
-        for e, (b, f) in zip(exponents, parts, strict=True):
-            total = added(total, {x: e * k for x, k in self.powers(b).items()}) if turn(f) is not None else {}
+        ((m, fact), *parts), (c, exponents) = known, data
+        powers = [{x: e * k for x, k in self.powers(b).items()} for e, (b, _) in zip(exponents, parts, strict=True)]
+        whole = None not in [turn(f) for _, f in parts] and reduce(added, powers, {})
         roots = {b: self.nodes[b][1] if self.nodes[b][0] == "sqrt" else 2 * ((ONE, b),) for b in self.powers(n)}
         twice = self.powered((self.fraction(*roots[b][0]), e * len(roots[b])) for b, e in self.powers(n).items())
         same = twice[0] and self.is_equal(twice, self.fraction(Fraction(c), m))
-        need(Fraction(c) > 0 and same and total == self.powers(n), "not its root")
+        need(Fraction(c) > 0 and same and whole == self.powers(n), "not its root")
         return [("arg", turn(fact) / 2)] if turn(fact) is not None and turn(fact) <= 2 else []
 
     def rule_mean(self, n, known, data):
@@ -294,9 +294,15 @@ class Graph:
     def rule_rational(self, n, known, data):
         """Chen and Smith: u/v is positive real if Re u conj v >= 0 for all jw, and u + v has its roots in Re s < 0."""
         fact, pair = read_fact(data["fact"]), self.fraction(ONE, n)
-        need(all(m >= 0 and self.nodes[m][0] == "s" for f in pair for key in f for m, _ in key), "not rational in s")
-        powers = [{key[0][1] if key else 0: Fraction(x) for key, x in f.items()} for f in pair]
-        p, q = ([f.get(k, ZERO) for k in range(max(f, default=-1) + 1)] for f in powers)
+        atoms, unit = {m for f in pair for key in f for m, _ in key}, Fraction(data.get("unit", -1))
+        known = [~m for m, f in known if implies(f, RIGHT) and unit > 0]  # exp(-c w_1), read as (1 - t)/(1 + t)
+        fits = atoms <= ({*known} or {m for m in atoms if m >= 0 and self.nodes[m][0] == "s"}) and len(atoms) < 2
+        powers = [{-key[0][1] / unit if key else ZERO: Fraction(x) for key, x in f.items()} for f in pair]
+        least, most = (end(0, *powers[0], *powers[1]) for end in (min, max))
+        whole, steps = lcm(*(x.denominator for f in powers for x in f.values())), range(int(most - least) + 1)
+        need(fits and all(k - least in steps for f in powers for k in f), "not rational in s")
+        lists = [[int(whole * f.get(least + k, 0)) for k in steps] for f in powers]
+        p, q = (composed(f, [1, -1], [1, 1]) if known else combined(f, [], 0) for f in lists)
         choices = [(p, q)] if fact == ("arg", 1) else [(p, [ZERO, *q]), ([ZERO, *p], q)] if fact == ("arg", 2) else []
         if fact[0] == "disc" and fact[1] < fact[2]:  # w - low, high - w, or their quotient
             up = combined(p, q, -fact[1]) if fact[1] > -inf else q
@@ -305,8 +311,8 @@ class Graph:
         u, v = ([Fraction(x) for x in data[key]] for key in "pq")
         need(any(u and v and convolved(u, y) == convolved(x, v) for x, y in choices), "another function")
         axis = [x * (-1) ** k for k, x in enumerate(convolved(u, [y * (-1) ** k for k, y in enumerate(v)])[::2])]
-        need(is_nonnegative(axis, data["factors"], data["breaks"]), "negative on the axis")
-        need(is_hurwitz(combined(u, v, 1)), "roots in Re s >= 0")
+        right = is_nonnegative(axis, data["factors"], data["breaks"]) and is_hurwitz(combined(u, v, 1))
+        need(right, "negative on the axis, or roots in Re s >= 0")
         return [fact]
 
 
@@ -323,7 +329,7 @@ def added(f, g):
 
 def combined(f, g, c, a=1):
     """a f + c g, lowest power first."""
-    total = [a * x + c * y for x, y in zip_longest(f, g, fillvalue=ZERO)]
+    total = [a * x + c * y for x, y in zip_longest(f, g, fillvalue=0)]
     while total and not total[-1]:
         total.pop()
     return total
@@ -331,12 +337,12 @@ def combined(f, g, c, a=1):
 
 def convolved(f, g):
     """The product of two polynomials."""
-    return [sum(x) for x in zip_longest(*([ZERO] * k + [x * y for y in g] for k, x in enumerate(f)), fillvalue=ZERO)]
+    return [sum(x) for x in zip_longest(*([0] * k + [x * y for y in g] for k, x in enumerate(f)), fillvalue=0)]
 
 
 def composed(f, top, bottom):
     """f(top/bottom) without its denominator."""
-    found, power = [], [ONE]
+    found, power = [], [1]
     for x in reversed(f):
         found, power = combined(convolved(found, top), power, x), convolved(power, bottom)
     return found
@@ -344,10 +350,9 @@ def composed(f, top, bottom):
 
 def is_nonnegative(a, factors, breaks):
     """Whether a(x) is at least a product of powers, and that >= 0 for x >= 0 by signs of coefficients on pieces."""
-    whole, odd = [ONE], [ONE]
-    for f, e in (([Fraction(x) for x in f], e) for f, e in factors):
-        for k in range(e):
-            whole, odd = convolved(whole, f), convolved(odd, f) if e % 2 and not k else odd
+    factors = [([Fraction(x) for x in f], e) for f, e in factors]
+    whole = reduce(convolved, (f for f, e in factors for _ in range(e)), [ONE])
+    odd = reduce(convolved, (f for f, e in factors if e % 2), [ONE])
     ends = [ZERO, *map(Fraction, breaks)]
     pieces = [composed(odd, [low, high], [ONE, ONE]) for low, high in pairwise(ends)]  # x = (low + high t)/(1 + t)
     pieces += [composed(odd, [ends[-1], ONE], [ONE]), combined(a, whole, -1)]
@@ -358,12 +363,10 @@ def is_hurwitz(f):
     """Whether all roots lie in Re s < 0, by Routh's scheme in whole numbers."""
     unit = lcm(*(x.denominator for x in f)) * (-1 if f and f[-1] < 0 else 1)
     first, second = ([int(x * unit) for x in f[::-1][k::2]] for k in (0, 1))
-    while second:
-        if first[0] <= 0 or second[0] <= 0:
-            return False
+    while second and min(first[0], second[0]) > 0:
         rest = [second[0] * x - first[0] * y for x, y in zip_longest(first[1:], second[1:], fillvalue=0)]
         first, second = second, [x // (gcd(*rest) or 1) for x in rest][: len(first) - 1]
-    return bool(first) and first[0] > 0
+    return bool(first and not second) and first[0] > 0
 
 
 def read_fact(fact):
@@ -379,9 +382,7 @@ def check(proof):
         need(proof["format"] == FORMAT, f"not of the format {FORMAT}")
         graph, known = Graph({name: read_fact(fact) for name, fact in proof["names"].items()}), []
         for kind, *parts in proof["nodes"][1:]:
-            numbers = kind in ("sum", "line", *FUNCTIONS)
-            pairs = ((Fraction(x), n) for x, n in parts) if numbers else map(tuple, parts) if kind == "mul" else parts
-            graph.enter(kind, tuple(pairs))
+            graph.enter(kind, parts)
         for k, (n, fact, name, premises, data) in enumerate(proof["steps"]):
             step, goal = f"step {k}, rule '{name}'", read_fact(fact)
             need(n >= 0 and all(0 <= m < k for m in premises), "a step refers to a later one")
@@ -392,7 +393,6 @@ def check(proof):
         need(m == n and implies(scaled(fact, Fraction(c)), read_fact(proof["claim"])), "no step leads to the claim")
     except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
         return f"{step}: {error}"
-    return None
 
 
 if __name__ == "__main__":

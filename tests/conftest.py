@@ -4,6 +4,7 @@ Before several workers start, the kernels are compiled, lest each compiles them 
 Ctrl-C is heard even where a shell has started all this in the background and shut it off.
 """
 
+import gc
 import os
 import signal
 import subprocess
@@ -22,3 +23,8 @@ def pytest_configure(config):
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         os.environ["OPENBLAS_NUM_THREADS"] = "1"
         subprocess.run([sys.executable, "-m", "tline", "warm-up"], check=False, capture_output=True)
+
+
+def pytest_collection_finish():
+    """What is collected stays to the end: garbage is not looked for in it."""
+    gc.freeze()

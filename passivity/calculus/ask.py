@@ -6,14 +6,15 @@ from functools import partial
 from itertools import islice
 from typing import Any
 
-from flint import acb
+from flint import acb, ctx
 
-from passivity.ball import near
+from passivity.ball import near, of_fraction, of_point
 from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, granted, if_affordable
 from passivity.calculus.conclusion import CLAIMS, Conclusion
+from passivity.calculus.fact import POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
-from passivity.calculus.graph import POSITIVE_REAL, Fact, Graph, Value
-from passivity.calculus.leaf import function_of
+from passivity.calculus.graph import Graph, Value
+from passivity.calculus.leaf import Waves, function_of
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.read import read, statements
@@ -30,12 +31,12 @@ from passivity.expression.tree import symbols
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic.assumption import Range, assumed
-from passivity.symbolic.counterexample import random_values
+from passivity.symbolic.assumption import Range, assumed, random_values
 
 _EACH = VERDICT // 2  # of the ways to decide
 _EACH_NODE = 1_000_000  # more, of the first way
 _LONG = 200  # nodes of a graph that is not multiplied out before rules have been tried
+_BITS = 1024  # of a place that is known exactly
 _TRIALS = 12  # choices of values for names
 _PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
 
@@ -174,8 +175,8 @@ def of_text(
         and not symbols(plain) & facts.keys()
         and symbols(plain) <= {"s", *numbers}
     ):
-        pair = of_tree(plain, numbers)  # with what numerator and denominator have in common, and 1/0
-        return _exact(made, kind, RationalFunction(pair.p, pair.q), (text, numbers, {}))
+        # with what numerator and denominator have in common, and 1/0
+        return _exact(made, kind, of_tree(plain, numbers), (text, numbers, {}))
     graph = Graph(facts)
     value = read(graph, text, numbers)
     question = Question(graph, value, CLAIMS[kind], text, numbers)
@@ -214,6 +215,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
     search = Search(question, unused)
     ways = (
         lambda: _refuted(made, search.glance()),
+        lambda: _in_waves(made, kind, question, search),
         lambda: _refuted(made, search.behind(prover.active())),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
@@ -249,6 +251,18 @@ def _proved(made: partial, question: Question, prover: Prover, depths: tuple[int
 
 def _refuted(made: partial, found: Witness | None) -> list[Conclusion]:
     return [made(Status.REFUTED, found.why, witness=found)] if found else []
+
+
+def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:
+    """Refuted exactly, as a function of t = tanh(unit s/2), if it is rational in that."""
+    waves = Waves(question.graph)
+    r = waves.function(question.value[1])
+    point = check(r * question.value[0], kind).witness if r else None
+    if point is None:
+        return []
+    with ctx.workprec(_BITS):
+        t = of_point(point.re, point.im)
+        return _refuted(made, search.rounded(((1 + t) / (1 - t)).log() / of_fraction(waves.unit)))
 
 
 def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:

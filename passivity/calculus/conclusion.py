@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from passivity.budget import ASIDE, VERDICT, if_affordable
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
+from passivity.calculus.graph import Graph
 from passivity.calculus.proof import Proof, lines, prove, sharpest, verify_proof
 from passivity.calculus.read import read
 from passivity.calculus.search import Search

@@ -11,10 +11,9 @@ from typing import NamedTuple
 
 from flint import acb, fmpz_mpoly, fmpz_poly
 
-from passivity.budget import UndecidedError, spend
+from passivity.budget import UndecidedError, bits_of, spend
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.values import Names, in_ball, needed
-from passivity.size import bits_of
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.domain import Domain
 

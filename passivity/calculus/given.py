@@ -47,8 +47,7 @@ def given(what: Any, kind: Kind) -> Any:
         return RationalFunction.constant(exact(what, "what"))  # pyright: ignore[reportArgumentType]
     from passivity.exact.verdict import Network
     from passivity.rational.matrix import RationalMatrix
-    from passivity.rational.state_space import StateSpace
-    from passivity.rational.systems import from_system
+    from passivity.rational.state_space import StateSpace, from_system
     from passivity.sampled.response import SampledResponse
 
     if isinstance(what, SampledResponse | Network):

@@ -9,18 +9,15 @@ from fractions import Fraction
 from math import isqrt
 from typing import Any, TypeAlias
 
-from passivity.budget import spend
+from passivity.budget import MAX_BITS, bits_of, check_size, spend
+from passivity.calculus.fact import Fact
 from passivity.errors import ExpressionError
-from passivity.size import MAX_BITS, bits_of, check_size
 from passivity.verifier import Graph as Nodes
 
 Value: TypeAlias = tuple[Fraction, int]
-Fact: TypeAlias = tuple[Any, ...]  # as in `passivity.verifier`
 
 ZERO: Value = (Fraction(0), 0)
 UNIT: Value = (Fraction(1), 0)
-POSITIVE_REAL: Fact = ("disc", Fraction(0), float("inf"))
-BOUNDED_REAL: Fact = ("disc", Fraction(-1), Fraction(1))
 
 
 class Graph(Nodes):
@@ -33,7 +30,7 @@ class Graph(Nodes):
 
     Examples
     --------
-    >>> graph = Graph({"Z2": POSITIVE_REAL})
+    >>> graph = Graph({"Z2": ("disc", Fraction(0), float("inf"))})
     >>> z = graph.name("Z2")
     >>> graph.sum([z, graph.scaled(z, 2)])
     (Fraction(3, 1), 1)

@@ -3,24 +3,27 @@
 import math
 from collections.abc import Iterator
 from fractions import Fraction
+from math import gcd, lcm
 from typing import Any
 
 from flint import fmpz_poly
 
 from passivity.budget import UndecidedError
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact, Graph
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
+from passivity.calculus.graph import Graph, Value
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, margins
 from passivity.exact.verdict import Verdict
 from passivity.expression.number import written
-from passivity.polynomial.hurwitz import routh_column
+from passivity.polynomial.roots import routh_column
 from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 
 MAX_DEGREE = 16  # above, only Re >= 0 and modulus <= 1 are tried
 
+_TWICE, _MORE = fmpz_poly([-1, 2]), fmpz_poly([1, 1])
 _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
@@ -52,15 +55,84 @@ def function_of(graph: Graph, n: int) -> RationalFunction:
     known = {0: RationalFunction.constant(Fraction(1))}
     for k in needed(graph, n):
         kind, parts = graph.nodes[k]
-        if kind == "s":
-            total = _S
-        else:
-            total = RationalFunction.constant(Fraction(1 if kind != "sum" else 0))
-            for x, m in parts:
-                total = total + known[m] * x if kind == "sum" else total * known[x] ** m
-            total = total.reduced()
-        known[k] = total
+        known[k] = _S if kind == "s" else _combined(kind, parts, known)
     return known[n]
+
+
+def _combined(kind: str, parts: tuple, known: dict[int, RationalFunction]) -> RationalFunction:
+    total = RationalFunction.constant(Fraction(1 if kind != "sum" else 0))
+    for x, m in parts:
+        total = total + known[m] * x if kind == "sum" else total * known[x] ** m
+    return total.reduced()
+
+
+class Waves:
+    """Nodes that are rational in y = exp(-unit s) and constant otherwise, as lines of commensurate delays are.
+
+    Examples
+    --------
+    >>> graph = Graph()
+    >>> n = graph.function("tanh", graph.scaled(graph.s, 3))[1]
+    >>> [(fact, data["p"], data["unit"]) for fact, data in Waves(graph).facts(n)][:1]
+    [(('disc', Fraction(0, 1), inf), ['0', '1'], '6')]
+    """
+
+    def __init__(self, graph: Graph):
+        self.graph, self.known = graph, {0: RationalFunction.constant(Fraction(1))}
+        arguments = (x for kind, parts in graph.nodes for x in _arguments(kind, parts))
+        found = [c for c, m in arguments if m == graph.s[1]]
+        below = lcm(*(c.denominator for c in found))
+        self.unit = Fraction(gcd(*(int(c * below) for c in found)), below)
+
+    def facts(self, n: int) -> Iterator[tuple[Fact, dict[str, Any]]]:
+        """Facts, each with the data that the rule `rational` asks for."""
+        if r := self.function(n):
+            for disc in (POSITIVE_REAL, ("disc", -math.inf, Fraction(0)), BOUNDED_REAL):
+                if data := _proof(_moved(r, disc)):
+                    yield disc, data | {"unit": written(self.unit)}
+
+    def function(self, n: int) -> RationalFunction | None:
+        """A node as a function of t = (1 - y)/(1 + y), if it is one and its degree not too high."""
+        try:
+            for k in needed(self.graph, n, known=self.known):
+                if found := self._function(*self.graph.nodes[k]):
+                    self.known[k] = found.reduced()
+            r = self.known.get(n)
+        except ExpressionError:
+            return None
+        if r is None or not r.degree:
+            return None
+        return RationalFunction(
+            *(fmpz_poly((r.degree - f.degree()) * [0] + f(_TWICE).coeffs()[::-1])(_MORE) for f in (r.p, r.q))
+        )
+
+    def _function(self, kind: str, parts: tuple) -> RationalFunction | None:
+        inner = [m for m, _ in parts] if kind == "mul" else [m for _, m in parts] if kind == "sum" else []
+        if inner and all(m in self.known for m in inner):
+            return _combined(kind, parts, self.known)
+        found = [c for c, m in _arguments(kind, parts) if m == self.graph.s[1]]
+        if not found or not self.unit or (found[0] / self.unit).denominator > 1:
+            return None
+        k = int(found[0] / self.unit)
+        y = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1])) ** -k
+        if kind in ("exp", "cosh"):
+            return y if kind == "exp" else (y + y**-1) * Fraction(1, 2)
+        wave = (1 - y) / (1 + y)
+        if kind == "tanh":
+            return wave
+        (a, x), _, (c, z) = parts
+        if x not in self.known or z not in self.known:
+            return None
+        z0, load = self.known[x] * a, self.known[z] * c
+        return z0 * (load + z0 * wave) / (z0 + load * wave)
+
+
+def _arguments(kind: str, parts: tuple) -> list[Value]:
+    """w in exp(w) of a node, or in exp(-2 w), by which tanh and lines are written."""
+    if kind == "line" or kind in ("exp", "cosh", "tanh"):
+        c, m = parts[1] if kind == "line" else parts[0]
+        return [(c if kind in ("exp", "cosh") else -2 * c, m)]
+    return []
 
 
 def _proof(z: RationalFunction) -> dict[str, Any] | None:

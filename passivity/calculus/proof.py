@@ -6,16 +6,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from flint import fmpz
-
-from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
+from passivity.calculus.fact import BOUNDED_REAL, Fact, in_texts, in_words
+from passivity.calculus.graph import Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
 from passivity.calculus.witness import Question
-from passivity.expression.number import digits, written
+from passivity.expression.number import written
 from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
 Proof = dict[str, Any]
-_LONGEST_NUMBER = 30  # characters
 LONGEST = 400  # characters of a node in words
 
 
@@ -97,45 +95,6 @@ def _node(graph: Graph, n: int, new: dict[int, int]) -> list[Any]:
     if kind in ("sum", "line", *FUNCTIONS):
         return [kind, *([written(c), new[m]] for c, m in parts)]
     return [kind, *(list(x) if isinstance(x, tuple) else x for x in parts)]
-
-
-def in_texts(fact: Fact) -> list[str]:
-    """A fact as files have it."""
-    return [fact[0], *map(written, fact[1:])]
-
-
-def in_words(fact: list[str]) -> str:
-    """A fact in the words of the field.
-
-    Examples
-    --------
-    >>> in_words(["disc", "0", "inf"]), in_words(["disc", "0", "2"]), in_words(["arg", "1/2"])
-    ('positive real', 'in the disc on [0, 2]', '|arg| <= 90°*1/2')
-    """
-    known = {("disc", "0", "inf"): "positive real", ("disc", "-1", "1"): "bounded real", ("arg", "1"): "positive real"}
-    if tuple(fact) in known:
-        return known[tuple(fact)]
-    kind, *ends = (x if len(x) <= _LONGEST_NUMBER else f"about {digits(_read(x), 9)}" for x in fact)
-    if kind == "arg":
-        return f"|arg| <= 90°*{ends[0]}"
-    low, high = ends
-    if kind == "real":
-        return (
-            f"the constant {low}"
-            if low == high
-            else f"a constant >= {low}"
-            if high == "inf"
-            else f"a constant in [{low}, {high}]"
-        )
-    if high == "inf":
-        return f"Re >= {low}"
-    return f"Re <= {high}" if low == "-inf" else f"in the disc on [{low}, {high}]"
-
-
-def _read(number: str) -> Fraction:
-    """A number of a file, of any length: Python itself reads some four thousand digits."""
-    above, _, below = number.partition("/")
-    return Fraction(int(fmpz(above)), int(fmpz(below or "1")))
 
 
 def lines(proof: Proof) -> Iterator[str]:

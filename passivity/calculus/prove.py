@@ -6,13 +6,26 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from passivity.budget import VERDICT, UndecidedError, budget, spend
-from passivity.calculus.graph import POSITIVE_REAL, ZERO, Fact, Graph, Value
-from passivity.calculus.leaf import rational_facts
-from passivity.calculus.rewrite import Line, lines, merged, rewritings
+from passivity.calculus.fact import (
+    POSITIVE_REAL,
+    Fact,
+    angle_of,
+    high_of,
+    inverse_of,
+    is_useful,
+    low_of,
+    shortened,
+    size_of,
+    tilt_of,
+    width_of,
+)
+from passivity.calculus.graph import ZERO, Graph, Value
+from passivity.calculus.leaf import Waves, rational_facts
+from passivity.calculus.rewrite import Line, absorbing, lines, merged, rewritings
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
-from passivity.verifier import RULES, disc, implies, inverted, scaled, turn
+from passivity.verifier import RULES, disc, implies, scaled, turn
 
 DEPTHS = (
     0,
@@ -23,7 +36,6 @@ DEPTHS = (
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
-_LONG = 256  # bits of a number in a fact that is rounded
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
@@ -35,7 +47,7 @@ class Prover:
 
     Examples
     --------
-    >>> from passivity.calculus.graph import BOUNDED_REAL
+    >>> from passivity.calculus.fact import BOUNDED_REAL
     >>> graph = Graph({"Z2": POSITIVE_REAL})
     >>> z = graph.line((Fraction(50), 0), graph.scaled(graph.s, 3), graph.name("Z2"))
     >>> prover = Prover(graph)
@@ -48,6 +60,7 @@ class Prover:
         self.known: dict[int, list[int]] = {}
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
+        self.waves: Waves | None = None
 
     def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
         """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
@@ -57,6 +70,8 @@ class Prover:
                 self.rewritten = 0
                 self._run(iter([n]))
             if (found := self._implying(value, goal)) is not None:
+                return found
+            if most and self._waves(value[1]) and (found := self._implying(value, goal)) is not None:
                 return found
             self.rewritten, found = 0, []
             self._run(self._rewrite(value[1], lambda k: self._best(value, goal, [k]) is not None, found))
@@ -77,6 +92,16 @@ class Prover:
                 self.known[n] = []
                 stack.append(self._facts(n))
 
+    def _waves(self, n: int) -> list[int]:
+        """Facts about a node that commensurate delays make rational in one exponential."""
+        if self.waves is None:
+            self.waves = Waves(self.graph)
+            self._run(iter([self.graph.s[1]]))
+        right, found = self.right(self.graph.s[1]), []
+        for fact, data in self.waves.facts(n) if right is not None else ():
+            found += self.follow(n, "rational", [right or 0], {"fact": [fact[0], *map(written, fact[1:])], **data})
+        return found
+
     def _marked(self, root: int) -> list[int]:
         """The marks among what a node is made of, in order."""
         return sorted(set(needed(self.graph, root)).intersection(self.graph.marks))
@@ -90,7 +115,7 @@ class Prover:
     def _best(self, value: Value, goal: Fact, steps: Iterable[int]) -> int | None:
         """The sharpest of some steps that imply a fact."""
         moved = ((scaled(self.steps[k][1], value[0]), k) for k in steps)
-        implying = [(_size(fact), _low(fact), k) for fact, k in moved if fact and implies(fact, goal)]
+        implying = [(size_of(fact), low_of(fact), k) for fact, k in moved if fact and implies(fact, goal)]
         return min(implying)[-1] if implying else None
 
     def _facts(self, n: int) -> Task:
@@ -107,8 +132,8 @@ class Prover:
             return []
         fresh = []
         for fact in found:
-            fact = _short(fact)
-            if _useful(fact) and not any(implies(self.steps[k][1], fact) for k in self.known.setdefault(n, [])):
+            fact = shortened(fact)
+            if is_useful(fact) and not any(implies(self.steps[k][1], fact) for k in self.known.setdefault(n, [])):
                 self.known[n] = [k for k in self.known[n] if not implies(fact, self.steps[k][1])]
                 self.steps.append((n, fact, rule, premises, data))
                 self.known[n].append(len(self.steps) - 1)
@@ -146,6 +171,11 @@ class Prover:
             yield parts[0][1]
             for k in list(self.known[parts[0][1]]):
                 self.follow(n, "function", [k])
+            factors = graph.powers(parts[0][1])
+            if kind == "sqrt" and list(factors.values()) == [1, 1]:
+                yield from factors
+                both = [k for m in factors if (k := self.right(m)) is not None]
+                self.follow(n, "function", both)
             name, inner = graph.nodes[parts[0][1]]
             if kind == "exp" and name == "log":
                 yield inner[0][1]
@@ -176,27 +206,45 @@ class Prover:
             yield one[1]
             for k in list(self.known[one[1]]):
                 self._equal(n, k, written(one[0]), cut)
+        if self.most and self._implying(load, POSITIVE_REAL) is None:
+            self._waves(end)
         known = [(scaled(self.steps[k][1], load[0]), k) for k in self.known[end]]
-        best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (_low, _high)]
+        best = [min(((key(fact), k) for fact, k in known if fact), default=(math.inf, 0)) for key in (low_of, high_of)]
         if best[0][0] > 0:
+            if self.most:
+                yield from self._absorbed(n, (z0, through, load))
             return
         yield from along
         others = [k for m in along if (k := self.right(m)) is not None]
         for k in {k for x, k in best if x < math.inf} if len(others) == 2 else ():  # the sharpest about the load
             self.follow(n, "line", [k, *others])
 
-    def active(self) -> list[tuple[Value, Value]]:
-        """Characteristic impedance and load of the lines whose loads were not found to be passive, deepest first."""
-        found = [(parts[2], parts[0]) for kind, parts in self.graph.nodes if kind == "line"]
-        known: dict[int, list[Fact]] = {}
-        for n, fact, *_ in self.steps:
-            known.setdefault(n, []).append(fact)
-        passive = {(c, n) for (c, n), _ in found if any(implies(scaled(f, c), POSITIVE_REAL) for f in known.get(n, ()))}
-        return [(z0, load) for load, z0 in sorted(found, key=lambda each: each[0][1]) if load not in passive]
+    def active(self) -> list[tuple[int, int, Line]]:
+        """Nodes that are 1 or -1 times a line whose load was not found to be passive, deepest first."""
+        about: dict[int, list[int]] = {}
+        for k, (n, *_) in enumerate(self.steps):
+            about.setdefault(n, []).append(k)
+        lines = [(n, sign, line) for n, (sign, line, _) in self.lines.items()]
+        active = [x for x in lines if self._best(x[2][2], POSITIVE_REAL, about.get(x[2][2][1], ())) is None]
+        return sorted(active, key=lambda each: each[2][2][1])
 
     def right(self, n: int) -> int | None:
-        """A step that says Re w >= 0."""
-        return next((k for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)), None)
+        """The step that says most of Re w >= 0."""
+        found = [(low_of(self.steps[k][1]), k) for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)]
+        return min(found)[1] if found else None
+
+    def _absorbed(self, n: int, line: Line) -> Task:
+        """A line that loses more than its load gives."""
+        along = line[1]
+        yield along[1]
+        if not any(low_of(self.steps[k][1]) < 0 < along[0] for k in self.known[along[1]]):
+            return
+        for (c, m), cut in absorbing(self.graph, line):
+            yield m
+            for k in list(self.known[m]):
+                self._equal(n, k, written(c), cut)
+            if self.known[n]:
+                return
 
     def _sum(self, n: int) -> Task:
         """A sum, from the sharpest facts about its terms, of which rational ones are taken together."""
@@ -208,9 +256,9 @@ class Prover:
         yield from (m for _, m in terms)
         known = [[(scaled(self.steps[k][1], c), k) for k in self.known[m]] for c, m in terms]
         data = [written(c) for c, _ in terms]
-        for key in (_low, _high, _width, _angle):
+        for key in (low_of, high_of, width_of, angle_of):
             best = [min(((key(f), k) for f, k in facts if f), default=(math.inf, 0)) for facts in known]
-            if all(x < math.inf for x, _ in best) and (key is not _angle or all(x <= 1 for x, _ in best)):
+            if all(x < math.inf for x, _ in best) and (key is not angle_of or all(x <= 1 for x, _ in best)):
                 self.follow(n, "combination", [k for _, k in best], data)
             if not self.most and self.right(n) is not None:
                 return
@@ -235,11 +283,11 @@ class Prover:
         exponents = [e for _, e in pieces]
         yield from (m for m, _ in pieces)
         known = [[(self.steps[k][1], k) for k in self.known[m]] for m, _ in pieces]
-        keys = [(_low, _low), (_size, _size)] if any(not graph.moves[m] for m, _ in pieces) else [(_size, _size)]
-        for up, _ in [*keys, (_angle, _angle)]:
+        sharpest = [low_of, size_of] if any(not graph.moves[m] for m, _ in pieces) else [size_of]
+        for up in [*sharpest, tilt_of]:
             best = []
             for (_, e), facts in zip(pieces, known, strict=True):
-                usable = [(up(f) if e > 0 or up is _angle else up(_inverted(f)), k) for f, k in facts]
+                usable = [(up(f) if e > 0 or up is tilt_of else up(inverse_of(f)), k) for f, k in facts]
                 best.append(min(usable, default=(math.inf, 0)))
             if all(x < math.inf for x, _ in best):
                 self.follow(n, "product", [k for _, k in best], exponents)
@@ -252,7 +300,9 @@ class Prover:
         graph = self.graph
         if not any(graph.nodes[m][0] == "sqrt" for m, _ in pieces):
             return
-        angles = [min(((_angle(self.steps[k][1]), k) for k in self.known[m]), default=(math.inf, 0)) for m, _ in pieces]
+        angles = [
+            min(((angle_of(self.steps[k][1]), k) for k in self.known[m]), default=(math.inf, 0)) for m, _ in pieces
+        ]
         if all(x < math.inf for x, _ in angles):
             c, squared = graph.product([(Fraction(1), n)], [2])
             if c > 0 and squared != n and graph.is_rational[squared]:
@@ -336,53 +386,3 @@ def _alike(graph: Graph, a: int, b: int) -> bool:
     """Whether two sums differ in the signs of their terms alone."""
     up, down = graph.terms(a), graph.terms(b)
     return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())
-
-
-def _short(fact: Fact) -> Fact:
-    """A disc without long numbers, a little larger if need be."""
-    if fact[0] != "disc":
-        return fact
-    return ("disc", *(-_above(-x) if k == 0 else _above(x) for k, x in enumerate(fact[1:])))
-
-
-def _above(x: Any) -> Any:
-    """A number with few digits that is at least x."""
-    if isinstance(x, float) or max(x.numerator.bit_length(), x.denominator.bit_length()) < _LONG:
-        return x
-    unit = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() - _LONG // 4)
-    return math.ceil(x / unit) * unit
-
-
-def _useful(fact: Fact) -> bool:
-    return fact[0] == "arg" or fact[1] > -math.inf or fact[2] < math.inf
-
-
-def _inverted(fact: Fact) -> Fact:
-    known = disc(fact)
-    ends = known and inverted(*known)
-    return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
-
-
-def _low(fact: Fact) -> Any:
-    known = disc(fact)
-    return -known[0] if known else math.inf
-
-
-def _high(fact: Fact) -> Any:
-    known = disc(fact)
-    return known[1] if known else math.inf
-
-
-def _width(fact: Fact) -> Any:
-    known = disc(fact)
-    return known[1] - known[0] if known and math.inf not in (known[1], -known[0]) else math.inf
-
-
-def _size(fact: Fact) -> Any:
-    known = disc(fact)
-    return max(-known[0], known[1]) if known else math.inf
-
-
-def _angle(fact: Fact) -> Any:
-    found = turn(fact)
-    return math.inf if found is None else found

@@ -186,6 +186,18 @@ def merged(graph: Graph, line: Line, inner: Line, c: Fraction) -> Value | None:
     return sign, graph.node("line", ((abs(z0[0]), z0[1]), (abs(length[0]), length[1]), graph.scaled(load, sign)))
 
 
+def absorbing(graph: Graph, line: Line) -> Iterator[tuple[Value, list[int]]]:
+    """A line as A (2/(1 - X) - 1), X = exp(-2 B) H, with H = (Z - A)/(Z + A) as 2/(1 + A/Z) - 1, or by Z/A."""
+    z0, through, load = line
+    wave, minus = graph.function("exp", graph.scaled(through, -2)), (Fraction(-1), 0)
+    for above, below, sign in ((z0, load, 1), (load, z0, -1)) if load[0] else ():
+        one = graph.sum([UNIT, graph.product([above, below], [1, -1])])
+        h = graph.sum([graph.scaled(graph.inverse(one), 2 * sign), graph.scaled(minus, sign)])
+        less = graph.sum([UNIT, graph.scaled(graph.product([wave, h]), -1)])
+        whole = graph.sum([graph.scaled(graph.inverse(less), 2), minus])
+        yield graph.product([z0, whole]), [z0[1], load[1]]
+
+
 def _factors(graph: Graph, n: int) -> set[int]:
     """Sums and lines that a value is a product of; if it is a sum itself, those in its terms."""
     bases = [x for m in graph.terms(n) for x in graph.powers(m)]

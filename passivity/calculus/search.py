@@ -1,7 +1,7 @@
 """Where a property may fail: searched in floats, over a grid, down from its worst points, at poles, along the axis."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
@@ -10,6 +10,7 @@ from flint import acb, ctx
 from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
+from passivity.calculus.rewrite import Line
 from passivity.calculus.values import Array, in_ball, in_floats, needed
 from passivity.calculus.witness import Question, Witness
 from passivity.expression.number import double
@@ -23,8 +24,9 @@ _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # best points that are improved
 _STEPS = 60
 _NEWTON = 16  # steps of Newton's method to poles
-_LINES, _ROOTS, _AIMS = 2, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
-_BITS, _LENGTHS = (256, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
+_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 12  # of loads, of places where they are -z0, of steps to where that shows
+_TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
+_BITS, _LENGTHS = (160, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
@@ -75,7 +77,8 @@ class Search:
 
     Examples
     --------
-    >>> from passivity.calculus.graph import POSITIVE_REAL, Graph
+    >>> from passivity.calculus.fact import POSITIVE_REAL
+    >>> from passivity.calculus.graph import Graph
     >>> graph = Graph()
     >>> z = graph.sum([graph.s, (Fraction(-1), 0)])
     >>> Search(Question(graph, z, POSITIVE_REAL, "s - 1", {}), {}).glance().re < 1
@@ -115,33 +118,51 @@ class Search:
 
         with np.errstate(all="ignore"):
             for suspect in islice(self._suspects(), _POLISHED):
-                for root in self._zeros(suspect):
+                for root in self._zeros(suspect, self._spread())[:_ROOTS]:
                     if found := self.around(acb(root.real, root.imag), _DISTANCES[:4]):
                         return found
             return next(filter(None, (self.check(*place) for place in self._candidates())), None)
 
-    def behind(self, lines: Iterable[tuple[Value, Value]]) -> Witness | None:
-        """A witness where the load of a line is near -z0, in Re s > 0, for some lines given by z0 and load.
+    def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
+        """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some, or for the last.
 
         However little of it is seen through what stands before the line: the place is solved for at which the whole has
-        a value that a passive one has not, in as many digits as that takes.
+        a value that a passive one has not, in as many digits as that takes. From line to line the place is followed.
         """
         graph, order = self.question.graph, set(self.scales.order)
-        for z0, load in islice(lines, _LINES):
-            seen = [m for m in {load[1], *graph.terms(load[1])} if m in order]
-            for root in self._zeros(graph.sum([load, z0])) if seen else ():
-                if place := self._aimed(max(seen), z0, root):
-                    for bits in _LENGTHS:
-                        if found := self.check(*(_short(near(part), bits) for part in (place.real, place.imag))):
+        parts = {
+            n: b for n, *_ in lines for b in graph.powers(n) if b in order and graph.nodes[b][0] in ("sum", "line")
+        }
+        lines = [each for each in lines if each[0] in parts]
+        for places in (self._spread(), self._ladder()) if lines else ():
+            for k, (n, sign, line) in enumerate(lines):
+                places = self._zeros(graph.sum([line[2], line[0]]), places)
+                if not len(places):
+                    break
+                for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
+                    for place in self._aimed(n, parts[n], sign, line, root):
+                        if found := self.rounded(place):
                             return found
         return None
 
-    def _zeros(self, value: Value) -> list[complex]:
-        """Zeros of a part of the function in Re s > 0, by Newton's method from a grid; nearest to the axis first."""
+    def _spread(self) -> Array:
+        """Places in the right half plane on a logarithmic grid."""
         import numpy as np
 
         radii = np.geomspace(self.low * 1e5, self.high / 1e4, 30)
-        s = (radii[:, None] * np.exp(1j * np.array([0, 0.5, 0.9, 1.2, 1.4, 1.5]))).ravel()
+        return (radii[:, None] * np.exp(1j * np.array([0, 0.5, 0.9, 1.2, 1.4, 1.5]))).ravel()
+
+    def _ladder(self) -> Array:
+        """Places beside the axis at many turns of each delay."""
+        import numpy as np
+
+        turns = np.array([0.02, 0.1, 0.4])[:, None] + 0.5j * np.pi * np.arange(1, _TURNS_UP)
+        return np.concatenate([np.zeros(0, complex), *((x * turns).ravel() for x in self.periods[:4])])
+
+    def _zeros(self, value: Value, s: Array) -> Array:
+        """Zeros of a part in Re s > 0, by Newton's method from some places; nearest to the axis first."""
+        import numpy as np
+
         order, step = needed(self.question.graph, value[1]), s
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
@@ -155,39 +176,35 @@ class Search:
         for root in s[np.argsort(s.real)]:
             if all(abs(root - other) > 1e-4 * abs(root) for other in found):
                 found.append(complex(root))
-        return found[:_ROOTS]
+        return np.array(found[:_KEPT])
 
-    def _aimed(self, n: int, z0: Value, root: complex) -> acb | None:
-        """Where, near a point, the value of a node is such that the whole fails, by secants in balls.
+    def _aimed(self, n: int, part: int, sign: int, line: Line, root: complex) -> Iterator[acb]:
+        """Where, near a point, the load of a line is such that the whole fails, by secants in balls of some precisions.
 
-        The whole is (a v + b)/(c v + d) of the value v, known from three of these.
+        The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line times a sign is node n, and
+        a part of n, which the whole is made of, tells of its value.
         """
         graph, value = self.question.graph, self.question.value
+        e = graph.powers(n)[part]
+        rest = graph.product([(Fraction(sign), n), (Fraction(1), part)], [1, -e])
 
         def excess(s: acb) -> acb:
-            unit = in_ball(graph, z0, s, self.names)
-            v1, v2, v3 = unit, 2 * unit, unit * acb(0, 1)
-            w1, w2, w3 = (in_ball(graph, value, s, self.names, {n: v}) for v in (v1, v2, v3))
+            z0, through, load = (in_ball(graph, part, s, self.names) for part in line)
+            wave = through.tanh()
+            v1, v2, v3 = z0, 2 * z0, z0 * acb(0, 1)
+            over = in_ball(graph, rest, s, self.names)
+            seen = [z0 * (v + z0 * wave) / (z0 + v * wave) / over for v in (v1, v2, v3)]
+            w1, w2, w3 = (in_ball(graph, value, s, self.names, {part: w**e}) for w in seen)
             goal = acb(2) if self.question.bounded else -w1
             ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
-            wanted = (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
-            return in_ball(graph, (Fraction(1), n), s, self.names) - wanted
+            return load - (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
 
         for bits in _BITS:
+            spend(_AIMS * len(self.scales.order) * (3_000 + 10 * bits), "a pole")
             with ctx.workprec(bits):
-                s = acb(root.real, root.imag)
-                last = s + abs(s) / 2**30
-                before = excess(last)
-                for _ in range(_AIMS):
-                    spend(5 * len(self.scales.order) * 40 * bits, "a pole")
-                    f = excess(s)
-                    step = f * (s - last) / (f - before)
-                    if not step.is_finite():
-                        break
-                    last, before, s = s, f, acb((s - step).real.mid(), (s - step).imag.mid())
-                    if abs(step) < abs(s) / 2 ** (bits // 2):
-                        return s if s.real > 0 else None
-        return None
+                place = _zero(excess, acb(root.real, root.imag))
+            if place is not None and place.real > 0:
+                yield place
 
     def beside(self, w: float) -> Witness | None:
         """A witness near a frequency on the axis."""
@@ -214,6 +231,11 @@ class Search:
             value = self.badness(1j * w, relative=False)
             least = w[value > value.max() - 1e-9 * (1 + abs(value.max()))] if len(w) else w
         return float(least.min()) if len(least) else None
+
+    def rounded(self, place: acb) -> Witness | None:
+        """A place as a witness, with few digits if these show it."""
+        shorter = ([_short(near(part), bits) for part in (place.real, place.imag)] for bits in _LENGTHS)
+        return next(filter(None, (self.check(*point) for point in shorter)), None)
 
     def check(self, re: Fraction, im: Fraction) -> Witness | None:
         """The point as a witness, if it is one."""
@@ -305,6 +327,21 @@ class Search:
             left, right = grid[rows, np.maximum(best - 1, 0)], grid[rows, np.minimum(best + 1, 16)]
         middle = (left + right) / 2
         return middle[np.argsort(-self.badness((tilt + 1j) * middle, relative=False))]
+
+
+def _zero(function: Callable[[acb], acb], s: acb) -> acb | None:
+    """A zero near a place by secants, as exactly as the precision allows; None if they do not come to one."""
+    last = s + abs(s) / 2**30
+    before = function(last)
+    for _ in range(_AIMS):
+        f = function(s)
+        if f.contains(0):
+            return s
+        step = f * (s - last) / (f - before)
+        if not step.is_finite():
+            return None
+        last, before, s = s, f, acb((s - step).real.mid(), (s - step).imag.mid())
+    return None
 
 
 def _exp(x: float) -> float:

@@ -7,7 +7,8 @@ from typing import Any
 
 from flint import acb
 
-from passivity.calculus.graph import BOUNDED_REAL, Fact, Graph, Value
+from passivity.calculus.fact import BOUNDED_REAL, Fact
+from passivity.calculus.graph import Graph, Value
 from passivity.calculus.read import read
 from passivity.calculus.values import at_point
 from passivity.expression.number import digits, written

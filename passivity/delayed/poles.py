@@ -12,8 +12,8 @@ from flint import acb, arb, ctx, fmpz_mpoly, fmpz_poly
 from passivity.budget import spend
 from passivity.calculus.expand import Expansion, Pair
 from passivity.calculus.graph import Graph, Value
-from passivity.polynomial.roots import positive_roots
-from passivity.polynomial.sign import parts, squarefree
+from passivity.polynomial.roots import roots_on_axis
+from passivity.polynomial.sign import squarefree
 from passivity.status import Kind
 
 _BITS = 256
@@ -73,17 +73,9 @@ def _roots(kind: Kind, f: fmpz_poly) -> Iterator[acb]:
         with ctx.workprec(_BITS):
             roots: list = factor.complex_roots()
         yield from (root for root, _ in roots if root.real > 0 and not root.imag < 0)
-        if kind is Kind.BR:
-            yield from _on_axis(factor)
-
-
-def _on_axis(f: fmpz_poly) -> Iterator[acb]:
-    if not f[0]:
-        yield acb(0)
-    even, odd = parts(f)
-    common = even.gcd(odd)
-    if common.degree() > 0:
-        for found in positive_roots(common.right_shift(int(not common[0]))):
+        if kind is Kind.BR and not factor[0]:
+            yield acb(0)
+        for found, _ in roots_on_axis(factor) if kind is Kind.BR else ():
             root = found.refined(_BITS)
             with ctx.workprec(2 * _BITS):
                 yield acb(0, arb(root.low).union(arb(root.high)).sqrt())

@@ -1,21 +1,61 @@
-"""Zeros of 1 + H1 and 1 - H1 in the right half plane, H1 = exp(-2Ts) H2: what a line with its ends does when driven.
+"""Quasi-polynomials f(s) = sum of exp(-T s) p(s): their values in balls, their size far out, their zeros counted.
 
-1 + H1 = 0 are the modes of a line whose input effort is held, 1 - H1 = 0 of one whose input flow is.
+On |s| >= R, Re s >= 0, with the highest power s^d and its coefficient c at T = 0, f(s)/s^d differs from c by at most
+the sum of all other coefficients, each times the power of R that belongs to it, because |exp(-T s)| <= 1. Where that is
+less than |c|, all zeros of the half-plane lie in the half disc of radius R, and the argument principle counts them.
 """
 
 import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 
-from flint import arb, arb_poly, ctx, fmpz_poly
+from flint import acb, arb, arb_poly, ctx
 
-from passivity.delayed.quasi import BITS, QuasiPolynomial, zeros_right
+from passivity.ball import of_fraction
+from passivity.budget import UndecidedError, spend
 from passivity.errors import ExpressionError, shown
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 
+MAX_PIECES = 10_000
+BITS = 80
+_J = acb(0, 1)
+_MAX_DOUBLINGS = 400
+
+
+@dataclass(frozen=True)
+class QuasiPolynomial:
+    """The sum of exp(-T s) p(s), as pairs (T, p); the T are distinct, the least is 0, T = 0 comes first."""
+
+    terms: tuple[tuple[arb, arb_poly], ...]
+
+    def __call__(self, s: acb) -> acb:
+        """A ball with the values in a ball."""
+        spend(sum(3_000 + 300 * len(p) for _, p in self.terms), "the values on the axis")
+        return sum(((-s * delay).exp() * p(s) for delay, p in self.terms), acb(0))
+
+    @property
+    def degree(self) -> int:
+        """The highest power of s."""
+        return max(p.degree() for _, p in self.terms)
+
+    def far(self, radius: Fraction, degree: int) -> tuple[arb, arb]:
+        """Coefficient of s^degree at T = 0, and a bound of all else in f/s^degree for |s| >= radius, Re s >= 0."""
+        unit, rest, leading = arb(radius.denominator) / radius.numerator, arb(0), arb(0)
+        spend(sum(1_000 + 500 * len(p) for _, p in self.terms), "the values far out")
+        for delay, p in self.terms:
+            for k in range(p.degree() + 1):
+                if k == degree and delay == 0:
+                    leading = p[k]
+                else:
+                    rest += abs(p[k]) * unit ** (degree - k)
+        return leading, rest
+
 
 def roots_right(h2: RationalFunction, delay: Exact, sign: int) -> int | float:
-    """Number of zeros of 1 + sign exp(-2Ts) H2(s) in Re s > 0, certified.
+    """Number of zeros of 1 + sign exp(-2Ts) H2(s) in Re s > 0, certified: the growing modes of a line with its ends.
 
     Parameters
     ----------
@@ -24,7 +64,7 @@ def roots_right(h2: RationalFunction, delay: Exact, sign: int) -> int | float:
     delay : int, float, Fraction, Decimal or str
         T, time from end to end, at least zero.
     sign : int
-        1: effort held at the input; -1: flow held.
+        1 where the effort is held at the input, -1 where the flow is.
 
     Returns
     -------
@@ -44,20 +84,6 @@ def roots_right(h2: RationalFunction, delay: Exact, sign: int) -> int | float:
     >>> roots_right(h2, "1/20", 1), roots_right(h2, "1/20", -1), roots_right(h2, 1, 1)
     (0, 1, 2)
     """
-    p, q, travel = _checked(h2, delay, sign)
-    if travel and (p.degree() > q.degree() or (p.degree() == q.degree() and _lead(p) > _lead(q))):
-        return math.inf
-    with ctx.workprec(BITS):
-        if not travel:
-            return zeros_right(QuasiPolynomial(((arb(0), arb_poly(q + p)),)))
-        if not p:
-            return zeros_right(QuasiPolynomial(((arb(0), arb_poly(q)),)))
-        twice = 2 * arb(travel.numerator) / travel.denominator
-        return zeros_right(QuasiPolynomial(((arb(0), arb_poly(q)), (twice, arb_poly(p)))))
-
-
-def _checked(h2: RationalFunction, delay: Exact, sign: int) -> tuple[fmpz_poly, fmpz_poly, Fraction]:
-    """Numerator, with the sign, and denominator of H2 in lowest terms, and T."""
     travel = exact(delay, "delay")
     if travel < 0:
         raise ExpressionError("delay", "negative", "at least 0", shown(delay))
@@ -69,8 +95,79 @@ def _checked(h2: RationalFunction, delay: Exact, sign: int) -> tuple[fmpz_poly, 
     p, q = sign * reduced.p, reduced.q
     if not travel and not p + q:
         raise ExpressionError("h2", "the function is zero everywhere", "1 + H1 or 1 - H1 that is not")
-    return p, q, travel
+    ends = [abs(int(f.leading_coefficient())) for f in (p, q)]
+    if travel and (p.degree() > q.degree() or (p.degree() == q.degree() and ends[0] > ends[1])):
+        return math.inf
+    with ctx.workprec(BITS):
+        if not travel or not p:
+            return _zeros_right(QuasiPolynomial(((arb(0), arb_poly(q + p)),)))
+        return _zeros_right(QuasiPolynomial(((arb(0), arb_poly(q)), (of_fraction(2 * travel), arb_poly(p)))))
 
 
-def _lead(f: fmpz_poly) -> int:
-    return abs(int(f.leading_coefficient()))
+def _zeros_right(f: QuasiPolynomial) -> int:
+    """Number of zeros in Re s > 0, with their multiplicities, by a certified winding number."""
+
+    def dominated(radius: Fraction) -> bool:
+        leading, rest = f.far(radius, f.degree)
+        return bool(rest < abs(leading))
+
+    def stuck(low: Fraction, high: Fraction) -> UndecidedError:
+        return UndecidedError(f"a zero on the axis or too near to it, at ω = {float(low):.6g} to {float(high):.6g}")
+
+    radius = least_radius(dominated)
+    if radius is None:
+        raise UndecidedError("far out the terms with delay are not smaller than that without")
+    return winding(f, radius, cuts_of_axis(lambda s: not f(s).contains(0), radius, stuck))
+
+
+def winding(f: QuasiPolynomial, radius: Fraction, cuts: list[Fraction]) -> int:
+    """Turns of f around the half disc of a radius, f having no zeros far out nor on the pieces of the axis."""
+    turned = arb(0)
+    values = [f(_J * of_fraction(w)) for w in cuts]
+    for before, after in pairwise(values):
+        turned += (after / before).arg()
+    degree = f.degree
+    leading, _ = f.far(radius, degree)
+    end = values[-1] / (_J * of_fraction(radius)) ** degree / leading
+    whole = (degree * arb.pi() + 2 * end.arg() - 2 * turned) / (2 * arb.pi())
+    if (count := whole.unique_fmpz()) is None:
+        raise UndecidedError("the winding number is not resolved")
+    return int(count)
+
+
+def pieces(cuts: list[Fraction]) -> Iterator[acb]:
+    """Balls around the pieces of the axis between cuts."""
+    return (on_axis(low, high) for low, high in pairwise(cuts))
+
+
+def on_axis(low: Fraction, high: Fraction) -> acb:
+    """A ball around a piece of the axis."""
+    return _J * of_fraction(low).union(of_fraction(high))
+
+
+def least_radius(is_far: Callable[[Fraction], bool]) -> Fraction | None:
+    """A power of 2 that is far out, half of which is not; None if none is."""
+    far = next((k for k in range(_MAX_DOUBLINGS) if is_far(Fraction(2) ** k)), None)
+    if far is None:
+        return None
+    while far > -_MAX_DOUBLINGS and is_far(Fraction(2) ** (far - 1)):
+        far -= 1
+    return Fraction(2) ** far
+
+
+def cuts_of_axis(
+    is_clear: Callable[[acb], bool], radius: Fraction, stuck: Callable[[Fraction, Fraction], UndecidedError]
+) -> list[Fraction]:
+    """Cuts of the axis up to a radius between which it is clear; raises what `stuck` makes of a piece that is not."""
+    stack, cuts, count = [(Fraction(0), radius)], [Fraction(0)], 0
+    while stack:
+        low, high = stack.pop()
+        count += 1
+        if is_clear(on_axis(low, high)):
+            cuts.append(high)
+        elif count > MAX_PIECES or high - low < radius / 2**60:
+            raise stuck(low, high)
+        else:
+            middle = (low + high) / 2
+            stack += [(middle, high), (low, middle)]
+    return cuts

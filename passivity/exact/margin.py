@@ -100,11 +100,6 @@ def margin(network: RationalMatrix | StateSpace, kind: Kind) -> Margin | None:
     """The smallest eigenvalue of (Z + Z^H)/2, or the largest singular value of S, over all frequencies.
 
     None where it has no bound, or none was found in MAX_ROUNDS tests.
-
-    Raises
-    ------
-    UndecidedError
-        If the network is too large.
     """
     matrix = network.transfer if isinstance(network, StateSpace) else network
     places = [_place(kind, matrix, w) for w in (0.0, math.inf, 1.0, 1.1)]

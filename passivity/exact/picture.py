@@ -14,28 +14,22 @@ from numpy.typing import NDArray
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, Margins
 from passivity.exact.verdict import Verdict
-from passivity.rational.quotient import Quotient
+from passivity.rational.function import RationalFunction
 from passivity.status import Kind
 
 POINTS = 1200
 MOST = 307.0  # decades of a frequency
 DECADES_BEYOND = 1.5  # below the smallest and above the largest modulus of a pole or zero
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_CURVE, _BAD, _INK = "#0072B2", "#D55E00", "#222222"
 BEYOND = "#F7DFD0"  # where |H| > 1
 _LEVELS = (0.2, 0.5, 1.0, 2.0, 5.0)
-_CURVE, _BAD, _GRID = "#0072B2", "#D55E00", "#B8B8B8"
+_CURVE, _BAD, _INK, _GRID = "#0072B2", "#D55E00", "#222222", "#B8B8B8"
 
 
 def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes | None = None) -> Any:
     """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| against z0 with its largest value.
 
     On `ax` the Smith chart alone.
-
-    Raises
-    ------
-    ExpressionError
-        If z0 or the ratio of two coefficients is beyond the range of doubles.
     """
     verdict.function.to_floats()
     if not sys.float_info.min <= z0 < math.inf:
@@ -57,7 +51,7 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
     return figure
 
 
-def frequencies(function: Quotient, also: list[float]) -> NDArray:
+def frequencies(function: RationalFunction, also: list[float]) -> NDArray:
     """Angular frequencies that show all of a function, increasing; what can be drawn of `also` is among them."""
     moduli = [m for f in (function.p, function.q) for m in _moduli(f)] or [0.0]
     marks = [math.log10(x) for x in also if 0 < x < math.inf]

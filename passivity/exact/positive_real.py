@@ -26,7 +26,7 @@ from passivity.errors import ExpressionError
 from passivity.exact.storage import lossless_storage
 from passivity.exact.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict, Witness
 from passivity.exact.witness import from_axis, from_root, of_multiport, of_one_port
-from passivity.polynomial.hurwitz import routh_column
+from passivity.polynomial.roots import routh_column
 from passivity.polynomial.sign import allowance, coprime, find_sign, product
 from passivity.rational.elements import inverted
 from passivity.rational.function import RationalFunction

@@ -1,20 +1,39 @@
-"""Verdicts in words and as plain data; exact numbers are texts, polynomials lists, highest power first."""
+"""Verdicts in words, with their reasons, and as plain data: numbers as texts, polynomials from the highest power."""
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+from flint import fmpz_poly
+
 from passivity.budget import VERDICT, if_affordable
+from passivity.errors import shorten
 from passivity.exact.certificate import verify
 from passivity.exact.robustness import Robustness
 from passivity.exact.verdict import Certificate, Margin, Margins, StorageCertificate, Verdict, Witness
 from passivity.expression.number import complex_text, digits, written
+from passivity.polynomial.roots import positive_roots, roots_on_axis, routh_column, violations
+from passivity.polynomial.sign import allowance, product, squarefree
 from passivity.rational.function import RationalFunction
+from passivity.rational.matrix import RationalMatrix
+from passivity.rational.polynomial_matrix import degree
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind, Status
 
-_ONE = {"input": "smallest Re Z(jω)", "output": "smallest Re 1/Z(jω)", "reflection": "largest |H(jω)|"}
-_SEVERAL = {"input": "smallest eigenvalue of (Z + Zᴴ)/2", "reflection": "largest singular value of S"}
+_MARGINS = {"input": "smallest Re Z(jω)", "output": "smallest Re 1/Z(jω)", "reflection": "largest |H(jω)|"}
+_OF_SEVERAL = {"input": "smallest eigenvalue of (Z + Zᴴ)/2", "reflection": "largest singular value of S"}
+# of one port and of several: the property on the axis, with equality, its contrary, and what has its poles in Re s < 0
+_ONE = {
+    Kind.PR: ("Re Z(jω) >= 0", "Re Z(jω) = 0", "Re Z(jω) < 0", "roots of p + q"),
+    Kind.BR: ("|H(jω)| <= 1", "|H(jω)| = 1", "|H(jω)| > 1", "roots of the denominator"),
+}
+_SEVERAL = {
+    Kind.PR: ("Z + Z^H >= 0", "Z + Z^H = 0", "Z + Z^H has a negative eigenvalue", "poles of (Z + I)^-1"),
+    Kind.BR: ("S^H S <= I", "S^H S = I", "S has a singular value above 1", "poles of S"),
+}
+EXTREME = {Kind.PR: "the smallest eigenvalue of (Z + Z^H)/2", Kind.BR: "the largest singular value of S"}
+MOST_NAMED = 4  # bands or frequencies in one sentence
 
 
 def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None) -> dict[str, Any]:
@@ -99,17 +118,16 @@ def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = Non
         words = {True: "the same", False: "not the same for all", None: "not shown to be the same"}[robust.same]
         lines.append(f"  within {digits(robust.tolerance, 3)} of each coefficient: {words}")
         if robust.exception is not None:
-            text = str(robust.exception)
-            lines.append(f"    such as {text if len(text) <= 100 else text[:97] + '...'}")
+            lines.append(f"    such as {shorten(str(robust.exception), 100)}")
     against = f"   H = (Z - z0)/(Z + z0), z0 = {z0}" if verdict.kind is Kind.PR else ""
     for key, margin in margins._asdict().items():
         if margin and several:
             proved = f"proved not beyond {margin.bound:.6g}"
-            lines.append(f"  {_SEVERAL[key]} ≈ {margin.value:.6g} at ω = {margin.frequency:.6g} rad/s, {proved}")
+            lines.append(f"  {_OF_SEVERAL[key]} ≈ {margin.value:.6g} at ω = {margin.frequency:.6g} rad/s, {proved}")
         elif margin:
             value = beside_one(margin.low if margin.largest else margin.high)
             sign, tail = "=" if margin.low == margin.high else "≈", against if key == "reflection" else ""
-            lines.append(f"  {_ONE[key]:<20} {sign} {value:<12} {_place(verdict, margin)}{tail}")
+            lines.append(f"  {_MARGINS[key]:<20} {sign} {value:<12} {_place(verdict, margin)}{tail}")
     return lines
 
 
@@ -139,3 +157,113 @@ def beside_one(x: Fraction | float) -> str:
     """Six digits, and more where they would hide on which side of 1 a number lies."""
     text = digits(x)
     return f"1 {'-' if x < 1 else '+'} {digits(abs(Fraction(x) - 1), 3)}" if text == "1" and x != 1 else text
+
+
+def reason(verdict: Verdict) -> str:
+    """Why a verdict is what it is, frequencies ω in rad per unit of time."""
+    kind, network = verdict.kind, verdict.function
+    bounded, equal, broken, closing = (_ONE if isinstance(network, RationalFunction) else _SEVERAL)[kind]
+    if verdict.status is Status.UNDECIDED:
+        return "; ".join(filter(None, (verdict.budget, verdict.analysis and _seen(verdict))))
+    if isinstance(verdict.certificate, StorageCertificate):
+        if verdict.lossless:
+            return "all energy that enters is stored: the stored energy is x^T P x/2 >= 0"
+        return "the stored energy x^T P x grows by less than what enters, P > 0"
+    if verdict.status is Status.PROVED:
+        axis = f"{equal} for all ω" if verdict.lossless else f"{bounded} for all ω"
+        if isinstance(network, RationalFunction):
+            axis += " (lossless)" if verdict.lossless else _touched(network, kind)
+        return f"{axis}, and all {closing} lie in Re s < 0{_hidden(verdict)}"
+    if verdict.negative:
+        return f"{broken} {in_words(violations(verdict.negative))}{_hidden(verdict)}"
+    if verdict.place:
+        return f"{broken} {verdict.place} (floating point), exactly so at the witness"
+    if kind is Kind.BR:
+        return f"{'H' if verdict.ports == 1 else 'S'} has a pole in Re s > 0{_hidden(verdict)}"
+    if isinstance(network, RationalFunction):
+        return _fault(network.reduced()) + _hidden(verdict)
+    return _fault_of_matrix(network.transfer if isinstance(network, StateSpace) else network)
+
+
+def _hidden(verdict: Verdict) -> str:
+    if verdict.hidden is None or not isinstance(verdict.function, RationalFunction):
+        return ""
+    factor = str(verdict.hidden).replace("x", "s").replace("(-", "-").replace("+ -", "- ").replace(")", "")
+    return f"; the common factor {factor} is a hidden mode that does not die out"
+
+
+def _touched(function: RationalFunction, kind: Kind) -> str:
+    """At which frequencies there is equality."""
+    p, q = function.p, function.q
+    a = allowance(kind, p, q)
+    a //= a.gcd(product(q, q))  # at a pole Re Z is not zero, though A is
+    even = [f for f, power in squarefree(a) if power % 2 == 0 and f[0]]
+    touched = [0.0] * (not a[0]) + sorted(root.frequency for f in even for root in positive_roots(f))
+    return f" (equal at ω = {listed([f'{w:.6g}' for w in touched])})" if touched else ""
+
+
+def _seen(verdict: Verdict) -> str:
+    """What floating point sees of several ports."""
+    kind, found = verdict.kind, verdict.analysis
+    assert found
+    value = f"{EXTREME[kind]} is {found.value:.6g} ± {found.value_error:.1g} at ω = {found.frequency:.6g}"
+    bands = f", {_SEVERAL[kind][2]} {in_words(found.bands)}" if found.bands else ""
+    methods = "two methods that agree" if found.agree else "two methods that disagree"
+    return f"in floating point, by {methods}, {value}{bands}; all eigenvalues of A have Re s <= {found.rightmost:.3g}"
+
+
+def _fault(z: RationalFunction) -> str:
+    """Which pole of p/q is wrong, if Re p conj q >= 0 on the axis; p and q coprime."""
+    p, q = z.p, z.q
+    excess = p.degree() - q.degree()
+    if excess > 1:
+        return f"Z grows like s^{excess}: the degree of the numerator exceeds that of the denominator by more than one"
+    if excess == 1 and p.leading_coefficient() * q.leading_coefficient() < 0:
+        return "Z has a pole at infinity with negative residue"
+    order = next(k for k, c in enumerate(q.coeffs()) if c)
+    if order > 1:
+        return f"Z has a pole of order {order} at s = 0"
+    if order and p[0] * q[1] < 0:
+        return "Z has a pole at s = 0 with negative residue"
+    for root, power in roots_on_axis(q.right_shift(order)):
+        place = f"on the axis at ω = {root.frequency:.6g}"
+        if power > 1:
+            return f"Z has a pole of order {power} {place}"
+        if root.sign_of(product(p, q.derivative())) < 0:
+            return f"Z has a pole {place} with negative residue"
+    return "Z has a pole in Re s > 0"
+
+
+def _fault_of_matrix(z: RationalMatrix) -> str:
+    """Which pole of Z is wrong, where Z + Z^H >= 0 on the axis and yet Z is not positive real."""
+    n, d = z.fraction
+    mirrored = d.gcd(d(fmpz_poly([0, -1])))
+    if routh_column(d // mirrored) is None or not _on_axis(mirrored):
+        return "Z has a pole in Re s > 0"
+    places = ["on the axis"] * (mirrored.degree() > 0) + ["at infinity"] * (degree(n, d) > d.degree())
+    return f"Z has a pole {' or '.join(places)} that is not simple with a nonnegative Hermitian residue"
+
+
+def _on_axis(f: fmpz_poly) -> bool:
+    """Whether all roots of a polynomial, which come with their mirror images, lie on the imaginary axis."""
+    rest = f.right_shift(next(k for k, c in enumerate(f.coeffs()) if c))
+    return 2 * sum(power for _, power in roots_on_axis(rest)) == rest.degree()
+
+
+def in_words(intervals: Sequence[tuple[float, float]]) -> str:
+    """Intervals of w, the first MOST_NAMED of them."""
+    return listed([_band(low, high) for low, high in intervals])
+
+
+def listed(items: Sequence[str]) -> str:
+    """The first MOST_NAMED of some items, and how many more there are."""
+    more = len(items) - MOST_NAMED
+    return ", ".join(items[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _band(low: float, high: float) -> str:
+    if f"{low:.6g}" == f"{high:.6g}":
+        return f"in a narrow band at ω = {low:.12g}"
+    if low == 0:
+        return "for all ω" if high == math.inf else f"for ω < {high:.6g}"
+    return f"for ω > {low:.6g}" if high == math.inf else f"for {low:.6g} < ω < {high:.6g}"

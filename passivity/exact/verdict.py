@@ -29,19 +29,13 @@ _ONE = ((Fraction(1), Fraction(0)),)
 class AxisSum(NamedTuple):
     """The sum of all principal minors of one order of what must not be negative on the axis, |d|^2 times.
 
-    Parameters
-    ----------
-    a : fmpz_poly
-        The sum in x = w^2 is a g^power, where g is |d|^2 with coprime coefficients. Of one port it is
-        Re p(jw) conj q(jw), or |q(jw)|^2 - |p(jw)|^2, after cancelling.
-    power : int
-    sign : SignProof
-        Why a is nonnegative.
+    In x = w^2 it is a g^power, where g is |d|^2 with coprime coefficients. Of one port it is Re p(jw) conj q(jw), or
+    |q(jw)|^2 - |p(jw)|^2, after cancelling.
     """
 
     a: fmpz_poly
     power: int
-    sign: SignProof
+    sign: SignProof  # why a is nonnegative
 
 
 @dataclass(frozen=True)
@@ -75,26 +69,15 @@ class Certificate:
 class StorageCertificate:
     """Proof by a storage function x^T P x.
 
-    Parameters
-    ----------
-    kind : Kind
-        With a basis, of lossless impedances: K(P) <= 0 of the reached part, P >= 0 (`passivity.exact.storage`). Else
-        M(P) < 0, P > 0 (`passivity.floats.storage`) of S, or of the scattering matrix that impedances have.
-    function : StateSpace
-        As given.
-    storage : fmpq_mat
-        P.
-    basis : fmpq_mat or None
-        Columns that span the states which the inputs reach: A V = V A1, B = V B1, C1 = C V; None if all count.
-    reached : StateSpace or None
-        (A1, B1, C1, D).
+    With a basis V of a lossless system: L(P) <= 0 of the reached part, P >= 0 (`passivity.exact.storage`). Else
+    M(P) < 0, P > 0 (`passivity.floats.storage`) of S, or of the scattering matrix that impedances have.
     """
 
     kind: Kind
-    function: StateSpace
-    storage: fmpq_mat
-    basis: fmpq_mat | None = None
-    reached: StateSpace | None = None
+    function: StateSpace  # as given
+    storage: fmpq_mat  # P
+    basis: fmpq_mat | None = None  # V, of the states that the inputs reach: A V = V A1, B = V B1, C1 = C V
+    reached: StateSpace | None = None  # (A1, B1, C1, D)
 
 
 @dataclass(frozen=True)
@@ -248,7 +231,7 @@ class Verdict(Decided):
     @cached_property
     def why(self) -> str:
         """The reason in plain words: band, pole, residue, degree."""
-        from passivity.exact.reason import reason
+        from passivity.exact.report import reason
 
         short = "it fails at the witness" if self.witness else "the exact test holds"
         return if_affordable(ASIDE, reason, self) or f"{short}; the frequencies take too long to find"

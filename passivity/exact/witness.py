@@ -5,12 +5,12 @@ from fractions import Fraction
 
 from flint import arb, fmpq, fmpq_mat, fmpz_poly
 
-from passivity.budget import spend
+from passivity.budget import bits_of, spend
 from passivity.exact.storage import negative_direction
 from passivity.exact.verdict import Parts, Witness
 from passivity.polynomial.roots import candidates, power_of_two, reducing_cost, scaled_value, square_roots, to_fmpq
 from passivity.rational.matrix import RationalMatrix
-from passivity.size import bits_of
+from passivity.rational.state_space import identity
 from passivity.status import Kind
 
 Test = Callable[[Fraction, Fraction], Witness | None]  # a point as a witness, None if it is none
@@ -75,8 +75,7 @@ def hermitian_form(kind: Kind, value: fmpq_mat) -> fmpq_mat:
     """Z + Z^H, or I - S^H S, from a value [[U, -V], [V, U]], in the same way of writing."""
     if kind is Kind.PR:
         return value + value.transpose()
-    n = value.nrows()
-    return fmpq_mat(n, n, [int(i == k) for i in range(n) for k in range(n)]) - value.transpose() * value
+    return identity(value.nrows()) - value.transpose() * value
 
 
 def _short(form: fmpq_mat, x: list[fmpq]) -> fmpq_mat:

@@ -8,8 +8,8 @@ from typing import Any
 
 from flint import fmpq
 
+from passivity.budget import bits_of, check_size
 from passivity.errors import ExpressionError, shown
-from passivity.size import bits_of, check_size
 
 _LONGEST = 40  # characters of a complex number that is written exactly
 

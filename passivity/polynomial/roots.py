@@ -1,6 +1,14 @@
-"""Roots of integer polynomials: positive ones in intervals, those in the right half plane as rational points nearby."""
+"""Roots of integer polynomials: positive ones in intervals, bands between them, and on which side of the axis they lie.
 
-from collections.abc import Iterator
+Those in the right half plane are approached by rational points.
+
+References
+----------
+F. R. Gantmacher, "The Theory of Matrices", vol. 2, chapter XV (Routh's scheme, Hurwitz determinants).
+"""
+
+import math
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from math import isqrt
@@ -9,10 +17,8 @@ from typing import NamedTuple
 from flint import acb, arb, arb_poly, ctx, fmpq, fmpz, fmpz_poly
 
 from passivity.ball import near
-from passivity.budget import spend
-from passivity.polynomial.hurwitz import pivots
-from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, split
-from passivity.size import bits_of
+from passivity.budget import bits_of, spend
+from passivity.polynomial.sign import MAX_PIECES, UndecidedError, half_line, parts, split, squarefree
 
 _FARTHEST = 1000  # binary exponent of a modulus
 SHIFT = 256  # where the scheme ends early, it is tried again for f(s - 1/SHIFT)
@@ -81,13 +87,7 @@ def sqrt(x: fmpq) -> float:
 
 
 def positive_roots(f: fmpz_poly) -> list[Root]:
-    """All positive roots, increasing.
-
-    Parameters
-    ----------
-    f : fmpz_poly
-        Without double roots, f(0) not zero.
-    """
+    """All positive roots, increasing, of a polynomial without double roots that is not 0 at 0."""
     pieces, found = [half_line(f)], []
     while pieces:
         piece = pieces.pop()
@@ -105,6 +105,13 @@ def positive_roots(f: fmpz_poly) -> list[Root]:
                 raise UndecidedError(f"the roots of a polynomial of degree {f.degree()} take over {MAX_PIECES} pieces")
             pieces += reversed(split(piece))
     return found
+
+
+def roots_on_axis(f: fmpz_poly) -> list[tuple[Root, int]]:
+    """The roots jw with w > 0 of any polynomial, as places x = w^2, and how often each is one."""
+    u, v = parts(f)
+    factors = squarefree(common) if (common := u.gcd(v)) else ()
+    return [(root, power) for factor, power in factors if factor[0] for root in positive_roots(factor)]
 
 
 def _bound(f: fmpz_poly) -> fmpq:
@@ -155,13 +162,7 @@ def _natural_frequencies(f: fmpz_poly) -> list[complex]:
 
 
 def value(f: fmpz_poly, re: Fraction, im: Fraction) -> tuple[Fraction, Fraction]:
-    """Exact value of a polynomial at a rational complex point.
-
-    Examples
-    --------
-    >>> value(fmpz_poly([0, 0, 1]), Fraction(1, 2), Fraction(1))
-    (Fraction(-3, 4), Fraction(1, 1))
-    """
+    """Exact value of a polynomial at a rational complex point."""
     size = max(bits_of(re), bits_of(im))
     spend(5_000 + 10 * reducing_cost(len(f) * size + f.height_bits()), "a value")
     u, v = scaled_value(f, re, im, f.degree())
@@ -245,3 +246,67 @@ def to_fmpq(x: Fraction) -> fmpq:
 def power_of_two(x: Fraction) -> Fraction:
     """A power of two of about the size of x > 0."""
     return Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length())
+
+
+def routh_column(f: fmpz_poly) -> tuple[arb, ...] | None:
+    """Routh's column of an integer polynomial, as balls above zero; None if a root has a real part >= 0.
+
+    The rows start at the low powers, so the column belongs to s^n f(1/s), whose roots lie in the same half plane. The
+    product of the first k entries is a Hurwitz determinant, a whole number: when a ball leaves only zero for it, it
+    *is* zero. So doubling the precision ends in every case, without exact elimination.
+    Zero counts as having roots everywhere.
+    """
+    if not f:
+        return None
+    if f.leading_coefficient() < 0:
+        f = -f
+    if not all(c > 0 for c in f.coeffs()):
+        return None
+    bits = 64 + 4 * f.degree()
+    while True:
+        spend(10_000 * len(f) + len(f) ** 2 * bits // 2, f"Routh's scheme of degree {f.degree()}")
+        # the precision is global to the process: what counts is the accuracy found, not asked for
+        with ctx.workprec(bits):
+            column, determinant = [], arb(1)
+            for pivot in pivots(f):
+                if not pivot > 0:
+                    break
+                determinant *= pivot
+                column.append(pivot)
+            else:
+                return tuple(column)
+            if pivot < 0 or abs(determinant * pivot / column[0]) < 1:
+                return None
+        bits *= 2
+
+
+def pivots(f: fmpz_poly) -> Iterator[arb]:
+    """Routh's column as far as its entries are known not to be zero, and the next; at the present precision."""
+    c = f.coeffs()
+    upper, lower = arb_poly(c[::2]), arb_poly(c[1::2])
+    yield upper[0]
+    for _ in range(f.degree()):
+        yield lower[0]
+        if lower[0].contains(0):
+            return
+        upper, lower = lower, (upper - lower * (upper[0] / lower[0])).right_shift(1)
+
+
+def violations(sums: Sequence[fmpz_poly]) -> list[tuple[float, float]]:
+    """Intervals of w = sqrt(x) where at least one of some polynomials in x is negative, to double precision."""
+    found: list[tuple[float, float]] = []
+    for low, high in sorted(band for a in sums if a for band in _negative(a)):
+        joined = found and low <= found[-1][1]
+        if joined:
+            low, before = found.pop()
+            high = max(before, high)
+        found.append((low, high))
+    return found
+
+
+def _negative(a: fmpz_poly) -> list[tuple[float, float]]:
+    """The intervals of one polynomial: counted down from infinity, its sign changes at each root of odd order."""
+    roots = [root for f, power in squarefree(a) if power % 2 and f[0] for root in positive_roots(f)]
+    ends = [0.0, *sorted(root.frequency for root in roots), math.inf]
+    negative = a.leading_coefficient() < 0
+    return [band for k, band in enumerate(reversed(list(pairwise(ends)))) if (k % 2 == 0) == negative]

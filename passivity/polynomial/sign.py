@@ -39,13 +39,7 @@ def parts(f: fmpz_poly) -> tuple[fmpz_poly, fmpz_poly]:
 
 
 def product(f: fmpz_poly, g: fmpz_poly) -> fmpz_poly:
-    """Re f(jw) conj g(jw).
-
-    Examples
-    --------
-    >>> product(fmpz_poly([1, 1]), fmpz_poly([1, 1]))  # |1 + jw|^2
-    x + 1
-    """
+    """Re f(jw) conj g(jw)."""
     (a, b), (c, d) = parts(f), parts(g)
     return a * c + _X * (b * d)
 
@@ -108,13 +102,7 @@ def split(piece: Piece) -> tuple[Piece, Piece]:
 
 
 def find_sign(a: fmpz_poly) -> SignProof | Fraction:
-    """Proof that a polynomial is nonnegative for all x >= 0, or a point x >= 0 where it is negative.
-
-    Raises
-    ------
-    UndecidedError
-        If more than MAX_PIECES pieces would be needed.
-    """
+    """Proof that a polynomial is nonnegative for all x >= 0, or a point x >= 0 where it is negative."""
     if a[0] < 0:
         return Fraction(0)
     if all(c >= 0 for c in a.coeffs()):

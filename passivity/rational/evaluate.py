@@ -8,22 +8,22 @@ from typing import TypeAlias
 
 from flint import fmpz_poly
 
+from passivity.budget import check_size
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import fraction, not_a_number
 from passivity.expression.parse import parse
 from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
-from passivity.rational.quotient import Quotient
-from passivity.size import check_size
+from passivity.rational.function import RationalFunction
 
 MAX_WORK = 300_000_000  # bits in all intermediate results of one expression: half a second
 
 Exact: TypeAlias = int | float | Fraction | Decimal | str
 
 _WHOLE = re.compile(r"\s*[0-9]{1,30}\s*")  # numbers that need no parser
-_S = Quotient(fmpz_poly([0, 1]), fmpz_poly([1]))
+_S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
-def evaluate(text: str, parameters: Mapping[str, Exact]) -> Quotient:
+def evaluate(text: str, parameters: Mapping[str, Exact]) -> RationalFunction:
     """Rational function of an expression in ``s``, with a value for each other name in it and for no more."""
     tree, values = with_values(text, parameters)
     return of_tree(tree, values)
@@ -46,9 +46,9 @@ def with_values(text: str, parameters: Mapping[str, Exact]) -> tuple[Node, dict[
     return tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()}
 
 
-def of_tree(tree: Node, values: Mapping[str, Fraction]) -> Quotient:
+def of_tree(tree: Node, values: Mapping[str, Fraction]) -> RationalFunction:
     """Rational function of a tree, refused where it would take too long or too much memory."""
-    return _Evaluation({name: Quotient.constant(x) for name, x in values.items()} | {"s": _S}).of(tree)
+    return _Evaluation({name: RationalFunction.constant(x) for name, x in values.items()} | {"s": _S}).of(tree)
 
 
 def exact(value: Exact, where: str) -> Fraction:
@@ -63,8 +63,7 @@ def exact(value: Exact, where: str) -> Fraction:
         tree = parse(value)
         constant = None if symbols(tree) else _Evaluation({}).of(tree)
     except ExpressionError as error:
-        place = ", ".join(x for x in (where, error.where) if x)
-        raise ExpressionError(place, error.problem, error.expected, error.got) from None
+        raise error.within(where) from None
     if constant is None or constant.is_infinite:
         raise not_a_number(value, where)
     return constant.numerator[0] / constant.denominator[0]
@@ -96,13 +95,13 @@ def is_rational(node: Node) -> bool:
 class _Evaluation:
     """Value of a tree, refused where results outgrow MAX_DEGREE, MAX_BITS or, all together, MAX_WORK."""
 
-    def __init__(self, values: Mapping[str, Quotient]):
+    def __init__(self, values: Mapping[str, RationalFunction]):
         self.values, self.work = values, 0
 
-    def of(self, node: Node) -> Quotient:
+    def of(self, node: Node) -> RationalFunction:
         match node:
             case Number(value):
-                return Quotient.constant(value)
+                return RationalFunction.constant(value)
             case Symbol(name):
                 return self.values[name]
             case Negate(operand):
@@ -122,7 +121,7 @@ class _Evaluation:
                 problem = f"{name}(...) is not rational in s"
                 raise ExpressionError("", problem, "only + - * / and whole powers")
 
-    def kept(self, result: Quotient) -> Quotient:
+    def kept(self, result: RationalFunction) -> RationalFunction:
         bits = result.bits
         check_size(result.degree, bits)
         self.work += (result.degree + 1) * bits

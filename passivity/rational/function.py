@@ -1,26 +1,59 @@
-"""Exact rational functions of the Laplace variable: where they come from and their values."""
+"""Exact rational functions of the Laplace variable: pairs of integer polynomials, their arithmetic and values."""
 
 import math
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Self
+from numbers import Real
+from typing import TYPE_CHECKING, Self, TypeAlias
 
-from flint import acb, ctx, fmpq, fmpq_poly
+from flint import acb, ctx, fmpq, fmpq_poly, fmpz_poly
 
+from passivity.budget import powered
 from passivity.errors import ExpressionError, shown
-from passivity.rational.evaluate import Exact, evaluate, exact
-from passivity.rational.quotient import Quotient
+from passivity.expression.number import fraction
+
+if TYPE_CHECKING:
+    from passivity.rational.evaluate import Exact
+
+Number: TypeAlias = int | float | Fraction
 
 
-class RationalFunction(Quotient):
-    """A rational function p(s)/q(s) with exact coefficients; see `Quotient` for the arithmetic.
+def _with_numbers(
+    operation: "Callable[[RationalFunction, RationalFunction], RationalFunction]",
+) -> "Callable[[RationalFunction, RationalFunction | Number], RationalFunction]":
+    """Let a number stand for a constant as the second operand."""
+
+    def either(self: "RationalFunction", other: "RationalFunction | Number") -> "RationalFunction":
+        if isinstance(other, Real):
+            other = self.constant(fraction(other, "number"))
+        if not isinstance(other, RationalFunction):
+            return NotImplemented
+        return operation(self, other)
+
+    return either
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class RationalFunction:
+    """A rational function p(s)/q(s) with exact coefficients: the pair (p : q) of two integer polynomials.
+
+    Open circuit (1 : 0) and short circuit (0 : 1) are ordinary values; there is one infinity, without a sign.
+    Factors common to p and q stay until `reduced` is called: they are modes that the terminals do not show.
+    ``+ - * /`` take another function or a number; ``**`` takes an integer; ``==`` compares as functions.
 
     Parameters
     ----------
-    p, q : flint.fmpq_poly
-        Numerator and denominator.
+    p, q : flint.fmpz_poly
+        Numerator and denominator, not both zero. The pair is divided by its integer content, and its sign is
+        chosen so that q (p if q is zero) has a positive leading coefficient.
+
+    Raises
+    ------
+    ExpressionError
+        If both are zero.
 
     Examples
     --------
@@ -31,10 +64,20 @@ class RationalFunction(Quotient):
     (Fraction(50, 1), inf)
     """
 
-    __slots__ = ()
+    p: fmpz_poly
+    q: fmpz_poly
+
+    def __post_init__(self):
+        unit = self.p.content().gcd(self.q.content())
+        if unit == 0:
+            raise ExpressionError("", "0/0 has no value", "a numerator or a denominator that is not zero")
+        if (self.q or self.p).leading_coefficient() < 0:
+            unit = -unit
+        object.__setattr__(self, "p", self.p // unit)
+        object.__setattr__(self, "q", self.q // unit)
 
     @classmethod
-    def from_coefficients(cls, numerator: Iterable[Exact], denominator: Iterable[Exact]) -> Self:
+    def from_coefficients(cls, numerator: "Iterable[Exact]", denominator: "Iterable[Exact]") -> Self:
         """Rational function with the given coefficients, highest power first.
 
         Parameters
@@ -57,7 +100,7 @@ class RationalFunction(Quotient):
         return cls(p.numer() * q.denom(), q.numer() * p.denom())
 
     @classmethod
-    def from_expression(cls, text: str, parameters: Mapping[str, Exact] | None = None) -> Self:
+    def from_expression(cls, text: str, parameters: "Mapping[str, Exact] | None" = None) -> Self:
         """Rational function written as an expression in ``s``.
 
         Parameters
@@ -77,6 +120,8 @@ class RationalFunction(Quotient):
         >>> print(RationalFunction.from_expression("1/(s*C)", {"C": "4 pF"}))
         (250000000000)/(s)
         """
+        from passivity.rational.evaluate import evaluate
+
         value = evaluate(text, parameters or {})
         return cls(value.p, value.q)
 
@@ -102,15 +147,113 @@ class RationalFunction(Quotient):
         >>> print(RationalFunction.from_system(lti([1, 0], [2, 1])))
         (s)/(2*s + 1)
         """
-        from passivity.rational.matrix import RationalMatrix
-        from passivity.rational.systems import from_system
+        from passivity.rational.state_space import StateSpace, from_system
 
         network = from_system(system)
         if network.size != 1:
             got = f"{network.size} of {type(system).__name__}"
             raise ExpressionError("system", "too many ports", "one input and one output", got)
-        function = (network if isinstance(network, RationalMatrix) else network.transfer).rows[0][0]
+        function = (network.transfer if isinstance(network, StateSpace) else network).rows[0][0]
         return cls(function.p, function.q)
+
+    @staticmethod
+    def constant(value: Fraction) -> "RationalFunction":
+        """A number as a function."""
+        return RationalFunction(fmpz_poly([value.numerator]), fmpz_poly([value.denominator]))
+
+    @property
+    def numerator(self) -> tuple[Fraction, ...]:
+        """Coefficients of p, highest power first; ``(0,)`` for a short circuit."""
+        return _fractions(self.p)
+
+    @property
+    def denominator(self) -> tuple[Fraction, ...]:
+        """Coefficients of q, highest power first; ``(0,)`` for an open circuit."""
+        return _fractions(self.q)
+
+    @property
+    def degree(self) -> int:
+        """The larger degree of p and q, common factors counted."""
+        return max(self.p.degree(), self.q.degree())
+
+    @property
+    def bits(self) -> int:
+        """Length of the longest coefficient."""
+        return max(self.p.height_bits(), self.q.height_bits())
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether this is the short circuit."""
+        return not self.p
+
+    @property
+    def is_infinite(self) -> bool:
+        """Whether this is the open circuit."""
+        return not self.q
+
+    @_with_numbers
+    def __add__(self, other: "RationalFunction") -> "RationalFunction":
+        if self.is_infinite and other.is_infinite:
+            return self  # two open circuits in series
+        return RationalFunction(self.p * other.q + other.p * self.q, self.q * other.q)
+
+    @_with_numbers
+    def __sub__(self, other: "RationalFunction") -> "RationalFunction":
+        return self + -other
+
+    @_with_numbers
+    def __mul__(self, other: "RationalFunction") -> "RationalFunction":
+        return RationalFunction(self.p * other.p, self.q * other.q)
+
+    @_with_numbers
+    def __truediv__(self, other: "RationalFunction") -> "RationalFunction":
+        """The quotient; what both denominators share came with the writing, and is no common factor of the whole."""
+        if self.is_infinite or other.is_infinite:
+            return self * other.inverse()
+        shared = self.q.gcd(other.q)
+        return RationalFunction(self.p * (other.q // shared), self.q // shared * other.p)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __rsub__(self, other: Number) -> "RationalFunction":
+        return -self + other
+
+    def __rtruediv__(self, other: Number) -> "RationalFunction":
+        return self.inverse() * other
+
+    def __neg__(self) -> "RationalFunction":
+        return RationalFunction(-self.p, self.q)
+
+    def __pow__(self, exponent: int) -> "RationalFunction":
+        base, size = self if exponent >= 0 else self.inverse(), abs(exponent)
+        return RationalFunction(*(powered(f, size, f.degree(), f.height_bits()) for f in (base.p, base.q)))
+
+    def inverse(self) -> "RationalFunction":
+        """The admittance of an impedance; open and short circuit change places."""
+        return RationalFunction(self.q, self.p)
+
+    def parallel(self, other: "RationalFunction") -> "RationalFunction":
+        """Impedance of this beside the other, 1/(1/self + 1/other), open and short circuits included.
+
+        Examples
+        --------
+        >>> s = RationalFunction.from_expression("s")
+        >>> print((2 * s).parallel(1 / (3 * s)))
+        (2*s)/(6*s^2 + 1)
+        """
+        return (self.inverse() + other.inverse()).inverse()
+
+    def reduced(self) -> "RationalFunction":
+        """The same function without factors common to p and q."""
+        common = self.p.gcd(self.q)
+        return RationalFunction(self.p // common, self.q // common)
+
+    def __eq__(self, other: object) -> bool:
+        return self.p * other.q == other.p * self.q if isinstance(other, RationalFunction) else NotImplemented
+
+    def __hash__(self) -> int:
+        reduced = self.reduced()
+        return hash(tuple(tuple(map(int, side.coeffs())) for side in (reduced.p, reduced.q)))
 
     def __call__(self, s: complex) -> complex:
         """Value at a finite `s`, each part within 2e-16 of its size: ball arithmetic, refined until it is.
@@ -179,7 +322,13 @@ class RationalFunction(Quotient):
         return f"RationalFunction.from_expression({str(self)!r})"
 
 
-def _polynomial(given: Iterable[Exact], name: str) -> fmpq_poly:
+def _fractions(polynomial: fmpz_poly) -> tuple[Fraction, ...]:
+    return tuple(Fraction(int(c)) for c in reversed(polynomial.coeffs())) or (Fraction(0),)
+
+
+def _polynomial(given: "Iterable[Exact]", name: str) -> fmpq_poly:
+    from passivity.rational.evaluate import exact
+
     if isinstance(given, str) or not isinstance(given, Iterable):
         expected = "a sequence of numbers, highest power first"
         raise ExpressionError(name, "not coefficients", expected, shown(given, repr))

@@ -181,5 +181,4 @@ def _entry(given: Any, parameters: Mapping[str, Exact], used: set[str], where: s
             raise ExpressionError("", "not a rational function", "numerator and denominator", f"{len(sides)} parts")
         return RationalFunction.from_coefficients(*sides)
     except ExpressionError as error:
-        place = ", ".join(x for x in (where, error.where) if x)
-        raise ExpressionError(place, error.problem, error.expected, error.got) from None
+        raise error.within(where) from None

@@ -116,13 +116,7 @@ def check_work(ports: int, degree: int, bits: int, most: int) -> None:
 
 
 def axis_sums(kind: Kind, n: PolynomialMatrix, d: fmpz_poly) -> Iterator[tuple[fmpz_poly, int]]:
-    """For k = 1, 2, ... the sum of principal minors of order k, divided by a power of |d|^2, and the power.
-
-    Raises
-    ------
-    UndecidedError
-        If it would take more than MAX_WORK.
-    """
+    """For k = 1, 2, ... the sum of principal minors of order k, divided by a power of |d|^2, and the power."""
     check_work(len(n), degree(n, d), max(height_bits(n), d.height_bits()), MAX_WORK)
     g = d * d(fmpz_poly([0, -1]))
     for a, power in minor_sums(hermitian_polynomial(kind, n, d), g // g.content())[0]:

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError, shorten, shown
+from passivity.exact.report import beside_one
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Decided, Status
 
 ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
+_MOST_BANDS = 6  # bands that are printed
 
 
 class Band(NamedTuple):
@@ -68,30 +70,59 @@ class SampleVerdict(Decided):
     bands: tuple[Band, ...]
     witness: SampleWitness | None
     by_digits: bool = False
+    picture = "passivity.sampled.picture:draw_samples"
 
     @property
     def why(self) -> str:
         """The worst value, and where it is."""
-        name = "largest singular value of S" if self.response.parameter is Parameter.S else "smallest eigenvalue"
+        name = worst_name(self.response.parameter, self.response.ports)
         return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
 
     def text_lines(self) -> list[str]:
         """What was seen, where, and what samples cannot show."""
-        from passivity.sampled.report import in_lines
-
-        return in_lines(self)
+        r, scattering = self.response, self.response.parameter is Parameter.S
+        lines = [
+            f"{len(r.f)} samples of {r.parameter}, {r.ports} port{'s' * (r.ports > 1)}, "
+            f"{r.f[0]:.6g} to {r.f[-1]:.6g} Hz: {self.status.value}",
+            f"  {worst_name(r.parameter, r.ports)} = {beside_one(self.worst_value)} at {self.worst_frequency:.6g} Hz",
+        ]
+        if self.worst_excess > 0:
+            beyond = (
+                f"{'σ − 1 =' if scattering else 'below 0 by'} {self.worst_excess:.2g} at {self.worst_frequency:.6g} Hz"
+            )
+            source = "digits of the file allow" if self.by_digits else "the error allows"
+            consistent = "" if self.bands else ": consistent with a passive response"
+            lines.append(f"  {beyond}, {source} {self.worst_bar:.2g}{consistent}")
+        for band in self.bands[:_MOST_BANDS]:
+            single = band.first == band.last
+            where = f"at {band.first:.6g} Hz" if single else f"from {band.first:.6g} to {band.last:.6g} Hz"
+            worst = f"σ − 1 = {band.worst - 1:.3g}" if scattering else f"{band.worst:.6g}"
+            lines.append(f"  violated {where}, worst {worst} at {band.frequency:.6g} Hz")
+        if len(self.bands) > _MOST_BANDS:
+            lines.append(f"  and in {len(self.bands) - _MOST_BANDS} more bands")
+        return lines + [f"  note: {caveat}" for caveat in self.caveats]
 
     def to_dict(self) -> dict[str, Any]:
         """All of it but the samples."""
-        from passivity.sampled.report import samples_as_dict
-
-        return samples_as_dict(self)
-
-    def plot(self, ax: Any = None) -> Any:
-        """The worst values against their bound, on `ax` or in a new figure."""
-        from passivity.sampled.report import draw_samples
-
-        return draw_samples(self, ax=ax)
+        r, witness = self.response, self.witness
+        told: dict[str, Any] = {
+            "parameter": r.parameter.value,
+            "ports": r.ports,
+            "z0": r.z0.tolist(),
+            "status": self.status.value,
+            "worst": self.worst_value,
+            "worst_frequency": self.worst_frequency,
+            "excess": self.worst_excess,
+            "allowed": self.worst_bar,
+            "allowed_by": "digits" if self.by_digits else "error",
+            "bands": [band._asdict() for band in self.bands],
+            "caveats": list(self.caveats),
+            "grid": {"samples": len(r.f), "first": float(r.f[0]), "last": float(r.f[-1])},
+        }
+        if witness:
+            exact = {"value": str(witness.value), "bar": str(witness.bar)}
+            told["witness"] = witness._asdict() | {"vector": [[v.real, v.imag] for v in witness.vector]} | exact
+        return told
 
     @property
     def worst_value(self) -> float:
@@ -171,10 +202,10 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     <Status.NO_VIOLATION: 'no violation seen'>
     """
     values, parameter = response.values, response.parameter
-    worst, (left, right) = worst_values(values, parameter), worst_vectors(values, parameter)
+    worst, (_, left, right) = worst_values(values, parameter), worst_first(values, parameter)
     if by_digits := tolerance is None and response.rounding is not None:
         assert response.rounding
-        tolerance = np.minimum(response.rounding.reach(left, right), LARGEST)
+        tolerance = np.minimum(response.rounding.reach(left[:, :, 0], right[:, :, 0]), LARGEST)
     given = array(0.0 if tolerance is None else tolerance, float, "tolerance")
     if given.shape not in ((), response.f.shape) or (given < 0).any():
         expected = f"a number >= 0, or {len(response.f)} of them"
@@ -182,9 +213,16 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
     beyond = excess(worst, parameter) - bars
     k = int(np.argmax(beyond))
-    witness = _witness(response, k, right[k], Fraction(float(bars[k]))) if beyond[k] > 0 else None
+    witness = _witness(response, k, right[k, :, 0], Fraction(float(bars[k]))) if beyond[k] > 0 else None
     status = Status.REFUTED if witness else Status.NO_VIOLATION
     return SampleVerdict(response, status, worst, bars, _bands(response, worst, beyond > 0), witness, by_digits)
+
+
+def worst_name(parameter: Parameter, ports: int) -> str:
+    """What the worst value is called."""
+    if parameter is Parameter.S:
+        return "largest |S|" if ports == 1 else "largest singular value of S"
+    return f"smallest Re {parameter}" if ports == 1 else f"smallest eigenvalue of ({parameter} + {parameter}*)/2"
 
 
 def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
@@ -194,13 +232,13 @@ def worst_values(values: NDArray, parameter: Parameter) -> NDArray:
     return np.linalg.eigvalsh((values + values.conj().swapaxes(1, 2)) / 2)[:, 0]
 
 
-def worst_vectors(values: NDArray, parameter: Parameter) -> tuple[NDArray, NDArray]:
-    """Left and right singular vector of the largest singular value, or the eigenvector of the smallest eigenvalue."""
+def worst_first(values: NDArray, parameter: Parameter) -> tuple[NDArray, NDArray, NDArray]:
+    """How far each singular value or eigenvalue is beyond the bound; its vectors, left and right, as columns."""
     if parameter is Parameter.S:
-        u, _, v = np.linalg.svd(values)
-        return u[:, :, 0], v[:, 0].conj()
-    x = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)[1][:, :, 0]
-    return x, x
+        left, sizes, right = np.linalg.svd(values)
+        return sizes - 1, left, right.conj().swapaxes(1, 2)
+    sizes, vectors = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)
+    return -sizes, vectors, vectors
 
 
 def excess(worst: NDArray, parameter: Parameter) -> NDArray:

@@ -21,14 +21,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
+from passivity.exact.certificate import verify
 from passivity.exact.verdict import Verdict
-from passivity.sampled.check import check_samples
+from passivity.sampled.check import check_samples, worst_name
 from passivity.sampled.extremes import (
     MANY,
     Place,
@@ -41,7 +42,7 @@ from passivity.sampled.extremes import (
     verdict_of,
     worst_of,
 )
-from passivity.sampled.model import MatrixModel, PartialFractions, PoleResidueModel, terms
+from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 from passivity.status import Decided, Status
 
@@ -54,8 +55,6 @@ INSIDE = 1e-5  # where a model of many poles begins
 BARELY = 1e-6  # beyond the bound: then all of the model is moved inside
 UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
 FARTHEST = 1e6  # times the distance to the farthest half space; where there is no solution it is infinite
-
-M = TypeVar("M", PoleResidueModel, MatrixModel)
 
 
 class Deviation(NamedTuple):
@@ -71,9 +70,9 @@ class Enforced(Decided):
 
     Parameters
     ----------
-    model : PoleResidueModel or MatrixModel
+    model : PoleResidueModel
         The passive model; the given one if none was found.
-    original : PoleResidueModel or MatrixModel
+    original : PoleResidueModel
         As given.
     verdict : Verdict
         Exact verdict of `model`. Passive if and only if it is `PROVED`.
@@ -87,8 +86,8 @@ class Enforced(Decided):
         At whose frequencies these are told.
     """
 
-    model: Any
-    original: Any
+    model: PoleResidueModel
+    original: PoleResidueModel
     verdict: Verdict
     rounds: int
     change: Deviation
@@ -118,21 +117,32 @@ class Enforced(Decided):
 
     def text_lines(self) -> list[str]:
         """The verdict, the worst value before and after, and the distances."""
-        from passivity.sampled.report import model_in_lines
-
-        return model_in_lines(self)
+        (before, _), (after, f) = self.worst
+        name = worst_name(self.samples.parameter, self.samples.ports)
+        return [
+            f"nearest passive model, {self.model.order} poles: {self.status.value}",
+            f"  because {self.why}",
+            f"  {name} = {before:.6g} before, {after:.6g} after, at {f:.6g} Hz",
+            f"  it misses the samples by {self.misfit.rms:.3g} (rms, relative), "
+            f"the best fit by {self.misfit_before.rms:.3g}; being passive cost {self.change.rms:.3g}",
+        ]
 
     def to_dict(self) -> dict[str, Any]:
-        """The models before and after as JSON can hold them."""
-        from passivity.sampled.report import models_as_dict
-
-        return models_as_dict(self)
+        """The models before and after, with the distance, and whether the proof was verified."""
+        certificate, told = self.verdict.certificate, {}
+        models = {"fitted": (self.original, self.misfit_before), "model": (self.model, self.misfit)}
+        for (name, (model, misfit)), (worst, f) in zip(models.items(), self.worst, strict=True):
+            told[name] = model.to_dict() | {"misfit": misfit._asdict(), "worst": worst}
+            told[name]["worst_frequency"] = f if np.isfinite(f) else str(f)
+        told["model"] |= {"status": self.status.value, "why": self.why, "rounds": self.rounds}
+        told["model"] |= {"verified": certificate is not None and verify(certificate), "change": self.change._asdict()}
+        return told
 
     def plot(self, ax: Any = None) -> Any:
         """The worst values of samples and models against their bound, on `ax` or in a new figure."""
-        from passivity.sampled.report import draw_samples
+        from passivity.sampled.picture import draw_samples
 
-        return draw_samples(check_samples(self.samples), self, ax)
+        return draw_samples(check_samples(self.samples), ax, self)
 
 
 def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) -> Enforced:
@@ -140,7 +150,7 @@ def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) 
 
     Parameters
     ----------
-    what : SampledResponse, str, Path, PoleResidueModel or MatrixModel
+    what : SampledResponse, str, Path, PoleResidueModel
         Z, Y or S of one port or several: samples or a Touchstone file, to which a model is fitted first, or a model,
         whose change is then measured at frequencies that show all its resonances.
     order : int, optional
@@ -167,8 +177,8 @@ def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) 
         what = read_touchstone(what)
     if isinstance(what, SampledResponse):
         return enforce(fit(what, order), what)
-    if not isinstance(what, PartialFractions):
-        expected = "samples, a Touchstone file, or a PoleResidueModel or MatrixModel"
+    if not isinstance(what, PoleResidueModel):
+        expected = "samples, a Touchstone file, or a PoleResidueModel"
         raise ExpressionError("what", "no model can be made of it", expected, type(what).__name__)
     w = grid_of(what, np.zeros(0))
     return enforce(what, SampledResponse(w / (2 * np.pi), what.matrices(w), what.parameter))
@@ -179,7 +189,7 @@ def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -
 
     Parameters
     ----------
-    model : PoleResidueModel or MatrixModel
+    model : PoleResidueModel
         All poles in Re s < 0; for Z and Y of one port also simple ones on the imaginary axis with residues >= 0, which
         they keep, as `proportional` does (>= 0; 0 for S).
     samples : SampledResponse
@@ -222,10 +232,10 @@ def deviation(values: NDArray, reference: NDArray) -> Deviation:
     return Deviation(float(np.linalg.norm(off / largest) / np.linalg.norm(size / largest)), float(off.max() / largest))
 
 
-def _free(model: PoleResidueModel | MatrixModel, samples: SampledResponse, only_constant: bool) -> NDArray:
+def _free(model: PoleResidueModel, samples: SampledResponse, only_constant: bool) -> NDArray:
     """Which coefficients may change, where the rest is fit for a passive model."""
     scattering, a, w = model.parameter is Parameter.S, model.poles, 2 * np.pi * samples.f
-    ports = len(np.atleast_1d(model.constant))
+    ports = model.ports
     if samples.parameter is not model.parameter or samples.ports != ports:
         expected, got = f"{model.parameter}, {ports} ports", f"{samples.parameter}, {samples.ports} ports"
         raise ExpressionError("samples", "not of what the model is of", expected, got)
@@ -252,7 +262,9 @@ def _free(model: PoleResidueModel | MatrixModel, samples: SampledResponse, only_
     return np.array([*inner, True, False])
 
 
-def _least_changed(model: M, w: NDArray, free: NDArray, extremes: Callable[[M], list[Place]]) -> tuple[M, int]:
+def _least_changed(
+    model: PoleResidueModel, w: NDArray, free: NDArray, extremes: Callable[[PoleResidueModel], list[Place]]
+) -> tuple[PoleResidueModel, int]:
     """The nearest model without extremes beyond the bound, as far as rounds go, and their number."""
     from scipy.linalg import solve_triangular
 
@@ -281,13 +293,13 @@ def _least_changed(model: M, w: NDArray, free: NDArray, extremes: Callable[[M], 
     return changed, MAX_ROUNDS
 
 
-def _nearest(model: M, w: NDArray, free: NDArray) -> tuple[M, Verdict, int]:
+def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleResidueModel, Verdict, int]:
     """The nearest passive model, of several ports moved inside until that is proved; else the last that was tried."""
     marks, size = [], 0.0
     unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
-    many = isinstance(model, MatrixModel) and model.order > MANY
+    many = model.ports > 1 and model.order > MANY
 
-    def extremes(changed: M) -> list[Place]:
+    def extremes(changed: PoleResidueModel) -> list[Place]:
         nonlocal size
         places = extremes_on_grid(changed, w, np.array(marks))
         if places or many:  # of that many, what the grid misses is less than the room that is given
@@ -325,11 +337,6 @@ def least_change(rows: NDArray, bounds: NDArray) -> NDArray | None:
 
     Lawson and Hanson's least distance programming: the residual of a least-squares problem with nonnegative unknowns
     points to x. No row is zero; some bound is above zero.
-
-    Examples
-    --------
-    >>> least_change(np.array([[1.0, 1.0], [1.0, 0.0]]), np.array([5.0, 4.0])).round(9)
-    array([4., 1.])
     """
     from scipy.optimize import nnls
 

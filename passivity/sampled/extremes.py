@@ -12,10 +12,10 @@ from passivity.exact.positive_real import by_storage, check
 from passivity.exact.verdict import Verdict
 from passivity.floats.axis import AxisAnalysis, analyse
 from passivity.floats.system import FloatSystem
-from passivity.polynomial.bands import violations
+from passivity.polynomial.roots import violations
 from passivity.rational.state_space import StateSpace
-from passivity.sampled.check import excess, worst_values
-from passivity.sampled.model import MatrixModel, PartialFractions, PoleResidueModel
+from passivity.sampled.check import excess, worst_first, worst_values
+from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter
 from passivity.status import Status
 
@@ -29,41 +29,34 @@ Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far b
 
 
 @lru_cache(maxsize=8)
-def verdict_of(model: PoleResidueModel | MatrixModel) -> Verdict:
+def verdict_of(model: PoleResidueModel) -> Verdict:
     """Exact: of the function, of the matrix up to FEW ports and MANY poles, else of a state space."""
-    if isinstance(model, PoleResidueModel) or np.any(model.proportional):
+    if model.ports == 1 or np.any(model.proportional):
         return check(model.rational(), model.parameter.kind)
-    if len(model.constant) <= FEW and model.order <= MANY:
+    if model.ports <= FEW and model.order <= MANY:
         return check(model.rational(), model.parameter.kind)
     system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
     return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)
 
 
-def seen(model: MatrixModel) -> AxisAnalysis:
+def seen(model: PoleResidueModel) -> AxisAnalysis:
     """The worst value over all frequencies, and bands where it is beyond the bound, in floating point."""
     A, B, C, D = model.realised()
     if not len(A):  # a state that does nothing
         A, B, C = -np.eye(1), np.zeros((1, len(D))), np.zeros((len(D), 1))
-    system = StateSpace.from_entries(*(x.tolist() for x in (A, B, C, D)))
-    return analyse(FloatSystem.of(model.parameter.kind, system))
+    return analyse(FloatSystem.of(model.parameter.kind, StateSpace.from_entries(*(x.tolist() for x in (A, B, C, D)))))
 
 
-def places_of(model: PoleResidueModel | MatrixModel, w: NDArray) -> list[Place]:
+def places_of(model: PoleResidueModel, w: NDArray) -> list[Place]:
     """The worst value at each frequency, and others beyond the bound."""
-    values = model.matrices(w)
-    if model.parameter is Parameter.S:
-        left, sizes, right = np.linalg.svd(values)
-        beyond, right = sizes - 1, right.conj().swapaxes(1, 2)
-    else:
-        sizes, left = np.linalg.eigh((values + values.conj().swapaxes(1, 2)) / 2)
-        beyond, right = -sizes, left
+    beyond, left, right = worst_first(model.matrices(w), model.parameter)
     chosen = [(i, j) for i, j in np.ndindex(beyond.shape) if j == 0 or beyond[i, j] > 0]
     return [(float(w[i]), float(beyond[i, j]), left[i, :, j], right[i, :, j]) for i, j in chosen]
 
 
-def bands_of(model: PoleResidueModel | MatrixModel) -> tuple[list[tuple[float, float]], float]:
+def bands_of(model: PoleResidueModel) -> tuple[list[tuple[float, float]], float]:
     """Bands beyond the bound, rad/s, and by how much: exact of one port, infinite if at all; else in floating point."""
-    if isinstance(model, MatrixModel):
+    if model.ports > 1:
         analysis = seen(model)
         return list(analysis.bands), float(excess(np.array(analysis.value), model.parameter)) + analysis.value_error
     verdict = verdict_of(model)
@@ -74,9 +67,9 @@ def bands_of(model: PoleResidueModel | MatrixModel) -> tuple[list[tuple[float, f
     return bands, math.inf if bands else -math.inf
 
 
-def worst_of(model: PoleResidueModel | MatrixModel) -> tuple[float, float]:
+def worst_of(model: PoleResidueModel) -> tuple[float, float]:
     """The worst value over all frequencies, exact of one port, and its frequency in Hz."""
-    if isinstance(model, PoleResidueModel):
+    if model.ports == 1:
         margins = verdict_of(model).margins
         margin = margins.reflection if model.parameter is Parameter.S else margins.input
         return (margin.value, margin.frequency / (2 * np.pi)) if margin else (math.nan, math.nan)
@@ -91,11 +84,7 @@ def inside(low: float, high: float) -> list[float]:
     return [low, math.sqrt(low * high) or high / 2, (low + high) / 2, high]
 
 
-def _beyond(model: PoleResidueModel | MatrixModel, w: NDArray) -> NDArray:
-    return excess(worst_values(model.matrices(w), model.parameter), model.parameter)
-
-
-def extremes_on_grid(model: PoleResidueModel | MatrixModel, w: NDArray, also: NDArray) -> list[Place]:
+def extremes_on_grid(model: PoleResidueModel, w: NDArray, also: NDArray) -> list[Place]:
     """Frequencies beyond the bound, wherever the worst value has an extreme."""
     grid = grid_of(model, np.concatenate([w, also]))
     peaks = _peaks(model, grid)
@@ -106,7 +95,7 @@ def extremes_on_grid(model: PoleResidueModel | MatrixModel, w: NDArray, also: ND
     return [place for place in places_of(model, grid[peaks]) if place[1] > 0]
 
 
-def grid_of(model: PartialFractions, also: NDArray) -> NDArray:
+def grid_of(model: PoleResidueModel, also: NDArray) -> NDArray:
     """Frequencies that show all resonances, and others, in rising order."""
     a = model.poles
     top = max(float(also.max(initial=0.0)), float(np.abs(a).max(initial=0.0))) or 1.0
@@ -114,14 +103,15 @@ def grid_of(model: PartialFractions, also: NDArray) -> NDArray:
     return off_poles(model, np.concatenate([[0.0], also, around, np.geomspace(top / BEYOND, top * BEYOND, EVEN)]))
 
 
-def off_poles(model: PartialFractions, w: NDArray) -> NDArray:
+def off_poles(model: PoleResidueModel, w: NDArray) -> NDArray:
     """The frequencies in rising order, without those of poles on the axis."""
     return np.setdiff1d(w, model.poles.imag[model.poles.real == 0])
 
 
-def _peaks(model: PoleResidueModel | MatrixModel, grid: NDArray) -> NDArray:
+def _peaks(model: PoleResidueModel, grid: NDArray) -> NDArray:
     """Where the worst value is beyond the bound and no better than at the neighbours."""
-    beyond = np.pad(_beyond(model, grid), 1, constant_values=-math.inf)
+    beyond = excess(worst_values(model.matrices(grid), model.parameter), model.parameter)
+    beyond = np.pad(beyond, 1, constant_values=-math.inf)
     inner = beyond[1:-1]
     peaks = np.flatnonzero((inner > 0) & (inner >= beyond[:-2]) & (inner > beyond[2:]))
     return np.sort(peaks[np.argsort(-inner[peaks])[:MOST]])  # where a value is nearly constant, rounding makes many

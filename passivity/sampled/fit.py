@@ -24,14 +24,13 @@ G. Schwarz, "Estimating the dimension of a model", Annals of Statistics 6 (1978)
 
 import math
 from collections.abc import Iterable, Iterator
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError, shown
 from passivity.sampled.enforce import deviation
-from passivity.sampled.model import MAX_POLES, MatrixModel, PoleResidueModel, count, terms
+from passivity.sampled.model import MAX_POLES, PoleResidueModel, count, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 
 ROUNDS = 10
@@ -149,7 +148,7 @@ def _real(matrix: NDArray[np.complex128]) -> NDArray:
     return np.vstack([matrix.real, matrix.imag])
 
 
-def fit(response: SampledResponse, order: int | None = None) -> Any:
+def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel:
     """A rational model with poles in Re s < 0 through samples, common to all entries, not necessarily passive.
 
     Parameters
@@ -196,7 +195,7 @@ def fit(response: SampledResponse, order: int | None = None) -> Any:
     return best
 
 
-def fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[Any]:
+def fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[PoleResidueModel]:
     """Models of rising orders, each beginning where the one before ended; in units of the highest frequency inside."""
     n, p, may_grow = len(response.f), response.ports, response.parameter is not Parameter.S
     unit, size = 2 * np.pi * response.f[-1], float(np.abs(response.values).max()) or 1.0
@@ -210,14 +209,9 @@ def fits(response: SampledResponse, orders: Iterable[int]) -> Iterator[Any]:
         elif not may_grow:
             x = np.vstack([x, np.zeros(p * p)])
         x = x * np.array([unit] * count(poles) + [1.0, 1 / unit])[:, None] * size
-        if p == 1:
-            empty: Any = PoleResidueModel(poles * unit, np.zeros(len(poles)), 0.0, 0.0, response.parameter)
-            yield empty.with_coefficients(x[:, 0])
-            continue
-        empty = MatrixModel(
-            poles * unit, np.zeros((len(poles), p, p), complex), np.zeros((p, p)), 0.0, response.parameter
-        )
-        yield empty.with_coefficients(x.reshape(-1, p, p))
+        shape = (p, p) if p > 1 else ()
+        empty = PoleResidueModel(poles * unit, np.zeros((len(poles), *shape)), np.zeros(shape), 0, response.parameter)
+        yield empty.with_coefficients(x.reshape(-1, *shape))
 
 
 class Reached:

@@ -29,7 +29,7 @@ from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
 from passivity.sampled.extremes import FEW, bands_of, seen, verdict_of, worst_of
 from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
-from passivity.sampled.model import MatrixModel, PoleResidueModel
+from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
 
@@ -52,17 +52,17 @@ class DelayedModel:
     ----------
     delay : float or ndarray, shape (p,)
         T to each port, one way, s.
-    model : PoleResidueModel or MatrixModel
+    model : PoleResidueModel
         S', against the samples' reference resistances.
-    original : PoleResidueModel or MatrixModel
+    original : PoleResidueModel
         The fit, if `model` is the nearest passive one to it; else the same.
     samples : SampledResponse
         Of S', the delays taken out.
     """
 
     delay: Any
-    model: Any
-    original: Any
+    model: PoleResidueModel
+    original: PoleResidueModel
     samples: SampledResponse
 
     @cached_property
@@ -113,7 +113,7 @@ class DelayedModel:
         if self.verdict.status is not Status.REFUTED:
             return self.verdict.why
         bands, (size, f) = bands_of(self.model)[0], worst_of(self.model)
-        what = "|S| > 1" if isinstance(self.model, PoleResidueModel) else "S has a singular value above 1"
+        what = "|S| > 1" if self.model.ports == 1 else "S has a singular value above 1"
         near = [band for band in bands if band[0] <= 2 * np.pi * f <= band[1]]
         if not near:
             return f"{what} by no more than rounding, at or near {f:.4g} Hz"
@@ -308,15 +308,12 @@ def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:
     return replace(response, values=turned[:, :, None] * response.values * turned[:, None, :], rounding=None)
 
 
-def _misfit(model: PoleResidueModel | MatrixModel, samples: SampledResponse) -> float:
-    return float(np.abs(model.matrices(2 * np.pi * samples.f) - samples.values).max())
-
-
 def _misfit_at(response: SampledResponse, delay: ArrayLike, order: int) -> float:
     """Of so many poles, on a part of the samples."""
     rest, stride = _without(response, delay), -(-len(response.f) // SCOUTED)
     rest = SampledResponse(rest.f[::stride], rest.values[::stride], Parameter.S)
-    return _misfit(fit(rest, min(order, len(rest.f) - 2)), rest)
+    model = fit(rest, min(order, len(rest.f) - 2))
+    return DelayedModel(delay, model, model, rest).error
 
 
 def _rough_delay(response: SampledResponse, whole: float, ratio: ArrayLike = 1.0) -> float:

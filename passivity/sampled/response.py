@@ -25,13 +25,7 @@ MAX_SAMPLES = 20_000  # of a response to which a model is fitted
 
 
 def half_unit(text: str) -> float:
-    """Half a unit in the last place of a number as it is written.
-
-    Examples
-    --------
-    >>> half_unit(".70711"), half_unit("-1.50e-3"), half_unit("12")
-    (5e-06, 5e-06, 0.5)
-    """
+    """Half a unit in the last place of a number as it is written."""
     mantissa, _, exponent = text.lower().partition("e")
     return min(float(f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}"), LARGEST)
 

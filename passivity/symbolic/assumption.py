@@ -2,11 +2,13 @@
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
+from random import Random
 
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Fact
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
@@ -15,6 +17,9 @@ from passivity.rational.evaluate import exact
 
 _FORMS = "a form such as R > 0, R >= 0, k real, 0 < k < 1 or R = 50"
 _MAX_CHARACTERS = 1_000
+_AT_AN_END = 0.1  # how often
+_SPREADS = (1, 2, 6)  # decades
+_STEPS = [Fraction(x) for x in ("2", "1/2", "10", "1/10", "9/10", "11/10", "100", "1/100", "1000", "1/1000")]
 _OPAQUE = re.compile(r"\s*([^\W\d]\w*)\s+(?:(pr|positive real)|br|bounded real)\s*", re.IGNORECASE)
 
 
@@ -126,13 +131,7 @@ def collect(assumptions: Iterable[str | Range]) -> dict[str, Range]:
 
 
 def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
-    """What is assumed of each name, as facts, and the constants that each may be.
-
-    Examples
-    --------
-    >>> assumed(["R > 0", "H bounded real"])[0]["R"]
-    ('real', Fraction(0, 1), inf)
-    """
+    """What is assumed of each name, as facts, and the constants that each may be."""
     opaque: dict[str, Fact] = {}
     ranges: list[str | Range] = []
     for text in assume:
@@ -169,3 +168,53 @@ def _name(text: str, where: str) -> str:
     if name == "s":
         raise ExpressionError(where, "s is the Laplace variable", "a parameter")
     return name
+
+
+def trials(ranges: tuple[Range, ...]) -> Iterator[dict[str, Fraction]]:
+    """Round numbers first, each parameter in turn far from the others, then random ones; the same each time."""
+    middle = {r.name: _at(r, Fraction(1)) for r in ranges}
+    yield middle
+    for r in ranges:
+        yield from (middle | {r.name: x} for x in _choices(r))
+    yield from islice(random_values(ranges), 1, None)
+
+
+def random_values(ranges: Sequence[Range]) -> Iterator[dict[str, Fraction]]:
+    """Values in the middle of the ranges, then random ones without end; without ranges none but {}."""
+    yield {r.name: _at(r, Fraction(1)) for r in ranges}
+    random = Random(0)
+    while ranges:
+        for decades in _SPREADS:
+            yield {r.name: _any(r, random, decades) for r in ranges}
+
+
+def _choices(r: Range) -> list[Fraction]:
+    """Values that are tried first."""
+    two = r.low is None and r.high is None
+    steps = [Fraction(1), *_STEPS]
+    return _ends(r) + [_at(r, u) for u in _STEPS] + ([-u for u in steps] if two else [])
+
+
+def _any(r: Range, random: Random, decades: int) -> Fraction:
+    ends = _ends(r)
+    if ends and random.random() < _AT_AN_END:
+        return random.choice(ends)
+    u = random.randint(1, 99) * Fraction(10) ** random.randint(-decades, decades) / 10
+    x = _at(r, u)
+    return -x if r.low is None and r.high is None and random.random() < 0.5 else x
+
+
+def _ends(r: Range) -> list[Fraction]:
+    """The ends that belong to a range; 0 for all real numbers."""
+    if r.low is None and r.high is None:
+        return [Fraction(0)]
+    return [end for end, shut in ((r.low, not r.open_low), (r.high, not r.open_high)) if end is not None and shut]
+
+
+def _at(r: Range, u: Fraction) -> Fraction:
+    """The point of a range that u > 0 stands for, as in `Domain`."""
+    if r.low is not None and r.high is not None:
+        return (r.low + r.high * u) / (1 + u)
+    if r.high is not None:
+        return r.high - u
+    return u if r.low is None else r.low + u

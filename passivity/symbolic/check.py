@@ -1,27 +1,29 @@
 """Is an impedance positive real, or a reflection bounded real, for all values its parameters may have?"""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
+from itertools import islice
 
 from passivity.budget import VERDICT, UndecidedError, budget
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph, Value
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
+from passivity.calculus.graph import Graph, Value
 from passivity.calculus.proof import Proof, lines, prove
 from passivity.calculus.read import read
 from passivity.calculus.witness import Question as Asked
-from passivity.errors import ExpressionError, shown
+from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
 from passivity.expression.tree import Node, symbols
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
 from passivity.status import Kind, Status
-from passivity.symbolic import write
-from passivity.symbolic.assumption import Range, collect, meet
-from passivity.symbolic.counterexample import Counterexample, search
+from passivity.symbolic.assumption import Range, collect, meet, trials
 from passivity.symbolic.formula import Claim, Joined
 from passivity.symbolic.question import Question
-from passivity.symbolic.verdict import Condition, SymbolicVerdict
+from passivity.symbolic.verdict import Condition, Counterexample, SymbolicVerdict
 
 MAX_PARAMETERS = 200
+MAX_TRIALS = 600
+MAX_WORK = 400_000  # of all trials together: characters read and squares of degrees
 _SHOWN = 200  # characters of all values in a reason
 
 
@@ -109,12 +111,28 @@ def decide(asked: Asked, kind: Kind, ranges: tuple[Range, ...], statement: str) 
         assert question is not None
         return question.refutation(values, numbers), question.work
 
-    if question and (found := search(free, trial)):
+    if question and (found := _search(free, trial)):
         at = ", ".join(f"{name} = {written(x)}" for name, x in found.values.items()) or "these numbers"
-        why = f"not for {write.cut(at, _SHOWN)}: {found.why}"
+        why = f"not for {shorten(at, _SHOWN)}: {found.why}"
         return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
     help_ = f"whether the assumptions imply {condition}" if condition else "values for the parameters"
     return SymbolicVerdict(kind, ranges, Status.UNDECIDED, f"{limit}; to settle it: {help_}", (), condition, note=note)
+
+
+def _search(
+    ranges: tuple[Range, ...], test: Callable[[dict[str, Fraction]], tuple[Counterexample | None, int]]
+) -> Counterexample | None:
+    """The first counterexample in many trials; a test also tells what part of MAX_WORK it took."""
+    work = 0
+    for values in islice(trials(ranges), MAX_TRIALS):
+        try:
+            found, cost = test(values)
+        except UndecidedError:
+            return None
+        work += cost
+        if found or work > MAX_WORK:
+            return found
+    return None
 
 
 def _read(graph: Graph, tree: Node, text: str, numbers: Mapping[str, Fraction]) -> Value:

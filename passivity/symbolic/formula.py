@@ -13,7 +13,6 @@ from typing import TypeAlias
 
 from flint import fmpz_mpoly
 
-from passivity.symbolic import write
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.domain import Domain, factored, is_small
 
@@ -22,20 +21,11 @@ _RELATIONS: dict[str, Callable[[Fraction | int, int], bool]] = {">=": ge, ">": g
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """A product of powers of polynomials, compared with 0.
-
-    Parameters
-    ----------
-    factors : tuple of (fmpz_mpoly, int)
-    relation : str
-        ``>=``, ``>`` or ``=``.
-    written : str
-        How to write it, if not as the factors tell.
-    """
+    """A product of powers of polynomials, compared with 0."""
 
     factors: tuple[tuple[fmpz_mpoly, int], ...]
-    relation: str
-    written: str = ""
+    relation: str  # >=, > or =
+    written: str = ""  # how to write it, if not as the factors tell
 
     def holds(self, values: Mapping[str, Fraction]) -> bool:
         """Whether it is true of these parameters."""
@@ -53,7 +43,7 @@ class Claim:
             return str(interval)
         if len(self.factors) == 1 and self.factors[0][1] == 1:
             return _sides(self.factors[0][0], self.relation)
-        return f"{'*'.join(write.factor(f, k) for f, k in self.factors)} {self.relation} 0"
+        return f"{'*'.join(factor_text(f, k) for f, k in self.factors)} {self.relation} 0"
 
     def interval(self) -> Range | None:
         """The same as a range of one parameter, if it is one."""
@@ -164,4 +154,32 @@ def _sides(f: fmpz_mpoly, relation: str) -> str:
     terms = f.to_dict()
     context = f.context()
     left, right = (context.from_dict({m: abs(c) for m, c in terms.items() if (c > 0) == up}) for up in (True, False))
-    return f"{write.polynomial(left)} {relation} {write.polynomial(right)}"
+    return f"{polynomial_text(left)} {relation} {polynomial_text(right)}"
+
+
+def polynomial_text(f: fmpz_mpoly, s: str = "s") -> str:
+    """A polynomial in s, or what it stands for, and the parameters, a positive term first if there is one."""
+    names = (s, *f.context().names()[1:])
+    text, terms = "", list(f.terms())
+    first = next((k for k, (_, c) in enumerate(terms) if c > 0), 0)
+    for monomial, c in [terms[first], *terms[:first], *terms[first + 1 :]] if terms else []:
+        factors = [name if k == 1 else f"{name}^{k}" for name, k in zip(names, map(int, monomial), strict=True) if k]
+        if abs(c) != 1 or not factors:
+            factors = [str(abs(c)), *factors]
+        text += (" - " if c < 0 else " + ") + "*".join(factors)
+    return text[3:] if text.startswith(" + ") else "-" + text[3:] if text else "0"
+
+
+def factor_text(f: fmpz_mpoly, power: int = 1) -> str:
+    """A power of a polynomial as part of a product."""
+    text = polynomial_text(f)
+    text = f"({text})" if len(f) > 1 or (power > 1 and "*" in text) else text
+    return text if power == 1 else f"{text}^{power}"
+
+
+def quotient_text(p: fmpz_mpoly, q: fmpz_mpoly) -> str:
+    """p/q."""
+    over, under = factor_text(p), polynomial_text(q)
+    if under == "1":
+        return polynomial_text(p)
+    return f"{over}/({under})" if len(q) > 1 or "*" in under else f"{over}/{under}"

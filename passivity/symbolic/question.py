@@ -14,7 +14,7 @@ from flint import arb, fmpq
 
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.graph import Graph, Value
-from passivity.errors import ExpressionError
+from passivity.errors import ExpressionError, shorten
 from passivity.exact.positive_real import check
 from passivity.exact.verdict import Verdict, Witness
 from passivity.exact.witness import from_axis, from_root, of_one_port
@@ -22,13 +22,11 @@ from passivity.polynomial.sign import allowance as allowance_on_axis
 from passivity.polynomial.sign import find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic import write
 from passivity.symbolic.assumption import Range
-from passivity.symbolic.counterexample import Counterexample
+from passivity.symbolic.conditions import allowance, as_impedance, low_degree_condition, positivity_condition
 from passivity.symbolic.domain import coefficients
-from passivity.symbolic.formula import Formula, claim, join, value
-from passivity.symbolic.low_degree import low_degree_condition
-from passivity.symbolic.positivity import allowance, as_impedance, positivity_condition
+from passivity.symbolic.formula import Formula, claim, join, polynomial_text, quotient_text, value
+from passivity.symbolic.verdict import Counterexample
 
 _SHOWN = 400  # characters of a line
 _E = 1  # the generator exp(-tau s)
@@ -37,22 +35,12 @@ _MAX_DOUBLINGS = 200
 
 @dataclass(frozen=True)
 class Question:
-    """Is p/q, behind a delay if any, positive real or bounded real?
+    """Is p/q, behind a delay if any, positive real or bounded real?"""
 
-    Parameters
-    ----------
-    kind : Kind
-        BR where there is a delay: p/q is then the reflection H2 behind it.
-    whole, function, delay : Pair
-        The function with its delay; p/q; and tau of exp(-tau s), 0 without one.
-    expansion : Expansion
-        Where they come from.
-    """
-
-    kind: Kind
-    whole: Pair
-    function: Pair
-    delay: Pair
+    kind: Kind  # BR where there is a delay: p/q is then the reflection H2 behind it
+    whole: Pair  # the function with its delay
+    function: Pair  # p/q
+    delay: Pair  # tau of exp(-tau s), 0 without one
     expansion: Expansion
 
     @classmethod
@@ -120,32 +108,26 @@ class Question:
         q = self.function.q
         if self.kind is Kind.BR or q.degrees()[0] > 0 or 0 not in self.expansion.domain.signs(q):
             return ""
-        return f"where {write.polynomial(q)} = 0 it is infinite: an open circuit, which counts as positive real"
+        return f"where {polynomial_text(q)} = 0 it is infinite: an open circuit, which counts as positive real"
 
     def lines(self) -> list[str]:
         """The steps of the proof that the property holds for all parameters."""
         z = as_impedance(self.kind, self.function)
-        (p, q), told = map(write.polynomial, z), []
+        (p, q), told = map(polynomial_text, z), []
         if self.delay.p:
-            tau = write.quotient(*self.delay)
+            tau = quotient_text(*self.delay)
             told.append(f"H1 = exp(-({tau})*s) H2 with {tau} >= 0 is bounded real if and only if H2 is")
         h = "H2" if self.delay.p else "H"
         told.append(f"{'Z' if self.kind is Kind.PR else f'(1 + {h})/(1 - {h})'} = p/q with p = {p}, q = {q}")
         if self.expansion.domain.ranges:
-            a = write.polynomial(allowance(z, self.expansion), "x")
+            a = polynomial_text(allowance(z, self.expansion), "x")
             told.append(f"Re p(jw) conj q(jw) = {a} >= 0, x = w^2")
-        told.append(f"p + q = {write.polynomial(z.p + z.q)} has no root in Re s > 0 that p and q do not have in common")
-        return [write.cut(line, _SHOWN) for line in told]
+        told.append(f"p + q = {polynomial_text(z.p + z.q)} has no root in Re s > 0 that p and q do not have in common")
+        return [shorten(line, _SHOWN) for line in told]
 
 
 def _as_reflection(kind: Kind, function: Pair, tau: Pair, expansion: Expansion) -> tuple[Pair, Pair]:
-    """H2 and its delay of a function H1, or Z, of s and exp(-tau s) that has this form.
-
-    Raises
-    ------
-    ExpansionError
-        If it has not.
-    """
+    """H2 and its delay of a function H1, or Z, of s and exp(-tau s) that has this form; else ExpansionError."""
     p, q = function
     h = Pair(p, q) if kind is Kind.BR else Pair(p - q, p + q).reduced()
     (over, m), (under, n) = (_single_power(f) for f in h)

@@ -11,14 +11,45 @@ from passivity.calculus.expand import Pair
 from passivity.calculus.proof import Proof
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.exact.report import point
+from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import complex_text, written
 from passivity.rational.evaluate import Exact, exact
 from passivity.status import Decided, Kind, Status, first_of
 from passivity.symbolic.assumption import Range
-from passivity.symbolic.counterexample import Counterexample
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, value
 from tline.presentation import SCREEN
+
+
+@dataclass(frozen=True)
+class Counterexample:
+    """Values of the parameters, and the refutation there.
+
+    Parameters
+    ----------
+    values : dict of str to Fraction
+        For all names in the expression.
+    verdict : Verdict
+        Of the function with these values; for Z or H with a delay, of the rational reflection H2 in
+        H = exp(-delay s) H2, Z = (1 + H)/(1 - H).
+    witness : Witness
+        The point s and the value there of the function in `verdict`. With a delay |exp(-delay s) H2(s)| > 1, shown
+        in ball arithmetic, and so Re Z(s) < 0.
+    delay : Fraction
+        0 without one.
+    """
+
+    values: dict[str, Fraction]
+    verdict: Verdict
+    witness: Witness
+    delay: Fraction
+
+    @property
+    def why(self) -> str:
+        """The reason in words."""
+        if self.delay < 0:
+            return "exp(-delay*s) with a negative delay grows without bound"
+        return f"of the reflection H behind the delay, {self.verdict.why}" if self.delay else self.verdict.why
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from passivity import Status
 from passivity.exact.positive_real import check_positive_real_matrix, refuted_or_undecided
 from passivity.floats.axis import analyse
 from passivity.floats.system import FloatSystem
-from passivity.polynomial.bands import violations
+from passivity.polynomial.roots import violations
 from passivity.rational.polynomial_matrix import axis_sums
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind

@@ -14,7 +14,7 @@ import pytest
 
 from passivity import Status
 from passivity import verify as verify_one_port
-from passivity.delayed.two_port import check_line_two_port
+from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix

@@ -14,12 +14,13 @@ from rightmost_roots import rightmost_roots
 
 from passivity.calculus.ask import check_expression
 from passivity.calculus.expand import Expansion
-from passivity.calculus.graph import BOUNDED_REAL, POSITIVE_REAL, Graph
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
+from passivity.calculus.graph import Graph
 from passivity.calculus.proof import prove, verify_proof
 from passivity.calculus.read import read
 from passivity.calculus.values import in_ball
 from passivity.calculus.witness import Question
-from passivity.delayed import reflection
+from passivity.delayed import boxes
 from passivity.delayed.boxes import UnresolvedError, from_file, holds, prove_in_balls
 from passivity.delayed.roots import roots_right
 from passivity.errors import ExpressionError
@@ -259,7 +260,7 @@ def test_constants_that_are_not_real_prove_nothing(text):
 
 @pytest.mark.parametrize("text", COMPLEX)
 def test_a_wrong_translation_is_caught(text, monkeypatch):
-    monkeypatch.setattr(reflection, "_real", lambda graph, constant: in_ball(graph, constant, acb(1)).real)
+    monkeypatch.setattr(boxes, "_real", lambda graph, constant: in_ball(graph, constant, acb(1)).real)
     with pytest.raises(UnresolvedError, match="zeros"):
         prove_in_balls(Kind.PR, text)
 
@@ -275,7 +276,7 @@ def test_a_wrong_translation_is_caught(text, monkeypatch):
 def test_a_reflection_leads_back_to_its_function(kind, text):
     graph, s = Graph(), acb(1, 2) / 3
     function = read(graph, text)
-    found, there = reflection.reflection(Kind[kind], graph, function), in_ball(graph, function, s)
+    found, there = boxes.reflection(Kind[kind], graph, function), in_ball(graph, function, s)
     assert found.given(Kind[kind], s).overlaps(there)
     assert not found.given(Kind[kind], s).overlaps(there + 1e-9)
 

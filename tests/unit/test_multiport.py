@@ -10,30 +10,24 @@ import pytest
 from flint import fmpq, fmpq_mat, fmpz_mat, fmpz_poly
 
 from passivity import ExpressionError, RationalFunction, Status
-from passivity.delayed.two_port import check_line_two_port
+from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix
-from passivity.exact.report import as_dict
+from passivity.exact.report import as_dict, in_words
 from passivity.exact.storage import is_semidefinite, negative_direction
 from passivity.exact.verdict import Certificate, Margins, StorageCertificate
-from passivity.polynomial.bands import in_words, violations
+from passivity.polynomial.roots import violations
 from passivity.polynomial.sign import SignProof
-from passivity.rational.elements import (
-    circulator_scattering,
-    gyrator_impedances,
-    gyrator_scattering,
-    impedances,
-    scattering,
-    transformer_scattering,
-)
+from passivity.rational.elements import impedances, scattering, transformer_scattering
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import minor_sums
-from passivity.rational.state_space import StateSpace
-from passivity.rational.systems import from_system
+from passivity.rational.state_space import StateSpace, from_system
 from passivity.status import Kind
 
 PI = [["1 + 1/(s^2 + s + 1)", "(s + 1)/(s^2 + s + 1)"], ["(s + 1)/(s^2 + s + 1)", "s + (s + 1)/(s^2 + s + 1)"]]
+GYRATOR = RationalMatrix.from_rows([[0, -7], [7, 0]])
+CIRCULATOR = RationalMatrix.from_rows([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
 TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
 
 
@@ -239,11 +233,11 @@ def test_ideal_elements():
     u, y = a + b, a - b
     assert u[0] == pytest.approx(1.5 * u[1])
     assert y[1] == pytest.approx(-1.5 * y[0])
-    for element in (transformer, gyrator_scattering(7, 50), circulator_scattering(4)):
+    for element in (transformer, scattering(GYRATOR, 50), CIRCULATOR):
         verdict = check_bounded_real_matrix(element)
         assert verdict.lossless
         assert verify(verdict.certificate)
-    assert check_positive_real_matrix(gyrator_impedances(7)).lossless
+    assert check_positive_real_matrix(GYRATOR).lossless
     with pytest.raises(ExpressionError, match="I - S: has no inverse"):
         impedances(transformer)
     with pytest.raises(ExpressionError, match=r"Z \+ z0 I: has no inverse"):
@@ -257,7 +251,7 @@ def test_what_is_no_network_is_refused():
 
 @pytest.mark.parametrize("reference", [0, -1, "x"])
 def test_bad_references(reference):
-    for call in (lambda: scattering(gyrator_impedances(1), reference), lambda: check_line_two_port(reference, 1)):
+    for call in (lambda: scattering(GYRATOR, reference), lambda: check_line_two_port(reference, 1)):
         with pytest.raises(ExpressionError, match="z0: not"):
             call()
     with pytest.raises(ExpressionError, match="delay: not"):

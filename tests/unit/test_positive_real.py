@@ -20,9 +20,8 @@ from passivity import (
     verify,
 )
 from passivity.polynomial import sign as polynomial_sign
-from passivity.polynomial.hurwitz import routh_column
 from passivity.polynomial.infimum import infimum
-from passivity.polynomial.roots import approximate_roots, positive_roots
+from passivity.polynomial.roots import approximate_roots, positive_roots, routh_column
 from passivity.polynomial.sign import SignProof, find_sign
 
 of = RationalFunction.from_expression

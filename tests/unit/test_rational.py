@@ -15,8 +15,8 @@ import pytest
 import scipy.signal
 
 from passivity import ExpressionError, RationalFunction
+from passivity.budget import MAX_DEGREE
 from passivity.rational.evaluate import exact
-from passivity.size import MAX_DEGREE
 
 of = RationalFunction.from_expression
 coefficients = RationalFunction.from_coefficients

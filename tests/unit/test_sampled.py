@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from passivity import ExpressionError, RationalFunction, Status, check_bounded_real, check_positive_real
-from passivity.polynomial.bands import violations
+from passivity.polynomial.roots import violations
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce, least_change
 from passivity.sampled.fit import fit
 from passivity.sampled.model import PoleResidueModel
-from passivity.sampled.report import draw_samples, samples_as_dict
+from passivity.sampled.picture import draw_samples
 from passivity.sampled.response import MAX_PORTS, MAX_SAMPLES, SampledResponse
 
 W = np.linspace(0, 5, 60)
@@ -320,7 +320,7 @@ def test_pictures_show_bands_and_models(tmp_path, f, parameter):
     response = SampledResponse(f, values, parameter)
     verdict = check_samples(response)
     enforced = enforce(fit(response, 3), response)
-    figure = draw_samples(verdict, enforced)
+    figure = draw_samples(verdict, enforced=enforced)
     figure.savefig(tmp_path / "samples.png")
     labels = figure.axes[0].get_legend_handles_labels()[1]
     assert {"samples", "samples violate the bound", "model as given", "nearest passive model"} <= set(labels)
@@ -329,11 +329,11 @@ def test_pictures_show_bands_and_models(tmp_path, f, parameter):
 
 def test_reports_are_json():
     response = samples_of(ACTIVE)
-    told = samples_as_dict(check_samples(response), enforce(ACTIVE, response))
+    told = check_samples(response).to_dict() | enforce(ACTIVE, response).to_dict()
     told = json.loads(json.dumps(told))
     assert told["status"] == "refuted"
     assert told["model"]["status"] == "proved"
     assert told["model"]["verified"] is True
     assert Fraction(told["witness"]["value"]) < 0
     assert len(told["caveats"]) == 2
-    assert "witness" not in samples_as_dict(check_samples(SampledResponse([1], [1], "Z")))
+    assert "witness" not in check_samples(SampledResponse([1], [1], "Z")).to_dict()

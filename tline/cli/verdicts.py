@@ -212,7 +212,6 @@ def samples(file: str, asked: Asked) -> Output:
     from passivity.rational.evaluate import exact
     from passivity.sampled.check import check_samples
     from passivity.sampled.enforce import nearest
-    from passivity.sampled.report import in_lines, samples_as_dict
 
     asked.refuse("samples", "parameters", "delay", "within", "certificate")
     response = _read_samples(file, asked)
@@ -220,15 +219,16 @@ def samples(file: str, asked: Asked) -> Output:
     if asked.nearest and not asked.nearest.lower().endswith(wanted := (".json", f".s{response.ports}p")):
         raise InputError("--nearest", "not a file for these ports", " or ".join(wanted), f"'{asked.nearest}'")
     enforced = nearest(response) if asked.nearest else None
-    told = samples_as_dict(verdict, enforced)
-    lines = in_lines(verdict, enforced)
+    told, lines = verdict.to_dict(), verdict.text_lines()
+    if enforced is not None:
+        told, lines = told | enforced.to_dict(), lines + enforced.text_lines()
 
     def save(path: str) -> None:
         if enforced is not None:
             model = path.lower().endswith(".json")
             write_text(json.dumps(told["model"], indent=2) + "\n" if model else enforced.response.touchstone(), path)
 
-    plot = drawn("passivity.sampled.report:draw_samples", verdict, enforced)
+    plot = drawn("passivity.sampled.picture:draw_samples", verdict, enforced=enforced)
     return answer(verdict.status if enforced is None else enforced.status, lines, told, plot=plot, nearest=save)
 
 

@@ -1,4 +1,4 @@
-"""From the load of a lossless line to its input port, step by step: Z2, G2, H2, H1, G1.
+"""A lossless line behind its load, step by step Z2, G2, H2, H1, G1, and seen from both ends.
 
 u is the effort, y the flow, both counted from the input (end 1) to the load (end 2); Z2 = u2/y2, z0 > 0, T >= 0.
 
@@ -6,13 +6,18 @@ u is the effort, y the flow, both counted from the input (end 1) to the load (en
 
 Because |H2|^2 = 1 - 4 Re G2/|G2 + 1|^2 and Re G1 = (1 - |H1|^2)/|1 + H1|^2, each is positive or bounded real if the one
 before is. For a rational load the converse holds too: an active load makes an active port, whatever the delay.
+
+From both ends, with both flows counted into it, Z = z0 [[coth Ts, csch Ts], [csch Ts, coth Ts]]. The sum and the
+difference of the ports turn it, by a rotation M, into z0 coth(Ts/2) and z0 tanh(Ts/2): half the line, with a short
+circuit or an open end. Z = M^T diag(...) M is positive real if and only if both are.
 """
 
+from dataclasses import dataclass
 from fractions import Fraction
 
-from flint import acb, ctx
+from flint import acb, arb, ctx
 
-from passivity.ball import of_point
+from passivity.ball import of_fraction, of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.calculus.conclusion import Conclusion
 from passivity.calculus.derivation import Derivation
@@ -22,7 +27,7 @@ from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import digits
 from passivity.rational.evaluate import Exact, exact, positive
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
+from passivity.status import Decided, Kind, Status
 from passivity.symbolic.question import delayed_witness
 
 
@@ -115,3 +120,54 @@ def _input(witness: Witness, delay: Fraction) -> acb:
         if there.real < 0 and there.real.rel_accuracy_bits() > 40:
             return there
         bits *= 2
+
+
+@dataclass(frozen=True)
+class LineVerdict(Decided):
+    """Answer to whether the matrix of a line is positive real."""
+
+    status: Status
+    why: str
+    modes: tuple[Derivation, ...] = ()  # the proof: half the line with its far end open, and with a short circuit
+    re: Fraction | None = None  # where it is refuted, s = re + j im with re > 0
+    im: Fraction | None = None
+    vector: tuple[tuple[int, int], ...] | None = None  # v, real and imaginary parts
+    value: arb | None = None  # v^H (Z + Z^H) v there, a ball below zero
+
+
+def check_line_two_port(z0: Exact, delay: Exact, *, through: bool = False) -> LineVerdict:
+    """Is the impedance matrix of a lossless line positive real?
+
+    Parameters
+    ----------
+    z0, delay : int, float, Fraction, Decimal or str
+        Characteristic impedance and time from end to end, both above zero: without delay there are no impedances.
+    through : bool
+        Count the flow at the second end out of the line. Then Z = z0 [[coth, -csch], [csch, coth]] does not speak of
+        power, u1 y1 - u2 y2 does, and it is not positive real though the line is passive.
+
+    Raises
+    ------
+    ExpressionError
+        For another z0 or delay.
+
+    Examples
+    --------
+    >>> check_line_two_port("50 ohm", "3 ns").status
+    <Status.PROVED: 'proved'>
+    >>> check_line_two_port(1, 1, through=True).value < 0
+    True
+    """
+    reference, travel = positive(z0, "z0"), positive(delay, "delay")
+    if through:  # with v = (1, j), v^H (Z + Z^H) v = 4 z0 (Re coth Ts + Im csch Ts), below zero at Ts = 1/8 + j
+        turn = of_point(Fraction(1, 8), Fraction(1))
+        with ctx.workprec(100):
+            value = 4 * of_fraction(reference) * (turn.coth().real + turn.csch().imag)
+        why = "with the flow at the second end counted out of the line, v^H (Z + Z^H) v is not the power that enters"
+        place = Fraction(1, 8) / travel, 1 / travel
+        return LineVerdict(Status.REFUTED, why, (), *place, ((1, 0), (0, 1)), value)
+    ends = (RationalFunction.constant(Fraction(0)), RationalFunction.constant(Fraction(0)).inverse())
+    modes = tuple(check_line(end, reference, travel / 2) for end in ends)
+    assert all(mode.status is Status.PROVED for mode in modes)
+    why = "the even and the odd mode, z0 coth(Ts/2) and z0 tanh(Ts/2), are positive real"
+    return LineVerdict(Status.PROVED, why, modes)
