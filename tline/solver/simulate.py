@@ -184,8 +184,8 @@ def _searched(search: Search) -> Result:
     warned = _active(description, search.active)
     ledger = True if user_elements(scene) else search.ledger
     if not tol or (scene.solver.slab and (scene.solver.order or scene.solver.rounded or description.dispersive)):
-        shown = {"envelope": search.envelope, "ledger": bool(ledger), "progress": search.progress}
-        result = run(description, resolution(description), search.record, **shown)
+        asked_for = description, resolution(description), search.record
+        result = run(*asked_for, envelope=search.envelope, ledger=bool(ledger), progress=search.progress)
         result = replace(result, accuracy=_by_hand(result, tol) if tol else None)
     elif scene.solver.rounded:
         result = refined(Rounded(search))
