@@ -14,7 +14,7 @@ from tline.solver.plan import Pair, planned
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
-from tline.solver.tolerance.search import Start
+from tline.solver.tolerance.ladder import Start
 
 SLOWER = 4  # times that a step may leave more of a difference with other values
 CLEARLY = 4  # times that a grid may be worse with other values, unless what it does not know makes it so

@@ -143,9 +143,10 @@ def simulated(
     budget: Budget | None = None,
 ) -> Result:
     """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
-    how = _How([*record], envelope, ledger, active, progress, start, budget or Budget(shown=progress))
     with user_mistakes(description.scene):
-        result = _of_parts(description, how, tol) if description.stretches else _searched(description, how, tol)
+        each = description, asked(description.scene, tol) or 0.0, [*record], progress, budget or Budget(shown=progress)
+        search = Search(*each, envelope=envelope, ledger=ledger, active=active, start=start)
+        result = _of_parts(search) if description.stretches else _searched(search)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)
     return result
@@ -159,80 +160,54 @@ def as_seconds(given: float | str) -> float:
         raise InputError("seconds", error.problem, error.expected, error.got) from None
 
 
-class _How(NamedTuple):
-    """What is asked of a run beside its tolerance."""
-
-    record: list[str]
-    envelope: bool
-    ledger: bool | None
-    active: bool
-    progress: bool
-    start: Start | None
-    budget: Budget
-
-
-def _of_parts(description: Description, how: _How, tol: float | None) -> Result:
+def _of_parts(search: Search) -> Result:
     """Run what stands in place of lines in stretches, unless modes that mix can be convolved as they are."""
-    if (
-        asked(description.scene, tol)
-        and description.mixing
-        and all(each.mixing for each in description.stretches.values())
-    ):
-        found = _convolved(description, how, tol)
-        if found is not None:
+    description, scene = search.description, search.description.scene
+    if search.tol and description.mixing and all(each.mixing for each in description.stretches.values()):
+        refused = search.ledger or scene.solver.slab or user_elements(scene)
+        if not refused and (found := convolved(search)) is not None:
             return found
-    how = how._replace(record=recorded(description, how.record), start=None)
+    search = search._replace(record=recorded(description, search.record), start=None)
 
-    def parted(doublings: int, tol: float | None) -> Result:
-        result = _searched(description.parted(doublings), how, tol)
+    def parted(doublings: int, tol: float) -> Result:
+        result = _searched(search._replace(description=description.parted(doublings), tol=tol))
         return merged(result, description, doublings)
 
-    tol = asked(description.scene, tol)
-    if tol is None or not description.mixing:
-        return parted(0, tol)
-    return refined(Doublings(Search(description, tol, how.record, how.progress, how.budget), parted))
+    mixing = search.tol and description.mixing
+    return refined(Doublings(search, parted)) if mixing else parted(0, search.tol)
 
 
-def _convolved(description: Description, how: _How, tol: float | None) -> Result | None:
-    """Run conductors whose losses mix the modes by matrix functions, if their scene is one for that."""
-    tol, scene = asked(description.scene, tol), description.scene
-    if tol is None or how.ledger or scene.solver.slab or user_elements(scene):
-        return None
-    return convolved(Search(description, tol, how.record, how.progress, how.budget, envelope=how.envelope))
-
-
-def _searched(description: Description, how: _How, tol: float | None) -> Result:
-    scene, ledger = description.scene, how.ledger
-    if ledger:
+def _searched(search: Search) -> Result:
+    description, scene, tol = search.description, search.description.scene, search.tol
+    if search.ledger:
         description.refuse_coupled("a ledger")
-    warned = _active(description, how.active)
-    tol, ledger = asked(scene, tol), True if user_elements(scene) else ledger
-    if tol is None or (scene.solver.slab and (scene.solver.order or scene.solver.rounded or description.dispersive)):
-        chosen = resolution(description)
-        result = run(description, chosen, how.record, envelope=how.envelope, ledger=bool(ledger), progress=how.progress)
-        result = replace(result, accuracy=tol and _by_hand(result, tol))
+    warned = _active(description, search.active)
+    ledger = True if user_elements(scene) else search.ledger
+    if not tol or (scene.solver.slab and (scene.solver.order or scene.solver.rounded or description.dispersive)):
+        asked_for = description, resolution(description), search.record
+        result = run(*asked_for, envelope=search.envelope, ledger=bool(ledger), progress=search.progress)
+        result = replace(result, accuracy=_by_hand(result, tol) if tol else None)
     elif scene.solver.rounded:
-        result = refined(Rounded(Search(description, tol, how.record, how.progress, how.budget)))
+        result = refined(Rounded(search))
     else:
-        key = tol, frozenset(how.record)
-        known = None if how.envelope or how.start else description.known.get(key)
-        result = known.result(description, how) if known else _found(description, how, tol)
-        stopped = how.budget.asked and not (result.accuracy and result.accuracy.met)
-        if not (known or stopped or how.envelope or how.start or description.dispersive or result.resolution.convolved):
+        key, anew = (tol, frozenset(search.record)), search.envelope or search.start
+        known = None if anew else description.known.get(key)
+        result = known.result(search) if known else _found(search)
+        stopped = search.budget.asked and not (result.accuracy and result.accuracy.met)
+        if not (known or stopped or anew or description.dispersive or result.resolution.convolved):
             description.known.update(_known(key, result))
     result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
 
 
-def _found(description: Description, how: _How, tol: float) -> Result:
+def _found(search: Search) -> Result:
     """What a search for order and slab finds, as a second look by other means leaves it."""
-    witness = None if how.start else Witness(description, how.record)
-    record = [*how.record, *(witness.lines if witness else ())]
-    search = Search(description, tol, record, how.progress, how.budget, envelope=how.envelope)
-    result = convolved(search) or (refined(Orders(search)) if description.dispersive else within(search, how.start))
+    witness = None if search.start else Witness(search.description, search.record)
+    wider = search._replace(record=[*search.record, *(witness.lines if witness else ())])
+    result = convolved(wider) or (refined(Orders(wider)) if search.description.dispersive else within(wider))
     if witness is None:
         return result
-    kept = {*how.record, *description.probed}
+    kept = {*search.record, *search.description.probed}
     lines = {name: line for name, line in result.lines.items() if name in kept}
     return replace(witness.heard(result), lines=lines)
 
@@ -244,9 +219,9 @@ class _Known(NamedTuple):
     accuracy: Accuracy | None
     unresolved: tuple[str, ...]
 
-    def result(self, description: Description, how: _How) -> Result:
+    def result(self, search: Search) -> Result:
         """That of the search, to the last bit."""
-        result = self.again.result(description, how.record, how.progress)
+        result = self.again.result(search.description, search.record, search.progress)
         return replace(result, accuracy=self.accuracy, unresolved=self.unresolved)
 
 

@@ -107,16 +107,28 @@ class Step(NamedTuple):
     differences: Accuracy | None = None  # from the run before it, if they are taken for errors
 
 
+class Start(NamedTuple):
+    """Where to begin, by a search with other values."""
+
+    order: int
+    left: float  # of a difference, by a step of the order
+    halved: int = 0  # how often the slab is, that suits the scene
+    told: float = inf  # by a search, of its error on this grid
+
+
 class Search(NamedTuple):
-    """What is looked for."""
+    """What is asked of runs, and what they may take."""
 
     description: Description
-    tol: float
+    tol: float  # 0 where order or slab are fixed by hand, and none is asked
     record: list[str]
     progress: bool
     budget: Budget
     most: float = MOST_SAMPLES  # line-end samples that it may take
     envelope: bool = False
+    ledger: bool | None = None
+    active: bool = False  # whether elements may be
+    start: Start | None = None  # what a run with other values has found
 
     def run(
         self, chosen: Resolution, kinks: Kinks = NO_KINKS, laws: Sequence[str] = (), slabs: int | None = None

@@ -3,7 +3,6 @@
 from collections.abc import Generator, Mapping
 from dataclasses import replace
 from math import inf, log, log10
-from typing import NamedTuple
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
@@ -13,7 +12,7 @@ from tline.solver.description.slab import cell_of, cells_in
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.tolerance.kinks import Cuts
-from tline.solver.tolerance.ladder import Grids, Ladder, Search, refined
+from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
 DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
@@ -32,30 +31,21 @@ ALIKE = 10  # times the difference of runs with more sections there: they err al
 State = tuple[bool, bool, bool, bool]
 
 
-class Start(NamedTuple):
-    """Where to begin, by a search with other values."""
-
-    order: int
-    left: float  # of a difference, by a step of the order
-    halved: int = 0  # how often the slab is, that suits the scene
-    told: float = inf  # by a search, of its error on this grid
-
-
 NOWHERE = Start(0, SLOWEST)
 
 
-def within(search: Search, start: Start | None = None) -> Result:
+def within(search: Search) -> Result:
     """Run until the estimated error is within the tolerance, or a limit is reached.
 
     Short lines are lumped if that is good enough. If it is not, and it is affordable, they are lines like others;
-    right behind fronts, where they settle, it has to cost little. `start` is where to begin.
+    right behind fronts, where they settle, it has to cost little.
     """
     names, settle = short_lines(search.description, search.record)
     if not names:
-        return refined(Orders(search, start=start or NOWHERE))
+        return refined(Orders(search, start=search.start or NOWHERE))
     cost, problem = _cost_of_lines(search.description)
     cheaper = search._replace(most=min(cost, search.most))
-    lumped = refined(Orders(cheaper, dict.fromkeys(names, 1), settle, start or NOWHERE))
+    lumped = refined(Orders(cheaper, dict.fromkeys(names, 1), settle, search.start or NOWHERE))
     assert lumped.accuracy is not None
     behind = lumped.accuracy.times(ALIKE).blurred
     inside = {name: told.or_more(behind[name]) for name, told in lumped.accuracy.inside.items()}
@@ -65,7 +55,7 @@ def within(search: Search, start: Start | None = None) -> Result:
     if cost > search.most:
         limit = f"{lumped.accuracy.limit}; lumped lines would need to be lines, {problem}"
         return replace(lumped, accuracy=replace(lumped.accuracy, limit=limit))
-    result = refined(Orders(search, start=start or NOWHERE))
+    result = refined(Orders(search, start=search.start or NOWHERE))
     assert result.accuracy is not None
     attempts = (*lumped.accuracy.attempts, *result.accuracy.attempts)
     return replace(result, accuracy=replace(result.accuracy, attempts=attempts))
