@@ -112,6 +112,7 @@ def _impedance(found: "DelayedModel") -> "RationalFunction":
     from passivity import RationalFunction
 
     S, z0 = found.model.rational(), Fraction(found.samples.z0[0])
+    assert isinstance(S, RationalFunction), "a file of one port"
     return RationalFunction((S.q + S.p) * z0.numerator, (S.q - S.p) * z0.denominator)
 
 
