@@ -35,7 +35,7 @@ def outside(network: Network, tol: float) -> tuple[bool, list[str]]:
     return result.accuracy.met, wrong if result.accuracy.met else []
 
 
-@pytest.mark.parametrize("seed", range(7))
+@pytest.mark.parametrize("seed", range(8))
 def test_nothing_is_more_wrong_than_told(seed):
     _, wrong = outside(random_network(seed), TOLERANCES[seed % 4])
     assert not wrong
