@@ -39,7 +39,7 @@ AT_NODE, GRADED = 2 * MOST, 8 * MOST  # pieces of a slab on which a node works, 
 NEAREST = 2e-11  # slabs from a front to the next cut, at least
 WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
 MEMORY = 2e8  # bytes for slabs in pieces
-LOGGED = 4096  # pieces recorded between two looks
+LOGGED = 65_536  # pieces recorded between two looks
 LULL = 16  # slabs without a front that are worth a return to blocks
 
 
