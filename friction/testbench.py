@@ -170,7 +170,7 @@ class Testbench(Parameters):
     Raises
     ------
     InputError
-        A number is out of range, or is not finite; a spring and a controller.
+        A number is out of range, or is not finite; what is no force, spring or controller; a spring and a controller.
 
     Examples
     --------
@@ -190,6 +190,13 @@ class Testbench(Parameters):
 
     def __post_init__(self):
         super().__post_init__()
+        for name, fits, expected in (
+            ("force", hasattr(self.force, "pieces"), "Ramp, Sine, Steps or Table"),
+            ("spring", isinstance(self.spring, Spring | None), "Spring"),
+            ("controller", isinstance(self.controller, PID | None), "PID"),
+        ):
+            if not fits:
+                raise InputError(f"bench.{name}", "something else", expected, repr(getattr(self, name)))
         if self.spring and self.controller:
             raise InputError("bench.controller", "beside a spring", "one of both")
 

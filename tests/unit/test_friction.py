@@ -126,6 +126,8 @@ SENTENCES = [
     (lambda: Testbench(v0=inf), "bench.v0: not a finite number"),
     (lambda: Spring(-2.0, 1.0), "spring.stiffness: too small"),
     (lambda: Testbench(spring=Spring(1.0, 1.0), controller=PID(1.0)), "bench.controller: beside a spring"),
+    (lambda: Testbench(Spring(1.0, 1.0)), "bench.force: something else, expected Ramp, Sine"),
+    (lambda: Testbench(spring=2.0), "bench.spring: something else, expected Spring, got 2.0"),
     (lambda: PID(1.0, integral=-1.0), "controller.integral: too small"),
     (
         lambda: simulate(LuGre(), Testbench(controller=PID(1.0))),
