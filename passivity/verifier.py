@@ -296,7 +296,7 @@ class Graph:
         fact, pair = read_fact(data["fact"]), self.fraction(ONE, n)
         atoms, unit = {m for f in pair for key in f for m, _ in key}, Fraction(data.get("unit", -1))
         known = [~m for m, f in known if implies(f, RIGHT) and unit > 0]  # exp(-c w_1), read as (1 - t)/(1 + t)
-        fits = atoms <= ({*known} or {m for m in atoms if m >= 0 and self.nodes[m][0] == "s"}) and len(atoms) < 2
+        fits = all(m in known or (unit == -1 and m >= 0 and self.nodes[m][0] == "s") for m in atoms) and len(atoms) < 2
         powers = [{-key[0][1] / unit if key else ZERO: Fraction(x) for key, x in f.items()} for f in pair]
         least, most = (end(0, *powers[0], *powers[1]) for end in (min, max))
         whole, steps = lcm(*(x.denominator for f in powers for x in f.values())), range(int(most - least) + 1)
