@@ -352,7 +352,7 @@ def is_nonnegative(a, factors, breaks):
     """Whether a(x) is at least a product of powers, and that >= 0 for x >= 0 by signs of coefficients on pieces."""
     factors = [([Fraction(x) for x in f], e) for f, e in factors]
     whole = reduce(convolved, (f for f, e in factors for _ in range(e)), [ONE])
-    odd = reduce(convolved, (f for f, e in factors if e % 2), [ONE])
+    odd = reduce(convolved, (f for f, e in factors if e > 0 and e % 2), [ONE])
     ends = [ZERO, *map(Fraction, breaks)]
     pieces = [composed(odd, [low, high], [ONE, ONE]) for low, high in pairwise(ends)]  # x = (low + high t)/(1 + t)
     pieces += [composed(odd, [ends[-1], ONE], [ONE]), combined(a, whole, -1)]

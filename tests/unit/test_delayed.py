@@ -27,7 +27,7 @@ from passivity.errors import ExpressionError
 from passivity.polynomial.sign import UndecidedError
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.verifier import check, implies, inverted, scaled
+from passivity.verifier import check, implies, inverted, is_nonnegative, scaled
 
 INF = math.inf
 of = RationalFunction.from_expression
@@ -216,6 +216,12 @@ def test_a_function_of_the_square_of_s_is_not_one_of_s(unit):
     forged["nodes"][2] = ["mul", [1, 1]]
     forged["steps"][0][4] = one
     assert check(forged) is None
+
+
+def test_a_factor_to_a_negative_power_proves_no_sign():
+    """x - 1 is negative below 1, whatever (x - 1) (x - 1)^-1 may be."""
+    assert not is_nonnegative([-1, 1], [[["-1", "1"], 1], [["-1", "1"], -1]], ["1"])
+    assert is_nonnegative([1, 1], [[["1", "1"], 1]], [])
 
 
 def test_an_exponential_is_not_rational_in_s():
