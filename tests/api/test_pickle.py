@@ -239,7 +239,9 @@ BENT = friction.prescribe(friction.Dahl(), velocity=friction.Sine(0.1, 1.0), tim
 FRICTION = {
     "models": lambda: [model() for model in friction.MODELS.values()],
     "methods": lambda: list(friction.METHODS.values()),
-    "benches": lambda: [friction.Testbench(force) for force in FORCES],
+    "benches": lambda: [
+        friction.Testbench(**{"spring" if isinstance(force, friction.Spring) else "force": force}) for force in FORCES
+    ],
     "events": lambda: friction.simulate(friction.Karnopp(), BENCH),
     "hunting": lambda: friction.Testbench(friction.Ramp(0.0), controller=friction.PID(100.0, 200.0, 5.0, 0.01)),
     "cycle": lambda: (
