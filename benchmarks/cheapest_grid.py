@@ -40,6 +40,16 @@ RC: Table = {"kind": "parallel", "resistance": 200, "capacitance": "2 pF"}
 DIODE: Table = {"kind": "diode", "saturation": "1 pA"}
 VESSEL: Table = {"kind": "air vessel", "gas_volume": "0.4 m^3", "gas_pressure": "5 bar", "kv": 800}
 TICKS = [7, 11, 13, 17, 19, 23, 29, 31, 37, 41]
+TOLERANCES = 1e-3, 1e-6
+FINEST = 1e-3, 1e-9  # of the tolerance, and the least: what is taken for the truth
+ORDERS = 1, 2, 3, 4, 5, 6, 8, 10, 12
+PARTS = 2.0 ** np.arange(-5, 8)  # of the automatic slab
+OF_DELAY = 1, 2, 4, 8  # parts of the shortest delay
+INSTANTS = 2000
+NEAR = 1e-6  # of the run; jumps may lie so far from where the truth has them
+EXACT = 1e-11  # an error below is rounding
+MOST = 3.0
+HOPELESS = 2.0  # times the cheapest so far, beyond which a run by hand is not tried at higher orders
 
 
 def _scene(delays: Sequence[float], nodes: list[tuple[str, str]], value: Table, load: Table, ns: float) -> Scene:
@@ -111,18 +121,6 @@ def scenes() -> dict[str, Scene]:
     """All of them by name, without order, slab and tolerance of their own."""
     shipped = {name: read_scene(Path(__file__).parents[1] / "scenes" / f"{name}.toml") for name in SHIPPED}
     return {name: scene.with_changes(solver={}) for name, scene in [*shipped.items(), *_made()]}
-
-
-TOLERANCES = 1e-3, 1e-6
-FINEST = 1e-3, 1e-9  # of the tolerance, and the least: what is taken for the truth
-ORDERS = 1, 2, 3, 4, 5, 6, 8, 10, 12
-PARTS = 2.0 ** np.arange(-5, 8)  # of the automatic slab
-OF_DELAY = 1, 2, 4, 8  # parts of the shortest delay
-INSTANTS = 2000
-NEAR = 1e-6  # of the run; jumps may lie so far from where the truth has them
-EXACT = 1e-11  # an error below is rounding
-MOST = 3.0
-HOPELESS = 2.0  # times the cheapest so far, beyond which a run by hand is not tried at higher orders
 
 
 class Run(NamedTuple):

@@ -38,6 +38,9 @@ from friction import (
 )
 from friction.pictures import COLOURS
 
+END, ENDS = 10.0, {"stribeck": 13.963289889871819666, "lugre": 13.985389460013207159}
+GREYS = ("#555555", "#777777", "#999999", "#AAAAAA", "#666666", "#888888", "#BBBBBB")
+
 
 def failure_rows() -> list[tuple[str, float, float]]:
     """What, predicted, measured."""
@@ -201,9 +204,7 @@ def _xy(run: friction.Result) -> tuple[np.ndarray, np.ndarray]:
     return run.t, run.v
 
 
-END, ENDS = 10.0, {"stribeck": 13.963289889871819666, "lugre": 13.985389460013207159}
 TOLS = [10.0**-k for k in range(3, 13)]
-GREYS = ("#555555", "#777777", "#999999", "#AAAAAA", "#666666", "#888888", "#BBBBBB")
 
 
 def lugre_rates(t: float, y: list[float]) -> list[float]:

@@ -31,6 +31,7 @@ PASSED_ON = ("design", "drives", "belt_speed", "d1", "d2", "step", "initial")  #
 FILES = {"csv": table("A table, SI, full precision"), "plot": picture("A picture")}
 SAMPLES = {"step": 200, "control": 400}  # of a run
 BARE = re.compile(r"\s*[+-]?[0-9.]+(e[+-]?[0-9]+)?\s*", re.IGNORECASE)
+FROM_FILE = "Parameters by the names of these options, as texts with units, or pairs of texts."
 
 
 class Parameter(NamedTuple):
@@ -67,7 +68,6 @@ PARAMETERS = {
     "pulley_stiffness": Parameter("N/m", "pulley", "stiffness", "Pulley", "200 N/m"),
     "angle": Parameter("rad", "pulley", "angle", "Pulley", "45 deg"),
 }
-FROM_FILE = "Parameters by the names of these options, as texts with units, or pairs of texts."
 MECHANISM = (
     click.Option(["--parameters"], metavar="FILE.toml", help=FROM_FILE),
     *(each.option(key) for key, each in PARAMETERS.items()),

@@ -17,6 +17,10 @@ READING = ("wave_speed", "material", "hour", "moving_tanks")
 OPERATING = (*OPERATIONS, "when", "inertia", "rated_speed", *READING)
 KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inertia"}  # what an option says is no guess
 NAMES = {"t_end": "for", "hour": "at_hour"}  # of options
+STUDY = {
+    "report": FileKind((".html",), "All in one page: tables, maps, profiles"),
+    "csv": FileKind((".csv",), "A row for each scenario"),
+}
 
 
 def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tuple[str, ...]]":
@@ -134,12 +138,6 @@ def surge(
         found.notes,
         1 if highest.untold or missed else 0,
     )
-
-
-STUDY = {
-    "report": FileKind((".html",), "All in one page: tables, maps, profiles"),
-    "csv": FileKind((".csv",), "A row for each scenario"),
-}
 
 
 @command(

@@ -21,6 +21,7 @@ from tline.words.wording import nearest, place
 
 RESERVE = 0.1  # of the shell: liquid left in it when the gas is largest
 SWING = 10.0  # times the compliance of the lines that of the first gas
+USUAL_SET = 0.9  # of the highest pressure; it is wide open there
 
 
 def vessel(
@@ -129,9 +130,6 @@ def _lowest(result: Any, at: str) -> float:
     k = seen.nodes.index(at)
     weight = float(seen.weight[k])
     return float(seen.lowest[k]) - (weight if weight == weight else 0.0)
-
-
-USUAL_SET = 0.9  # of the highest pressure; it is wide open there
 
 
 def relief(

@@ -28,6 +28,10 @@ MODELS = {  # of the package, by letter: each with the models that it is made of
     "4h": ("Drive", "Belt", "Pulley", "Assembly", "Controlled"),
 }
 MODEL = re.compile(r"  (?:partial )?model (\w+).*?  end \1;\n\n?", re.DOTALL)
+OMEGA = np.logspace(-1, 4, 50)
+TORQUE, SPEED, TENSION, END, STEP = 0.1, 1.0, 5.0, 2.0, 0.01  # of the runs in (h): N m, m/s, N, s, s
+FAST = 1e5  # rad/s, a bandwidth that no loop reaches
+SLOW = 1e-6  # of the slowest pole or zero: there the phase is that at its start
 
 
 def package(
@@ -48,12 +52,6 @@ def package(
 def _number(value: float) -> str:
     """As short as it can be; an angle of 45 degrees as a fraction of pi."""
     return "Modelica.Constants.pi/4" if value == math.pi / 4 else f"{value!r}"
-
-
-OMEGA = np.logspace(-1, 4, 50)
-TORQUE, SPEED, TENSION, END, STEP = 0.1, 1.0, 5.0, 2.0, 0.01  # of the runs in (h): N m, m/s, N, s, s
-FAST = 1e5  # rad/s, a bandwidth that no loop reaches
-SLOW = 1e-6  # of the slowest pole or zero: there the phase is that at its start
 
 
 def balances(_: CoupledDrives) -> Found:

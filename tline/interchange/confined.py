@@ -27,6 +27,23 @@ from tline.words.wording import shown
 SECONDS, EACH = 20.0, 10.0  # of the processor: for any file, and for each megabyte more
 MOST, WAITING = 300.0, 3.0  # seconds, and those of the clock for each one of the processor
 MEMORY, WRITTEN = 4 << 30, 1 << 30  # bytes; the latter of a file
+LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
+TITLE = 200  # characters
+END_OF_LINE, SEPARATORS = re.compile(r"\r\n|\r|\n"), re.compile(r"[ \t,]+")
+NO_NUMBER = re.compile(r"[+-]?(nan(\(.*\))?|inf|infinity)", re.IGNORECASE)
+GIVEN = (
+    "JUNCTIONS", "RESERVOIRS", "TANKS", "PIPES", "PUMPS", "VALVES", "EMITTERS", "CURVES", "PATTERNS", "STATUS",
+    "DEMANDS", "CONTROLS", "RULES",
+)  # fmt: skip
+HELD = {"PATTERNS", "CONTROLS", "RULES"}
+LEFT = ("ROUGHNESS", "ENERGY", "QUALITY", "REACTIONS", "SOURCES", "MIXING", "REPORT", "LABELS", "BACKDROP",
+        "TAGS")  # fmt: skip
+OWN = ("TITLE", "COORDINATES", "VERTICES", "OPTIONS", "TIMES", "END")
+# options and times by how EPANET tells them, from their first letters
+OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "PATT", "DEMA", "EMIT", "MINI", "REQU")
+OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
+                 "BACKF")  # fmt: skip
+TIMES = ("PATT", "HYDR", "RULE", "START")
 
 
 def solved(path: str, text: str, instant: int = 0) -> dict[str, Any]:
@@ -84,24 +101,7 @@ def _library() -> Path:
     return folder / "linux-x64" / "libepanet22.so"
 
 
-LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
-TITLE = 200  # characters
-END_OF_LINE, SEPARATORS = re.compile(r"\r\n|\r|\n"), re.compile(r"[ \t,]+")
-NO_NUMBER = re.compile(r"[+-]?(nan(\(.*\))?|inf|infinity)", re.IGNORECASE)
-GIVEN = (
-    "JUNCTIONS", "RESERVOIRS", "TANKS", "PIPES", "PUMPS", "VALVES", "EMITTERS", "CURVES", "PATTERNS", "STATUS",
-    "DEMANDS", "CONTROLS", "RULES",
-)  # fmt: skip
-HELD = {"PATTERNS", "CONTROLS", "RULES"}
-LEFT = ("ROUGHNESS", "ENERGY", "QUALITY", "REACTIONS", "SOURCES", "MIXING", "REPORT", "LABELS", "BACKDROP",
-        "TAGS")  # fmt: skip
-OWN = ("TITLE", "COORDINATES", "VERTICES", "OPTIONS", "TIMES", "END")
 SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
-# options and times by how EPANET tells them, from their first letters
-OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "PATT", "DEMA", "EMIT", "MINI", "REQU")
-OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
-                 "BACKF")  # fmt: skip
-TIMES = ("PATT", "HYDR", "RULE", "START")
 
 
 @dataclass

@@ -15,6 +15,27 @@ from tline.interchange.spice_expression import PARAMETERS, Parameters, assignmen
 from tline.scene.mistakes import limited
 from tline.scene.text_file import Folder, read_text
 
+LONGEST = 400  # characters of what is said of a card
+MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20
+COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$.*")
+WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
+FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
+OTHERS_LIBRARY = re.compile(r"[A-Za-z]:[\\/]")  # such as LTspice names for each diode, whether it has a model or not
+INCLUDES = (".include", ".inc", ".incl", ".lib")
+OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
+LUMPED = "YTRANSLINE"  # in Xyce, in place of the first letter of its name
+OVER_FREQUENCY = ".ac", ".sp"
+WITHIN_CONTROL = {
+    "tran": ".tran",
+    "ac": ".ac",
+    "sp": ".sp",
+    "plot": ".plot",
+    "print": ".print",
+    "save": ".save",
+    "write": ".save",
+    "meas": ".meas",
+}
+
 
 class Findings:
     """Mistakes and notes of one file, in the order of their discovery.
@@ -54,28 +75,6 @@ class Findings:
         distinct = list({str(mistake): mistake for mistake in self.mistakes}.values())
         if distinct:
             raise SceneError(limited(distinct, 0))
-
-
-LONGEST = 400  # characters of what is said of a card
-MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20
-COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$.*")
-WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
-FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
-OTHERS_LIBRARY = re.compile(r"[A-Za-z]:[\\/]")  # such as LTspice names for each diode, whether it has a model or not
-INCLUDES = (".include", ".inc", ".incl", ".lib")
-OTHER_RUNS = (".alter", ".modify", ".mo", ".fault")  # HSPICE's and gnucap's: change the circuit, and run again
-LUMPED = "YTRANSLINE"  # in Xyce, in place of the first letter of its name
-OVER_FREQUENCY = ".ac", ".sp"
-WITHIN_CONTROL = {
-    "tran": ".tran",
-    "ac": ".ac",
-    "sp": ".sp",
-    "plot": ".plot",
-    "print": ".print",
-    "save": ".save",
-    "write": ".save",
-    "meas": ".meas",
-}
 
 
 class Card(NamedTuple):

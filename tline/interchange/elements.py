@@ -19,6 +19,13 @@ OF_THESE = {  # no matter where those are zero, or at one temperature
     "vj", "pb", "m", "mj", "fc", "eg", "xti", "tnom", "tref", "kf", "af", "nr", "level", "php", "mjsw", "fcs", "bv",
     "ibv", "nbv", "trs", "trs1", "trs2", "tcv", "mfg", "type", "iave", "vpk",
 }  # fmt: skip
+STAND_IN = "in its place a source behind a resistance, or a table of voltages and currents, kind = 'table'"
+REFUSED = {
+    **dict.fromkeys("QMJZ", ("a transistor, and there are none here", STAND_IN)),
+    **dict.fromkeys("NA", ("a compiled model", "what it stands for, of elements that are known here")),
+    "S": ("a switch that a voltage commands", "kind = 'switch' in a scene, which changes at an instant"),
+}
+KNOWN = "R, L, C, K, D, V, I, B, E, F, G, H, T, O, W, U, Y, P and X"
 
 
 def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
@@ -46,15 +53,6 @@ def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
     if series < 0:
         raise model.refuse("its RS is below zero", "0 or more", f"{series:g}")
     return table, series
-
-
-STAND_IN = "in its place a source behind a resistance, or a table of voltages and currents, kind = 'table'"
-REFUSED = {
-    **dict.fromkeys("QMJZ", ("a transistor, and there are none here", STAND_IN)),
-    **dict.fromkeys("NA", ("a compiled model", "what it stands for, of elements that are known here")),
-    "S": ("a switch that a voltage commands", "kind = 'switch' in a scene, which changes at an instant"),
-}
-KNOWN = "R, L, C, K, D, V, I, B, E, F, G, H, T, O, W, U, Y, P and X"
 
 
 def take(card: Card, net: Netlist) -> None:

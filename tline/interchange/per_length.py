@@ -19,6 +19,10 @@ IN_FILE = ("l", "c", "r", "g", "rs", "gd")  # in this order
 NO_MATTER = {"delayopt", "fgd"}  # the first tells how to compute, the second is a corner of Gd
 LOWER, UPPER = "a lower", "an upper"
 Matrix = list[list[float]]
+USUAL = 2e8  # m/s, taken where the length in SPICE, which has no unit, is no metre
+SECTIONS = 40  # of a line of R and C alone
+HIGH = 1e9  # Hz, at which the resistance by Rs and the conductance by Gd are said
+LOW, TOP = 1e5, 1e12  # Hz, between which the loss tangent hardly changes
 
 
 def symmetric(model: Card, key: str, words: list[str], n: int, side: str) -> Matrix:
@@ -94,12 +98,6 @@ def _from_file(card: Card, net: Netlist, name: str, n: int) -> dict[str, Matrix]
         raise card.refuse(problem, f"{n}, then {size} numbers for each of L, C, R, G, Rs and Gd, at least L and C")
     parts = [words[1 + k * size : 1 + (k + 1) * size] for k in range(count)]
     return {key: symmetric(card, key, part, n, LOWER) for key, part in zip(IN_FILE, parts, strict=False)}
-
-
-USUAL = 2e8  # m/s, taken where the length in SPICE, which has no unit, is no metre
-SECTIONS = 40  # of a line of R and C alone
-HIGH = 1e9  # Hz, at which the resistance by Rs and the conductance by Gd are said
-LOW, TOP = 1e5, 1e12  # Hz, between which the loss tangent hardly changes
 
 
 def add_uniform(card: Card, net: Netlist, nodes: Sequence[str], given: dict[str, float]) -> None:

@@ -29,6 +29,18 @@ HARMLESS = {
     ".wave": "", ".net": "another analysis", ".preset": "", ".result": "", ".dcvolt": "", ".set_subcircuit": "",
 }  # fmt: skip
 TEMPERATURES = (".temp", ".temperature")
+MEASURE = (".measure", ".meas")
+DIFFERENCE = re.compile(r"(?:[{'\"]\s*)?v\(\s*([^\s(),]+)\s*\)\s*-\s*v\(\s*([^\s(),]+)\s*\)\s*[}'\"]?", re.IGNORECASE)
+WORD = re.compile(r"v\([^()]*\)|\{[^{}]*\}|'[^']*'|[^\s=,]+", re.IGNORECASE)
+EXTENTS = {
+    "MAX": "maximum", "MIN": "minimum", "PP": "peak to peak", "AVG": "mean", "RMS": "rms",
+    "INTEG": "integral", "INTEGRAL": "integral",
+}  # fmt: skip
+EDGES = {"RISE": "rise", "FALL": "fall", "CROSS": "any"}
+OTHERS = ("AC", "DC", "OP", "NOISE", "TF", "SP", "FFT", "TRAN_CONT", "AC_CONT", "DC_CONT", "NOISE_CONT")
+STEP, MOST_VALUES = ".step", 100_000
+RATIOS = {"dec": 10.0, "oct": 2.0}
+BARE = re.compile(r"[\w-]+", re.ASCII)  # a key that needs no quotes
 
 
 def transient(cards: list[Card], frequencies: list[Card], path: str, found: Findings) -> Transient | None:
@@ -118,15 +130,6 @@ def skip(card: Card, found: Findings, has_heat: bool) -> None:
 
 
 Table = dict[str, Any]
-MEASURE = (".measure", ".meas")
-DIFFERENCE = re.compile(r"(?:[{'\"]\s*)?v\(\s*([^\s(),]+)\s*\)\s*-\s*v\(\s*([^\s(),]+)\s*\)\s*[}'\"]?", re.IGNORECASE)
-WORD = re.compile(r"v\([^()]*\)|\{[^{}]*\}|'[^']*'|[^\s=,]+", re.IGNORECASE)
-EXTENTS = {
-    "MAX": "maximum", "MIN": "minimum", "PP": "peak to peak", "AVG": "mean", "RMS": "rms",
-    "INTEG": "integral", "INTEGRAL": "integral",
-}  # fmt: skip
-EDGES = {"RISE": "rise", "FALL": "fall", "CROSS": "any"}
-OTHERS = ("AC", "DC", "OP", "NOISE", "TF", "SP", "FFT", "TRAN_CONT", "AC_CONT", "DC_CONT", "NOISE_CONT")
 
 
 def measures(cards: Iterable[Card], net: Netlist) -> dict[str, Table]:
@@ -242,9 +245,6 @@ class _MeasureReader:
         return self.card.value(self.last)
 
 
-STEP, MOST_VALUES = ".step", 100_000
-RATIOS = {"dec": 10.0, "oct": 2.0}
-BARE = re.compile(r"[\w-]+", re.ASCII)  # a key that needs no quotes
 Tables = dict[str, Any]
 
 

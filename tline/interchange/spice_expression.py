@@ -10,6 +10,27 @@ from typing import Any, NamedTuple
 from tline.errors import InputError
 
 ANY = 1000  # values at most, of functions that take as many as they are given
+PARAMETERS = (".param", ".params", ".parameter", ".global_param", ".csparam")
+FUNCTION = ".func"
+NAME = r"[a-z_]\w*"
+START = re.compile(rf"({NAME})\s*(\([^(){{}}'\"]*\))?\s*=(?!=)", re.IGNORECASE)
+HELD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"")
+DEFINITION = re.compile(rf"\.\w+\s+({NAME})\s*\(([^()]*)\)\s*=?\s*(.+)", re.IGNORECASE)
+NUMBER = r"(\d+\.?\d*|\.\d+)(?:e([+-]?\d{1,4}))?([a-zµμΩΩ]*)"  # what follows a suffix is a unit, and ignored
+AS_POINT = r"(\d+)([tgkmunpfarµμ])(\d+)"  # 4k7
+SIGNAL = r"[vi]\(\s*[^\s()=]+(?:\s*[,\s]\s*[^\s()=]+)?\s*\)"  # a voltage or a current
+TOKEN = re.compile(
+    rf"\s*(?:(?P<number>{AS_POINT}(?![\w.])|{NUMBER})|(?P<signal>{SIGNAL})|(?P<name>[a-z_]\w*)"
+    r"|(?P<mark>\*\*|==|!=|<=|>=|&&|\|\||[-+*/^(),<>?:!]))",
+    re.IGNORECASE,
+)
+POWERS = {
+    "t": 12, "g": 9, "meg": 6, "x": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12, "f": -15, "a": -18
+}  # fmt: skip
+MIL = 25.4e-6  # m
+LONGEST_EXPRESSION = 1000  # characters of an expression
+DEEPEST, MOST_CALLS = 50, 10_000  # brackets and signs in each other; calls of functions that the netlist defines
+CONSTANTS = {"pi": math.pi, "e": math.e, "true": 1.0, "false": 0.0}
 
 
 class Defined(NamedTuple):
@@ -78,14 +99,6 @@ FUNCTIONS: dict[str, Function] = _PLAIN | {
 }  # fmt: skip
 
 
-PARAMETERS = (".param", ".params", ".parameter", ".global_param", ".csparam")
-FUNCTION = ".func"
-NAME = r"[a-z_]\w*"
-START = re.compile(rf"({NAME})\s*(\([^(){{}}'\"]*\))?\s*=(?!=)", re.IGNORECASE)
-HELD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"")
-DEFINITION = re.compile(rf"\.\w+\s+({NAME})\s*\(([^()]*)\)\s*=?\s*(.+)", re.IGNORECASE)
-
-
 def assignments(text: str) -> list[str]:
     """Words of a card of parameters: name, '=' and value again and again; what is bare gets braces.
 
@@ -114,20 +127,6 @@ def function(text: str) -> tuple[str, Defined] | None:
     return found[1].lower(), Defined(names, found[3].strip().strip("{}'\""))
 
 
-NUMBER = r"(\d+\.?\d*|\.\d+)(?:e([+-]?\d{1,4}))?([a-zµμΩΩ]*)"  # what follows a suffix is a unit, and ignored
-AS_POINT = r"(\d+)([tgkmunpfarµμ])(\d+)"  # 4k7
-SIGNAL = r"[vi]\(\s*[^\s()=]+(?:\s*[,\s]\s*[^\s()=]+)?\s*\)"  # a voltage or a current
-TOKEN = re.compile(
-    rf"\s*(?:(?P<number>{AS_POINT}(?![\w.])|{NUMBER})|(?P<signal>{SIGNAL})|(?P<name>[a-z_]\w*)"
-    r"|(?P<mark>\*\*|==|!=|<=|>=|&&|\|\||[-+*/^(),<>?:!]))",
-    re.IGNORECASE,
-)
-POWERS = {
-    "t": 12, "g": 9, "meg": 6, "x": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12, "f": -15, "a": -18
-}  # fmt: skip
-MIL = 25.4e-6  # m
-LONGEST_EXPRESSION = 1000  # characters of an expression
-DEEPEST, MOST_CALLS = 50, 10_000  # brackets and signs in each other; calls of functions that the netlist defines
 BINARY: tuple[dict[str, Callable[[Any, Any], Any]], ...] = (  # from the loosest
     {"||": lambda x, y: float(bool(x) or bool(y))},
     {"&&": lambda x, y: float(bool(x) and bool(y))},
@@ -135,7 +134,6 @@ BINARY: tuple[dict[str, Callable[[Any, Any], Any]], ...] = (  # from the loosest
     {"+": operator.add, "-": operator.sub},
     {"*": operator.mul, "/": operator.truediv},
 )
-CONSTANTS = {"pi": math.pi, "e": math.e, "true": 1.0, "false": 0.0}
 
 Value = Any  # a number, or what a signal stands for
 Parameters = Mapping[str, float | Defined]  # names in lower case; functions as 'name()'

@@ -24,6 +24,8 @@ NO_MATTER = {  # None, or the value that changes nothing
     "type": None, "pn": None, "temp": None, "dtemp": 0.0, "vc1": 0.0, "vc2": 0.0, "kf": None, "af": None,
     "tnom": None, "tref": None, "level": None,
 }  # fmt: skip
+NO_INDUCTANCE = 1e-12  # of a winding's: what is left of it beside the windings before
+MOST_WINDINGS = 16
 
 
 def value_of(card: Card, net: Netlist) -> float:
@@ -146,10 +148,6 @@ def _at_begin(card: Card, net: Netlist, ends: tuple[str, str]) -> float:
         net.found.note(card.where, "its IC is skipped, for .tran has no UIC")
         return 0.0
     return _number(card, given, "ic")
-
-
-NO_INDUCTANCE = 1e-12  # of a winding's: what is left of it beside the windings before
-MOST_WINDINGS = 16
 
 
 class Coupling(NamedTuple):

@@ -25,6 +25,14 @@ PORT, USUAL_Z0 = (PORTNUM, "z0", "pwr", "freq", "phase"), "50"  # power does not
 ALIASES = {"SINE": "SIN", "PU": "PULSE"}
 WORDS = {*ARGUMENTS, *ALIASES, "AC", "DC"}
 EXPECTED = "DC, PULSE, PWL, SIN, EXP, SFFM or AM"
+MOST_POINTS = 100_000
+SAME = 1e-12  # levels that differ by less, relatively, are no jump
+INSTANT = 1e-30  # s, in place of a zero, for which SPICE takes a default
+COMMANDS = (".gen", ".generator")
+SETTINGS = {  # its defaults, s and V
+    "frequency": 0.0, "amplitude": 1.0, "phase": 0.0, "max": 1.0, "min": 0.0, "offset": 0.0, "initial": 0.0,
+    "rise": 1e-12, "fall": 1e-12, "delay": 0.0, "width": 0.0, "period": 0.0,
+}  # fmt: skip
 
 
 class Transient(NamedTuple):
@@ -151,7 +159,6 @@ def _named(card: Card, shape: str, assigned: dict[str, list[str]]) -> list[float
 
 
 Waveform = float | dict[str, Any]  # as in a scene file
-MOST_POINTS = 100_000
 
 
 def waveforms(card: Card, said: Said, tran: Transient, factor: float) -> list[Waveform]:
@@ -254,10 +261,6 @@ def _exponential(card: Card, numbers: list[float], tran: Transient, factor: floa
     return [up] if back >= tran.end else [up, down]
 
 
-SAME = 1e-12  # levels that differ by less, relatively, are no jump
-INSTANT = 1e-30  # s, in place of a zero, for which SPICE takes a default
-
-
 def surge_factor(rise: float, decay: float) -> float:
     """k of a surge k·(e^(-t/decay) - e^(-t/rise)) whose peak is 1."""
     at_rise = DoubleExponential.model_validate({"peak": 1.0, "rise": rise, "decay": decay}).value(*2 * [np.array(rise)])
@@ -314,13 +317,6 @@ def _corners(waveform: Shape, scene: Scene, where: str, rise: float | None) -> l
 
 def _time(rise: float | None) -> str:
     return "none" if rise is None else f"{rise:g} s"
-
-
-COMMANDS = (".gen", ".generator")
-SETTINGS = {  # its defaults, s and V
-    "frequency": 0.0, "amplitude": 1.0, "phase": 0.0, "max": 1.0, "min": 0.0, "offset": 0.0, "initial": 0.0,
-    "rise": 1e-12, "fall": 1e-12, "delay": 0.0, "width": 0.0, "period": 0.0,
-}  # fmt: skip
 
 
 def with_generator(cards: list[Card], found: Findings) -> list[Card]:

@@ -16,6 +16,13 @@ from tline.scene.site import GRAVITY
 SQUARE, STEPS = 2.0, 10  # parts of other power laws
 NEAR = 0.25  # of a step: closer to the operating point than that no other is needed
 Points = list[tuple[float, float]]
+STILL = 1e-9  # m³/s; a demand below it is none
+TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight, or into a part that takes nothing
+LEAST_DROP = 1e-3  # m; less is none
+WIDE_OPEN = 1e-7  # m, lost in a valve of which a file says that it loses nothing
+LISTED = 6
+EPANETS = 32.2 * FOOT  # m/s², its g
+MANNING = 1.49**2 * FOOT ** (2 - 1.333)  # of its formula in m and s: n²·v²/(this·R^1.333)
 
 
 @dataclass(frozen=True)
@@ -98,11 +105,6 @@ def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
 
 
 Position = tuple[float, float]
-STILL = 1e-9  # m³/s; a demand below it is none
-TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight, or into a part that takes nothing
-LEAST_DROP = 1e-3  # m; less is none
-WIDE_OPEN = 1e-7  # m, lost in a valve of which a file says that it loses nothing
-LISTED = 6
 
 
 def listed(names: Collection[str]) -> str:
@@ -209,10 +211,6 @@ class WaterNetwork:
     def nodes(self) -> dict[str, WaterJunction | Basin]:
         """All nodes."""
         return {**self.junctions, **self.basins}
-
-
-EPANETS = 32.2 * FOOT  # m/s², its g
-MANNING = 1.49**2 * FOOT ** (2 - 1.333)  # of its formula in m and s: n²·v²/(this·R^1.333)
 
 
 def friction_of(pipe: Pipe, density: float, viscosity: float) -> dict[str, Any]:

@@ -17,6 +17,33 @@ from tline.errors import InputError
 from tline.line.parameters import choose
 from tline.units import to_si
 
+ROOM = 293.15  # K, where a temperature is needed and none is given
+# coefficients of SR6-08: power -> coefficient
+LOWEST, FREEZES, BOILS, HIGHEST = 253.15, 273.15, 372.76, 383.15  # K
+R, SCALE, P0 = 461.51805, 10.0, 1e5  # J/(kg K), K, Pa
+G_ALPHA = {4: -1.661470539e5, 5: 2.708781640e6, 7: -1.557191544e8}
+G_BETA = {2: -8.237426256e-1, 3: 1.908956353, 4: -2.017597384, 5: 8.546361348e-1}
+V_ALPHA = {4: 6.74458446e3, 5: -2.22521604e5, 7: 1.00231247e8, 8: -1.63552118e9, 9: 8.32299658e9}
+V_BETA = {
+    1: 5.78545292e-3, 2: -1.53195665e-2, 3: 3.11337859e-2, 4: -4.23546241e-2, 5: 3.38713507e-2,
+    6: -1.19946761e-2,
+}  # fmt: skip
+VP_ALPHA = {1: -7.5245878e-6, 3: -1.3767418e-2, 5: 1.0627293e1, 6: -2.0457795e2, 7: 1.2037414e3}
+VP_BETA = {
+    1: -3.1091470e-6, 3: 2.8964919e-5, 4: -1.3112763e-4, 5: 3.0410453e-4, 6: -3.9034594e-4, 7: 2.3403117e-4,
+    9: -4.8510101e-5,
+}  # fmt: skip
+WALLS = {
+    "steel": 206e9,  # mild steel, 200-212 GPa
+    "ductile iron": 165.5e9,  # 24e6 psi in ANSI/AWWA C150
+    "cast iron": 125e9,  # 80-170 GPa
+    "copper": 119e9,  # 107-131 GPa
+    "aluminium": 70.5e9,  # alloys, 68-73 GPa
+    "concrete": 22e9,  # 14-30 GPa
+    "pvc": 2.76e9,  # rigid; 400e3 psi in ANSI/AWWA C900, 2.4-2.75 GPa in Chaudhry
+    "hdpe": 0.8e9,  # polyethylene, one value
+}
+
 
 class Fluid(NamedTuple):
     """A fluid at rest."""
@@ -24,8 +51,6 @@ class Fluid(NamedTuple):
     density: float  # kg/m^3
     bulk_modulus: float  # Pa
 
-
-ROOM = 293.15  # K, where a temperature is needed and none is given
 
 # Typical of mineral hydraulic oils of 46 mm^2/s (ISO VG 46 at 40 degC) without air, which lowers the bulk
 # modulus; the general hydraulic oil of Wolfram System Modeler (Hydraulic.Media.Oil) has these values.
@@ -92,35 +117,6 @@ def _series(terms: Mapping[int, float], x: float, derivative: int = 0) -> float:
     """Sum of coefficient * x**n; its derivatives in temperature obey d(x**n)/dT = ± n*x**(n+1)/SCALE."""
     rising = {0: lambda n: 1, 1: lambda n: n, 2: lambda n: n * (n + 1)}[derivative]
     return sum(coefficient * rising(n) * x ** (n + derivative) for n, coefficient in terms.items())
-
-
-# coefficients of SR6-08: power -> coefficient
-LOWEST, FREEZES, BOILS, HIGHEST = 253.15, 273.15, 372.76, 383.15  # K
-R, SCALE, P0 = 461.51805, 10.0, 1e5  # J/(kg K), K, Pa
-G_ALPHA = {4: -1.661470539e5, 5: 2.708781640e6, 7: -1.557191544e8}
-G_BETA = {2: -8.237426256e-1, 3: 1.908956353, 4: -2.017597384, 5: 8.546361348e-1}
-V_ALPHA = {4: 6.74458446e3, 5: -2.22521604e5, 7: 1.00231247e8, 8: -1.63552118e9, 9: 8.32299658e9}
-V_BETA = {
-    1: 5.78545292e-3, 2: -1.53195665e-2, 3: 3.11337859e-2, 4: -4.23546241e-2, 5: 3.38713507e-2,
-    6: -1.19946761e-2,
-}  # fmt: skip
-VP_ALPHA = {1: -7.5245878e-6, 3: -1.3767418e-2, 5: 1.0627293e1, 6: -2.0457795e2, 7: 1.2037414e3}
-VP_BETA = {
-    1: -3.1091470e-6, 3: 2.8964919e-5, 4: -1.3112763e-4, 5: 3.0410453e-4, 6: -3.9034594e-4, 7: 2.3403117e-4,
-    9: -4.8510101e-5,
-}  # fmt: skip
-
-
-WALLS = {
-    "steel": 206e9,  # mild steel, 200-212 GPa
-    "ductile iron": 165.5e9,  # 24e6 psi in ANSI/AWWA C150
-    "cast iron": 125e9,  # 80-170 GPa
-    "copper": 119e9,  # 107-131 GPa
-    "aluminium": 70.5e9,  # alloys, 68-73 GPa
-    "concrete": 22e9,  # 14-30 GPa
-    "pvc": 2.76e9,  # rigid; 400e3 psi in ANSI/AWWA C900, 2.4-2.75 GPa in Chaudhry
-    "hdpe": 0.8e9,  # polyethylene, one value
-}
 
 
 def youngs_modulus(name: str) -> float:

@@ -18,6 +18,8 @@ from tline.errors import InputError
 from tline.units import half_digit
 
 AGREE = 1e-6  # relative; quantities given twice over may differ by the digits that tables drop
+COARSEST = 0.01  # relative; digits typed excuse no larger difference
+LISTED = 6  # suggestions shown when something is missing
 
 
 @dataclass
@@ -48,10 +50,6 @@ class Given:
             else:
                 instead = f"instead of {self.shown(name, value)} of the {what}"
                 self.remarks.append(f"{name}: {self.shown(name, there)} as given, {instead}")
-
-
-COARSEST = 0.01  # relative; digits typed excuse no larger difference
-LISTED = 6  # suggestions shown when something is missing
 
 
 class Relation(NamedTuple):

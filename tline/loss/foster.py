@@ -14,6 +14,9 @@ from tline.loss.law import Arithmetic, Law, not_negative, positive
 if TYPE_CHECKING:
     from passivity import RationalFunction, Verdict
 
+PER_DECADE, BEYOND = 8, 2  # rates offered, and decades of them outside the table on both sides
+MOST_ROWS = 5_000
+
 
 class Foster(Law):
     """loss + s·storage + Σ r_k s/(s + p_k), all coefficients positive.
@@ -77,10 +80,6 @@ class Foster(Law):
         from passivity import check_positive_real
 
         return check_positive_real(self.rational)
-
-
-PER_DECADE, BEYOND = 8, 2  # rates offered, and decades of them outside the table on both sides
-MOST_ROWS = 5_000
 
 
 def tabulated(frequencies: ArrayLike, loss: ArrayLike, storage: ArrayLike, tolerance: float) -> Foster:

@@ -16,6 +16,10 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from flint import acb
 
+SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
+MOST_DIGITS = 1_000
+MOST_BITS = 20_000
+
 
 def positive(**parameters: float) -> None:
     """Refuse a parameter that is not a finite number above zero."""
@@ -33,9 +37,6 @@ def not_negative(**parameters: float) -> None:
 
 def _finite(value: object) -> bool:
     return (type(value) is float or isinstance(value, Real)) and math.isfinite(value)
-
-
-SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
 
 
 class Arithmetic(NamedTuple):
@@ -79,10 +80,6 @@ def _ball_log_ratio(z: "acb") -> "acb":
 
 DOUBLES = Arithmetic(np.sqrt, np.log1p, _quotient, _log_ratio)
 BALLS = Arithmetic(lambda z: z.sqrt(), lambda z: z.log1p(), _ball_quotient, _ball_log_ratio)
-
-
-MOST_DIGITS = 1_000
-MOST_BITS = 20_000
 
 
 class ByValue:

@@ -8,6 +8,9 @@ from tline.errors import InputError
 from tline.loss.foster import Foster
 from tline.loss.law import Arithmetic, ConstantLoss, Law, positive
 
+REYNOLDS = (2e3, 1e8)  # range of Vardy and Brown's fit
+TURBULENT = (4e3, 1e8)  # range of Prandtl's law of friction
+
 
 def hagen_poiseuille(density: float, viscosity: float, radius: float) -> ConstantLoss:
     """Friction as in steady laminar flow, at all frequencies: 8µ/(π R⁴) + s ρ/A.
@@ -79,10 +82,6 @@ class LaminarFriction(Law):
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
         """2µ/(π R⁴) · z I1(z)/I2(z)."""
         return arithmetic.quotient(1, arithmetic.sqrt(s * self.diffusion_time)) * (self.loss / 4)
-
-
-REYNOLDS = (2e3, 1e8)  # range of Vardy and Brown's fit
-TURBULENT = (4e3, 1e8)  # range of Prandtl's law of friction
 
 
 class TurbulentFriction(Law):

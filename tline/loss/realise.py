@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 
 
 BITS = 320  # the pencil loses as many digits as the interpolation gains, twice
+FINEST = 1e-10  # least tolerance: errors are measured in doubles
+MOST_TERMS = 40
+SAMPLES = 2_000
+ROUNDS, LEVEL = 8, 1.2  # of moving points; largest over smallest peak where that ends
+STEEPEST = 1e-3  # a peak counts as no smaller than this part of the largest
 
 
 def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
@@ -45,13 +50,6 @@ def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
         r = cauchy.solve(acb_mat(n, 1, h), algorithm="approx")
         strengths = [float(x.real.mid()) for x in r.entries()]
         return np.array(strengths), np.array([float(q) for q in p])
-
-
-FINEST = 1e-10  # least tolerance: errors are measured in doubles
-MOST_TERMS = 40
-SAMPLES = 2_000
-ROUNDS, LEVEL = 8, 1.2  # of moving points; largest over smallest peak where that ends
-STEEPEST = 1e-3  # a peak counts as no smaller than this part of the largest
 
 
 @dataclass(frozen=True)

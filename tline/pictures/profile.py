@@ -27,6 +27,7 @@ LOOKS: dict[str, Any] = {
     "rating": {"color": COLOURS[3], "linestyle": DASHES[3], "linewidth": 1.4},
     "vacuum": {"color": COLOURS[2], "linestyle": DASHES[2], "linewidth": 1.4},
 }
+PIXELS, WAVE_PIXELS = (700, 900), (300, 600)  # places, instants
 
 
 @styled
@@ -94,7 +95,6 @@ def draw_bounds(axes: Axes, limits: list[Bound]) -> None:
             axes.fill_between(bound.x, bound.effort, axes.get_ylim()[0], color=GROUND, alpha=0.15, linewidth=0)
 
 
-PIXELS, WAVE_PIXELS = (700, 900), (300, 600)  # places, instants
 ONE_SIDED = 0.1  # of the range; less than this below or above the start is no reason for two colours
 
 

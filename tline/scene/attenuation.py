@@ -20,6 +20,7 @@ FINEST = 1e-4  # of a value; a difference that small is none, whatever digits ar
 ROUNDS, DONE, MOST_CHANGE = 60, 1e-9, 0.75  # of linear programs, their last gain, and of a parameter in one of them
 FARTHEST = 0.5  # of a value; a line that far off is none
 Laws = tuple[tuple[Law, ...], Law]
+TIA = "limits of ANSI/TIA-568-C.2 for horizontal cable at 20 degC"
 
 
 class Sheet(NamedTuple):
@@ -212,7 +213,6 @@ class CableType(NamedTuple):
     resistance: float = 0.0  # to steady current, of both conductors together, ohm/m; 0 where none is published
 
 
-TIA = "limits of ANSI/TIA-568-C.2 for horizontal cable at 20 degC"
 TYPES = {
     "RG-58": CableType(
         "50 ohm", "66 %", "dB/100ft",

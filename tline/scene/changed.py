@@ -20,6 +20,13 @@ from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import UserElement
 from tline.words.wording import nearest, shown
 
+SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
+ALONE = "sources", "loads", "links"  # whose elements take their numbers as they are
+NOT_ALONE = Touchstone | MeasuredMultiport | Ibis | UserElement  # made of others by a file, or a user's own
+PLACES = "at", "nodes", "line"  # keys of an element
+SINGLE = 2  # parts of the path of an element
+DERIVED = "heights", "single_lines"  # what a scene has found of itself
+
 
 def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
     """The element with another number at a path within; None where none stands, or more than it says what is valid."""
@@ -66,12 +73,6 @@ def _checks(kind: type[Element]) -> tuple[Callable[[Any], Any], ...] | None:
     return checks if after and alone and not known.root_validators and not known.validators else None
 
 
-SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
-ALONE = "sources", "loads", "links"  # whose elements take their numbers as they are
-NOT_ALONE = Touchstone | MeasuredMultiport | Ibis | UserElement  # made of others by a file, or a user's own
-PLACES = "at", "nodes", "line"  # keys of an element
-SINGLE = 2  # parts of the path of an element
-DERIVED = "heights", "single_lines"  # what a scene has found of itself
 Found = dict[str, dict[str, Any]]
 
 

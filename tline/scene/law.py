@@ -10,6 +10,7 @@ from tline.scene.element import Element, OneMedium
 from tline.scene.shape import Shape
 
 Constants = Sequence[float] | NDArray
+ANY_DROP = -inf, inf
 
 
 class Bend(NamedTuple):
@@ -93,9 +94,6 @@ def kinds_numbered(numbers: Sequence[int]) -> list[LawKind]:
     """The kinds at these places."""
     known = list(KINDS.values())
     return [known[number] for number in numbers]
-
-
-ANY_DROP = -inf, inf
 
 
 class Governor(NamedTuple):

@@ -14,6 +14,9 @@ from tline.words.wording import shown
 MOST_PORTS = 16
 TIGHTEST = 0.999999  # coupling of windings
 ROUNDED = 1e-6  # by which typed decimals may make a matrix larger than a passive one
+TWO_OR_FOUR = sequence_of(
+    (2, 4), "not the nodes of two ports", 'two names such as ["a", "b"], or two for each port, ["a", "b", "c", "d"]'
+)
 
 
 class Ports(NamedTuple):
@@ -70,11 +73,6 @@ def _apart(nodes: tuple[str, ...]) -> tuple[str, ...]:
             problem = "both ends are at one node" if len(nodes) == 2 else "both ends of a port are at one node"
             raise InputError("", problem, "two different nodes", shown(one))
     return nodes
-
-
-TWO_OR_FOUR = sequence_of(
-    (2, 4), "not the nodes of two ports", 'two names such as ["a", "b"], or two for each port, ["a", "b", "c", "d"]'
-)
 
 
 class _TwoPort(Multiport):

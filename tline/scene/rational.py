@@ -30,6 +30,8 @@ from tline.words.wording import shown
 if TYPE_CHECKING:
     from passivity import RationalFunction
 
+MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
+
 
 class Ratio(NamedTuple):
     """Coefficients of numerator and denominator, highest power first, of polynomials without common factors.
@@ -101,9 +103,6 @@ def _quotient(a: int, b: int) -> float:
         value = inf
     size = min(max(abs(value), float_info.min), float_info.max) if a else 0.0
     return size if (a < 0) == (b < 0) else -size
-
-
-MOST_STATES = 20  # degree up to which double precision holds ladders of L and C to some 1e-12
 
 
 class RationalImpedance(Placed):

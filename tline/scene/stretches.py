@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 FINENESS, FEWEST, MOST_PLACES = 40, 8, 64  # places: per loss over impedance, and bounds, where no more are asked
+AT_A_PLACE = Fraction(1, 10**9)  # of a line
 
 
 class Mixing(NamedTuple):
@@ -94,9 +95,6 @@ def _lost(line: Coupled) -> tuple[NDArray, NDArray]:
     k, length = len(line.nodes1), float(line.length or 0.0)
     R, G = (length * np.array(given or np.zeros((k, k)), float) for given in (line.resistance, line.conductance))
     return R, G
-
-
-AT_A_PLACE = Fraction(1, 10**9)  # of a line
 
 
 class Stretches(NamedTuple):

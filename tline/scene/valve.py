@@ -39,6 +39,7 @@ ADDED: dict[str, tuple[tuple[float, float], ...]] = {
 }
 DIAMETERS = {"gate": 8.0, "globe": 340.0, "ball": 3.0}  # of pipe that lose as much as the open valve
 BUTTERFLIES = ((0.229, 45.0), (0.381, 35.0), (float("inf"), 25.0))  # the same up to such a bore, m
+PRESSURE_BEHIND = "has a pressure behind it, which is a source"
 
 
 def shares(kind: str, loss: float) -> tuple[tuple[float, float], ...]:
@@ -75,7 +76,6 @@ def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
 
 
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
-PRESSURE_BEHIND = "has a pressure behind it, which is a source"
 
 
 def _named_or_points(value: Any, points: ValidatorFunctionWrapHandler) -> Any:

@@ -23,6 +23,7 @@ GRAVITY = Quantity(9.80665, "m/s^2")
 GAS_VOLUME = "gas volume"
 Height = Annotated[Quantity, Role("height", "m")]
 Absolute = Annotated[Quantity, Role("pressure", "Pa", above=0)]
+MOST_PLACES = 1000  # places
 
 
 class Gas(LawKind):
@@ -278,9 +279,6 @@ class SurgeTank(_Vessel):
     def law(self) -> ElementLaw:  # noqa: D102
         area = pi / 4 * self.tank_diameter**2 if self.tank_diameter is not None else (self.tank_area or ZERO)
         return ElementLaw("tank", (0.0, self.capacity or inf, float(area / (self.density * self.gravity))))
-
-
-MOST_PLACES = 1000  # places
 
 
 class Cavities(Boiling):

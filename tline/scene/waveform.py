@@ -16,6 +16,8 @@ from tline.scene.quantity import LEVEL, ZERO, Angle, Delay, Duration, Frequency,
 from tline.scene.shape import Constant, Floats, Shape, Step
 from tline.scene.text_file import beside, read_rows
 
+MOST_PULSES = 1_000_000
+
 
 class Sine(Shape):
     """offset + amplitude·sin(2π·frequency·(t - at) + phase) from `at` to `until`; outside, what it is at that end."""
@@ -249,9 +251,6 @@ def check_order(times: Sequence[float], where: str) -> None:
     for k, (first, third) in enumerate(zip(times, times[2:], strict=False), 3):
         if first == third:
             raise InputError(where, f"point {k} is the third at one time", "at most two, for a jump", f"{third:g} s")
-
-
-MOST_PULSES = 1_000_000
 
 
 class Pulses(Shape):

@@ -20,6 +20,8 @@ OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 KIND = "application/vnd.openxmlformats-officedocument.spreadsheetml"
 HEAD = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>'
+PLACES = 12  # stretches of a pipe at whose ends extremes are looked for
+WRITTEN = ".csv", ".xlsx", ".geojson"
 
 
 def is_known(value: Any) -> bool:
@@ -69,10 +71,6 @@ def _cell(value: Any) -> str:
     if isinstance(value, int | float):
         return f"<c><v>{value!r}</v></c>"
     return f'<c t="inlineStr"><is><t>{escape(value)}</t></is></c>'
-
-
-PLACES = 12  # stretches of a pipe at whose ends extremes are looked for
-WRITTEN = ".csv", ".xlsx", ".geojson"
 
 
 class Table(NamedTuple):

@@ -24,6 +24,10 @@ DISTRIBUTIONS = {
 }
 EXPECTED = f"values, FROM:TO:COUNT, FROM:TO:COUNT:log, or {', '.join(DISTRIBUTIONS.values())}"
 MOST_VALUES = 1_000_000  # of one path
+MOST_RUNS = 10_000_000
+LARGEST_SEED = 2**63 - 1
+DRAWN = ("random", "latin", "sobol")
+PLAIN = ("grid", "list")
 
 
 class Distribution(NamedTuple):
@@ -166,12 +170,6 @@ def _leaf(scene: Scene, path: str) -> Any:
     for key in parts_of(path):
         found = found.get(key) if isinstance(found, dict) else getattr(found, key, getattr(found, f"{key}_", None))
     return found
-
-
-MOST_RUNS = 10_000_000
-LARGEST_SEED = 2**63 - 1
-DRAWN = ("random", "latin", "sobol")
-PLAIN = ("grid", "list")
 
 
 class Design(NamedTuple):

@@ -21,6 +21,11 @@ from tline.workers import Workers
 
 Floats = NDArray[np.float64]
 LONGEST = 500  # characters of a sentence
+SECONDS = 1.0  # that a batch shall take
+FIRST = 1  # runs in a batch of unknown cost
+FEWEST = 4  # batches for each worker, so that all end at about the same time
+GROWTH = 8  # times that a batch may be larger than the largest before
+DIED = "the process died that ran it: out of memory, or killed"
 
 
 class Task(NamedTuple):
@@ -113,13 +118,6 @@ def sentence(error: BaseException) -> str:
     """One line about an error, which is never empty."""
     text = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
     return " ".join(text.split())[:LONGEST]
-
-
-SECONDS = 1.0  # that a batch shall take
-FIRST = 1  # runs in a batch of unknown cost
-FEWEST = 4  # batches for each worker, so that all end at about the same time
-GROWTH = 8  # times that a batch may be larger than the largest before
-DIED = "the process died that ran it: out of memory, or killed"
 
 
 class Queue:

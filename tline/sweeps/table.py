@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 
 
 NOT_RUN = "not run"
+QUANTILES = (0.05, 0.5, 0.95)
+FEW = 24  # runs that are told one by one
+WORDS = ("lowest", "highest")
+TOLD = 20  # sentences of failed runs
 
 
 @dataclass(eq=False, repr=False)
@@ -223,12 +227,6 @@ class Sweep(Presentation):
         for k, text in self.errors.items():
             errors[k] = text
         return [*head, "error"], [list(row) for row in zip(*columns, errors, strict=True)]
-
-
-QUANTILES = (0.05, 0.5, 0.95)
-FEW = 24  # runs that are told one by one
-WORDS = ("lowest", "highest")
-TOLD = 20  # sentences of failed runs
 
 
 def summary(found: Sweep) -> dict[str, Any]:

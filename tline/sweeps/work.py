@@ -35,6 +35,7 @@ from tline.sweeps.table import Sweep
 
 LONG = 10.0  # s of work left that are worth starting processes
 Batches = Iterator[tuple[NDArray, Batch]]
+CHUNK = 20_000  # runs at once
 
 
 class SweepWork:
@@ -133,9 +134,6 @@ class SweepWork:
 def _middle(rows: NDArray) -> list[NDArray]:
     """The middle one, the first and the last, each alone."""
     return [rows[k : k + 1] for k in dict.fromkeys([len(rows) // 2, 0, len(rows) - 1])]
-
-
-CHUNK = 20_000  # runs at once
 
 
 def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]]) -> tuple[NDArray, ManyRuns]:

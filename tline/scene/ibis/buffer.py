@@ -19,6 +19,18 @@ MISSING = "NA"  # in place of a number
 CORNERS = ("typ", "min", "max")
 MOST = {"V": 1e3, "A": 1e3, "s": 1.0, "ohm": 1e9, "F": 1e-3, "H": 1.0}  # that a pin may plausibly have, in size
 MOST_ROWS = 100_000  # below one keyword
+TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
+RLC = ("ohm", "H", "F")
+FIXTURE = {
+    "r_fixture": "ohm", "v_fixture": "V", "c_fixture": "F", "l_fixture": "H", "r_dut": "ohm", "l_dut": "H",
+    "c_dut": "F",
+}  # fmt: skip
+LEFT_OUT_OF_WAVEFORMS = ("l_fixture", "r_dut", "l_dut", "c_dut")
+BEYOND = 10  # times the larger of supply and fixture that a waveform may plausibly reach
+WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
+OPEN = {"open_drain", "open_sink", "open_source"}
+ALWAYS = {"output", *OPEN}  # types that cannot be switched off
+LEFT_OUT = ("submodel", "add submodel", "driver schedule", "external model", "algorithmic model", "series current")
 
 
 class Section(NamedTuple):
@@ -111,19 +123,7 @@ def table_of(
     return rows
 
 
-TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
-RLC = ("ohm", "H", "F")
-FIXTURE = {
-    "r_fixture": "ohm", "v_fixture": "V", "c_fixture": "F", "l_fixture": "H", "r_dut": "ohm", "l_dut": "H",
-    "c_dut": "F",
-}  # fmt: skip
-LEFT_OUT_OF_WAVEFORMS = ("l_fixture", "r_dut", "l_dut", "c_dut")
-BEYOND = 10  # times the larger of supply and fixture that a waveform may plausibly reach
-WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
-OPEN = {"open_drain", "open_sink", "open_source"}
 DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
-ALWAYS = {"output", *OPEN}  # types that cannot be switched off
-LEFT_OUT = ("submodel", "add submodel", "driver schedule", "external model", "algorithmic model", "series current")
 
 
 class CurrentTable(NamedTuple):

@@ -30,6 +30,9 @@ from tline.solver.steady.steady_state import Before, above_level, rest
 from tline.words.progress import Progress
 
 LONGEST = 512  # slabs; more at once save nothing
+CELLS_AHEAD = 2  # times that nodes go on at once while a cell passes, at least: cells are whole multiples of that
+LAYOUTS = 2  # of a scene that are kept
+STAGES = 3  # lines, state before t = 0, nodes
 
 
 def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, diamonds: Collection[int] = ()) -> Blocks:
@@ -63,10 +66,6 @@ def _stride(reach: NDArray, ends: NDArray) -> int:
     begun = np.where(choices > 1, near / choices[0] + (ends.sum() - near) / choices, np.inf)
     return int(choices[np.argmin(begun)]) if choices[-1] > 1 else LONGEST
 
-
-CELLS_AHEAD = 2  # times that nodes go on at once while a cell passes, at least: cells are whole multiples of that
-LAYOUTS = 2  # of a scene that are kept
-STAGES = 3  # lines, state before t = 0, nodes
 
 Excitation = list[tuple[Waveform, float]]  # waveforms and their shares of the Thévenin wave, or what scales an element
 

@@ -16,6 +16,8 @@ from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.kernel.fronts.structures import SAME_MAP
 from tline.solver.radau import Basis, Matrix, basis
 
+SUBSTEPS = 8  # in the time that it takes
+
 
 class Event(NamedTuple):
     """Something that happens at a group: a switch moves, or a piece of a slab begins.
@@ -94,9 +96,6 @@ def maps_of(found: GroupSystems, order: Basis, h: float) -> tuple[NDArray, NDArr
         for system, whole in zip(found.systems, found.whole, strict=True)
     ]
     return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]
-
-
-SUBSTEPS = 8  # in the time that it takes
 
 
 def settling_step(system: StateSpace, order: Basis, width: float) -> Matrix:

@@ -38,6 +38,7 @@ ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps 
 WRONG = 1e-12  # of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
 SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of which transforms are quick
+SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 
 def rounding(padded: int) -> float:
@@ -150,9 +151,6 @@ class Quadrature:
                 sums = (self._from_eigen * at[:, None, :, a, b]) @ self._to_eigen
                 found[:, a, :, b] = np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
         return found.reshape(self.n, K * s, K * s)
-
-
-SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 
 def gain(line: LossyLine, z0: float, order: Basis, h: float, slabs: float) -> float:

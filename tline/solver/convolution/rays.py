@@ -23,6 +23,8 @@ from tline.solver.description.switches import switches_of
 
 MOST = 100  # rays of one source
 SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
+MOST_ARRIVALS = 10_000  # arrivals
+SAME_INSTANT = 1e-9  # of the shortest delay; arrivals so near are one
 
 
 class Ray(NamedTuple):
@@ -108,10 +110,6 @@ class Rays:
             return np.stack([u, u], axis=1)
         flow = (u - 2 * into.get(end, 0.0)) * (self.network.z0[end // 2] / self.impedance[:, end // 2])
         return np.stack([u - flow, u + flow], axis=1)
-
-
-MOST_ARRIVALS = 10_000  # arrivals
-SAME_INSTANT = 1e-9  # of the shortest delay; arrivals so near are one
 
 
 def arrivals(description: Description) -> dict[str, NDArray]:

@@ -37,6 +37,12 @@ from tline.solver.result.merged import record_of
 from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
+SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
+MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
+MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
+MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
+MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
+
 
 def envelope_of(description: Description, result: Result) -> Envelope:
     """Extremes at all nodes at which lines end, all of which are recorded; what their errors are is not known yet."""
@@ -51,11 +57,6 @@ def envelope_of(description: Description, result: Result) -> Envelope:
     weight, per_metre = (np.array([getattr(p.height, name) for p in seen.values()]) for name in ("weight", "per_metre"))
     unknown = np.full(len(seen), np.nan)
     return Envelope((*seen,), start, low, low_at, unknown, high, high_at, unknown, weight, per_metre)
-
-
-SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
-MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
-MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 
 
 class Convolved:
@@ -289,10 +290,6 @@ def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: floa
         here = noted.row == row
         pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + before)
     return Wave(waves[row, side].reshape(-1, order.s) + before, before, order, h, pieces)
-
-
-MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
-MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
 
 
 def suits(description: Description) -> bool:

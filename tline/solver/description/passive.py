@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from passivity import Verdict
 
 Matrix = Sequence[Sequence["RationalFunction"]]
+MOST_PORTS = 12  # as many as are decided
 
 
 class ExactElement(NamedTuple):
@@ -119,9 +120,6 @@ def _multiport(element: Multiport) -> tuple[Matrix, Matrix]:
         return [[RationalFunction.from_coefficients([a, -b], [1]) for a, b in zip(*rows, strict=True)] for rows in both]
 
     return exact(M, E @ P), exact(N, E @ R)
-
-
-MOST_PORTS = 12  # as many as are decided
 
 
 @dataclass(frozen=True)

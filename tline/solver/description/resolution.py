@@ -28,6 +28,9 @@ POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 3e4, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
 LARGEST = 4e8  # samples on the lines at once
 MOST_SLABS = 1e9
+SHORT = 1 / 8  # of the slab that suits all other lines
+SETTLED = 1  # slab, within which a group has to settle after a front
+MOST_STATES = 12  # of a group
 
 
 class Resolution(NamedTuple):
@@ -148,11 +151,6 @@ def grid_choice(description: Description, chosen: Resolution) -> GridChoice:
     if chosen.convolved or description.dispersive:
         return GridChoice(reason, None)
     return GridChoice(reason, 2 * len(delays) * chosen.s * description.t_end / h * work)
-
-
-SHORT = 1 / 8  # of the slab that suits all other lines
-SETTLED = 1  # slab, within which a group has to settle after a front
-MOST_STATES = 12  # of a group
 
 
 def short_lines(description: Description, record: Iterable[str]) -> tuple[list[str], float]:

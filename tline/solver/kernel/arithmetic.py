@@ -8,6 +8,12 @@ Polynomials on intervals, held by their Legendre coefficients.
 from tline.compiled.unit import function
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
+SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
+STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
+TRIES = 40  # Newton steps for a part of the way
+FAINT = 1e-9  # what a step takes for the response of waves that answer to nothing
+LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
+ROUNDING = 1e-9  # of a look
 
 
 @function
@@ -98,16 +104,6 @@ def left_of(rest, first, aim, size):
         rest[i] -= (1.0 - aim) * first[i]
         largest = max(largest, abs(rest[i]))
     return largest
-
-
-SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
-STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
-TRIES = 40  # Newton steps for a part of the way
-FAINT = 1e-9  # what a step takes for the response of waves that answer to nothing
-
-
-LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
-ROUNDING = 1e-9  # of a look
 
 
 @function

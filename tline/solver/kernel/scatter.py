@@ -14,6 +14,8 @@ from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.laws.passing import is_watched
 from tline.solver.kernel.network import Run
 
+FAR, NEAR = -1, -2  # groups of a block
+
 
 @function
 def load(run, g, n, step, at):
@@ -46,9 +48,6 @@ def load(run, g, n, step, at):
                 total += step[place + j] * row[j]
             place += width
             states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total
-
-
-FAR, NEAR = -1, -2  # groups of a block
 
 
 @function

@@ -30,6 +30,10 @@ from tline.solver.kernel.units import units_of
 from tline.words.progress import Progress
 
 NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))
+CHUNK = 2e7  # line-end samples between two looks at the progress bar
+LOOK = 2e6  # between two looks of observers, who want all pieces too
+FEW = 1e5  # samples of sources that are found at once
+STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
 class Kernel:
@@ -100,12 +104,6 @@ class Kernel:
 def advance(network: Network, state: State, n_slabs: int, excitation: NDArray, record: NDArray, column: int) -> int:
     """Advance a network once; see `Kernel.blocks`."""
     return Kernel(network, state).blocks(n_slabs, excitation, record, column)
-
-
-CHUNK = 2e7  # line-end samples between two looks at the progress bar
-LOOK = 2e6  # between two looks of observers, who want all pieces too
-FEW = 1e5  # samples of sources that are found at once
-STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
 class Noted(NamedTuple):

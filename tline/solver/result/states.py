@@ -35,6 +35,8 @@ from tline.solver.result.result import ElementRecord, ProbeResult, Result
 from tline.words.wording import place
 
 MOST_SAMPLES = 2e7  # of states that a run keeps without being asked
+BISECTIONS = 50  # of the time between two samples, as long as these halves are numbers of their own
+GAUSS = np.polynomial.legendre.leggauss(4)
 
 
 class StateTrace(NamedTuple):
@@ -124,10 +126,6 @@ def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
     pairs = zip(record.states[1:], drives, strict=True)
     flows = [entering(c, 0, y, 0.0, drive, record.impedance)[0] for y, drive in pairs]
     return np.array([*flows[:1], *flows])
-
-
-BISECTIONS = 50  # of the time between two samples, as long as these halves are numbers of their own
-GAUSS = np.polynomial.legendre.leggauss(4)
 
 
 class Measured(NamedTuple):

@@ -17,6 +17,9 @@ from tline.units import engineering
 from tline.words.wording import place
 
 VACUUM = -101_325.0  # Pa, gauge
+LISTED = 3  # elements
+MARGIN = 1.01
+TRICKLE = 1e-6  # of the efforts; a smaller rise is none
 
 
 def beyond_limits(description: Description, extremes: Mapping[str, tuple[float, float]]) -> list[str]:
@@ -67,11 +70,6 @@ def worst_first(sizes: Mapping[str, float], sign: int) -> list[str]:
 def first_of(places: list[str]) -> str:
     """The first, and how many more there are."""
     return places[0] + f" and {len(places) - 1} more" * (len(places) > 1)
-
-
-LISTED = 3  # elements
-MARGIN = 1.01
-TRICKLE = 1e-6  # of the efforts; a smaller rise is none
 
 
 def surges(

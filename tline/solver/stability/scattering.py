@@ -25,6 +25,8 @@ from tline.solver.description.links import Branch
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
 
+CHUNK = 2e6  # complex entries held at once
+
 
 def losses_of(name: str, line: Line) -> LossyLine:
     """The exact laws of a line that has losses."""
@@ -70,7 +72,6 @@ def _shape(total: NDArray, late: NDArray | float = 0.0) -> NDArray:
     return np.where(total == 0, 1, -np.expm1(-2 * (total + late)) / (2 * np.where(total == 0, 1, total)))
 
 
-CHUNK = 2e6  # complex entries held at once
 Parts = tuple[NDArray, NDArray, NDArray]
 
 

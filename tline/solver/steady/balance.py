@@ -30,6 +30,17 @@ SINGULAR = 1e-13  # of the largest singular value, or pivot
 CONTRADICTORY = 1e-11  # of what is known
 INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
+STEPS, HALVINGS = 400, 40
+SPARE, CLOSE = 1e-15, 1e-10  # residuals, relative to the largest effort: where to stop, and what will do
+LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
+SHUT = 1e-9  # conductance of a law, in those units, that is taken beside multiports for one which lets nothing pass
+LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
+LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is not found at once
+SMALL = 300  # unknowns
+STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
+NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
+TIED = 1e-13  # of what else ties a part, where that is not enough to tell its effort
+CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
 class Limit(NamedTuple):
@@ -130,19 +141,6 @@ def _involved(vectors: NDArray) -> NDArray:
     """Places of the entries of null vectors that are not small."""
     size = np.abs(vectors).max(axis=1)
     return np.flatnonzero(size > INVOLVED * size.max())
-
-
-STEPS, HALVINGS = 400, 40
-SPARE, CLOSE = 1e-15, 1e-10  # residuals, relative to the largest effort: where to stop, and what will do
-LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
-SHUT = 1e-9  # conductance of a law, in those units, that is taken beside multiports for one which lets nothing pass
-LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
-LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is not found at once
-SMALL = 300  # unknowns
-STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
-NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
-TIED = 1e-13  # of what else ties a part, where that is not enough to tell its effort
-CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
 class EdgeLaws(NamedTuple):

@@ -30,6 +30,10 @@ from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
 
+NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
+NONE = np.empty(0)
+TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
+
 
 class Flows:
     """Laws of elements, packed once."""
@@ -112,11 +116,6 @@ class Ends(NamedTuple):
         u = (u1 * np.sinh(x * (1 - part)) + u2 * np.sinh(x * part)) / np.sinh(x)
         y = (u1 * np.cosh(x * (1 - part)) - u2 * np.cosh(x * part)) / (Zc * np.sinh(x))
         return u, z0 * y
-
-
-NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
-NONE = np.empty(0)
-TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
 
 
 class Edges:

@@ -26,6 +26,8 @@ from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place
 
+NAMED = 4  # elements in a message
+
 
 class AtNodes(NamedTuple):
     """Of each node, shape (nodes,)."""
@@ -99,9 +101,6 @@ def joins_of(description: Description, number: Mapping[str, int], lines: Lines) 
     inertia = np.concatenate([(lines.z0 * lines.delay)[lossless], [inertia for _, _, inertia in shorts]])
     names = [name for name, kept in zip(description.lines, lossless.tolist(), strict=True) if kept]
     return Joins(np.vstack([lines.ends[lossless], pairs]), inertia, names)
-
-
-NAMED = 4  # elements in a message
 
 
 class Ported(NamedTuple):

@@ -22,6 +22,13 @@ from tline.solver.tolerance.difference import Difference
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
 
 CAUTION = 2.0  # errors over differences: delays that are rounded err at random, and by half as much on half the slab
+CLOSER = 0.1  # tolerance of the next over what the last doubling changed
+SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
+OFF = 0.618  # of what is between them: places of instants at which two runs are compared, between round ones
+INSTANTS, PER_SLAB, MOST = 4001, 4, 200_000
+ROUGH = 1e-3  # tolerance of the slabs of the first runs
+MOST_SAMPLES = 3e7  # line-end samples of all runs
+GROWTH = 6  # times as many samples with each doubling
 
 
 class Rounded(Grids):
@@ -80,15 +87,6 @@ def _extremes(probe: ProbeResult) -> NDArray:
     seen = probe.at_slab_ends
     both = np.stack([seen.gauge_pressure, probe.record.z0 * seen.y], axis=1)
     return np.stack([both.min(axis=0), both.max(axis=0)])
-
-
-CLOSER = 0.1  # tolerance of the next over what the last doubling changed
-SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
-OFF = 0.618  # of what is between them: places of instants at which two runs are compared, between round ones
-INSTANTS, PER_SLAB, MOST = 4001, 4, 200_000
-ROUGH = 1e-3  # tolerance of the slabs of the first runs
-MOST_SAMPLES = 3e7  # line-end samples of all runs
-GROWTH = 6  # times as many samples with each doubling
 
 
 class Doublings(Grids):

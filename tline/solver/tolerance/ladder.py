@@ -30,6 +30,19 @@ from tline.words.progress import DELAY
 MOST_SECONDS = 600  # where nothing is asked
 PACE = 0.5  # of an estimate, that a run leaves where nothing is known yet
 SAMPLES = 2.0  # times as many in the next run, at least
+HELPS = 0.5  # a step that leaves more of the difference than this does not converge
+MISSED = 4  # grids in a row on which no flow was found, at most
+MOST_INSIDE = 2e7  # line-end samples in all runs together, for the sake of instants inside slabs alone,
+WORTH = 64  # or so many times those of the first run, if that is more
+TRIED = 2  # halvings of the slab, from which the next ones are foretold,
+FORETOLD = 2e6  # and line-end samples in all runs together: before, runs may converge slower than they will; so few
+# are cheap where nothing else is computed inside lines
+STALE, CHEAP = 2, 1e5  # halvings of the slab in a row that may bring nothing; line-end samples that are tried anyway
+MOST_SAMPLES = 3e9  # line-end samples in all runs together
+LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
+COLLAPSE = (
+    ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
+)
 
 
 class Budget:
@@ -81,21 +94,6 @@ def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: floa
     pace = min(told[-1] / told[-2], PACE) if len(told) > 1 and told[-1] > 0 else PACE
     runs = max(ceil(log(tol / told[-1]) / log(pace)), 1) if told else 1
     return last * sum(growth**k for k in range(1, runs + 1))
-
-
-HELPS = 0.5  # a step that leaves more of the difference than this does not converge
-MISSED = 4  # grids in a row on which no flow was found, at most
-MOST_INSIDE = 2e7  # line-end samples in all runs together, for the sake of instants inside slabs alone,
-WORTH = 64  # or so many times those of the first run, if that is more
-TRIED = 2  # halvings of the slab, from which the next ones are foretold,
-FORETOLD = 2e6  # and line-end samples in all runs together: before, runs may converge slower than they will; so few
-# are cheap where nothing else is computed inside lines
-STALE, CHEAP = 2, 1e5  # halvings of the slab in a row that may bring nothing; line-end samples that are tried anyway
-MOST_SAMPLES = 3e9  # line-end samples in all runs together
-LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
-COLLAPSE = (
-    ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
-)
 
 
 class Step(NamedTuple):

@@ -29,6 +29,9 @@ POINTS = leggauss(5)  # of a piece of a window
 MARGIN = 3.0  # times the tolerance, that efforts and flows may be off
 ROUNDING = 1e-10  # of what a node sees, for flows are small differences of waves
 FAINT = 1e-6  # of the largest effort of all, below which nothing is told
+MOST_ASIDE = 4  # instants that may be wrong: polynomials beside fronts at ends that no probe sees
+MOST_WINDOWS = 1  # windows that may be wrong
+MOST_DEGREE = 4  # of an impedance
 
 
 class Window:
@@ -145,9 +148,6 @@ def _one_in_each(t_end: float, parts: int) -> NDArray:
     return (np.arange(parts) + rng.uniform(0.0, 1.0, parts)) / parts * t_end
 
 
-MOST_ASIDE = 4  # instants that may be wrong: polynomials beside fronts at ends that no probe sees
-
-
 class Doubt(NamedTuple):
     """Where and when a result does not fit, and what."""
 
@@ -199,10 +199,6 @@ def _is_another(seen: Seen, sent: Wave, arrived: Wave, delay: float) -> NDArray:
 def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]:
     if wrong.sum() > MOST_ASIDE:
         yield Doubt(where, float(seen.instants[wrong][0]), what)
-
-
-MOST_WINDOWS = 1  # windows that may be wrong
-MOST_DEGREE = 4  # of an impedance
 
 
 class Signals(NamedTuple):

@@ -24,6 +24,9 @@ from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy import LossySolution
 
 RUNS, MOST_RUNS = 5, 5  # of which the median is taken, and how many times that if they are short
+DIGITS, DIGITS_BETWEEN = 18, 15
+SEED = 0
+DEGREE = 16  # between fronts
 
 
 class Effort(NamedTuple):
@@ -66,11 +69,6 @@ def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
         runs.append(run())
         spent += runs[-1].seconds
     return runs[0]._replace(stepping=median(r.stepping for r in runs), seconds=median(r.seconds for r in runs))
-
-
-DIGITS, DIGITS_BETWEEN = 18, 15
-SEED = 0
-DEGREE = 16  # between fronts
 
 
 class Closed:

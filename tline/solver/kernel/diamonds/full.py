@@ -18,6 +18,12 @@ STOKES, DUNLOP, LAMINAR = 2000.0, 4000.0, 2040.0  # Reynolds numbers, as in `tli
 SLOWEST = 1e-200  # Reynolds number
 BITS, MANTISSA, ONE = 52, 2**52 - 1, 1023 << 52  # of a number: those of its fraction, and 1.0
 TERMS, PLACES = 7, 128  # of a power's series, and in its table
+ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
+NEAR, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
+LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
+ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
+MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
+REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
 
 
 @function
@@ -86,14 +92,6 @@ def lost(diamonds, row, d):
         each = c * factor * size
         return value + each * d, slope + (2.0 + exponent) * each
     return value, slope
-
-
-ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
-NEAR, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
-LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
-ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
-MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
-REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
 
 
 @function

@@ -13,6 +13,8 @@ from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.fill import fill
 
+PARTS = 64
+
 
 @function
 def stored(c, at, y):
@@ -32,9 +34,6 @@ def tank(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into the tank at the points of a slab of width h, behind the efforts v and the impedance z."""
     fill(stored, entering, store, at, state, h, z, np.inf)
     return 0
-
-
-PARTS = 64
 
 
 @function

@@ -26,6 +26,9 @@ from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.peaks import fill, powers
 
+NEAR = 1e-9  # of a period; an instant this near to a slab's end is its end
+NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
+
 
 class CopiesRun(NamedTuple):
     """B copies of a network with L lines and N nodes, in periods of K slabs of s points."""
@@ -250,10 +253,6 @@ def add_modes(parts, term, weight, out):
         real, imag = weight[m].real, weight[m].imag
         for c in range(out.size):
             out[c] += real * parts[m, 0, term, c] - imag * parts[m, 1, term, c]
-
-
-NEAR = 1e-9  # of a period; an instant this near to a slab's end is its end
-NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
 
 
 class Values(NamedTuple):
