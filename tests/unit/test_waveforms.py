@@ -21,7 +21,7 @@ from tline.scene.waveform import (
     Table,
     read_table,
 )
-from tline.solver.description.excitation import EDGE, just_before
+from tline.solver.description.excitation import EDGE, jumps_of, just_before, places_of
 from tline.solver.radau import basis, gauss
 from tline.study.baseline.explicit import projected
 
@@ -279,3 +279,11 @@ def test_a_late_break_is_projected_too():
     step = Step(to=1, at=(slab + 0.25) * h)
     u = projected(step, step.breaks(1e9), basis(2), h, slab - 1, 3)
     assert u.ravel() == pytest.approx([0, 0, 9 / 16, 21 / 16, 1, 1], abs=1e-9)
+
+
+def test_jumps_and_corners_in_one_slab_are_told_from_corners():
+    """A step inside a ramp of 4 slabs, and one of a tenth of a slab: neither the ramp's corners nor t = 0 jump."""
+    parts = [(Step(to=1, at=2.5), 2.0), (Ramp(to=1, at=1.2, duration=4), 1.0), (Ramp(to=1, at=7, duration=0.1), 1.0)]
+    places = places_of(parts, 10.0, 1.0)
+    assert jumps_of(parts, places, 10.0, 1.0, steady=True).tolist() == pytest.approx([2.5, 7.0, 7.1])
+    assert jumps_of(parts, places, 10.0, 1.0, steady=False).tolist() == pytest.approx([0.0, 2.5, 7.0, 7.1])

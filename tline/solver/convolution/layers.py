@@ -125,7 +125,7 @@ class Layers:
         changes = source.changes
         weights = source.share * np.array([changes.jump[k], changes.bend[k]])
         front = Straight(changes.at[k : k + 1] - first * self.h, *np.pad(weights[:, None], ((0, 0), (1, 0))))
-        return self.rule.forward(projected(front, self.order, self.h, self.rule.n)[:, :, None])[:, 0], weights
+        return self.rule.forward(projected(front, self.order, self.h, 0, self.rule.n)[:, :, None])[:, 0], weights
 
     def _answers(self, waves: NDArray) -> NDArray:
         """To a step and a ramp on slabs of each width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""

@@ -217,7 +217,7 @@ class Convolved:
             values = np.zeros((rule.n, order.s, len(rows)))
             for row, waveforms in enumerate(rows):
                 for waveform, share in waveforms:
-                    values[:, :, row] += share * projected(waveform, order, h, rule.n)
+                    values[:, :, row] += share * projected(waveform, order, h, 0, rule.n)
             return values
 
         given = [driven(each) for each in parts]

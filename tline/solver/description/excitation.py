@@ -35,15 +35,15 @@ def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> N
     return waveform.value(start + h * basis.c[:, None], start + h / 2).T  # loops over slabs are longer than over points
 
 
-def projected(waveform: Waveform, basis: Basis, h: float, n: int) -> NDArray:
-    """Values at the Radau points of n slabs from t = 0 on, shape (n, s); broken slabs hold L2 projections."""
-    found = sampled(waveform, basis, h, 0, n)
-    places = places_of([(waveform, 1.0)], n * h, h)
+def projected(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:
+    """Values at the Radau points of n slabs from number `first` on, shape (n, s); broken ones hold L2 projections."""
+    found = sampled(waveform, basis, h, first, n)
+    places = places_of([(waveform, 1.0)], (first + n) * h, h)
     inside = places[places != np.floor(places)]
     if len(inside):
-        cut = broken([(waveform, 1.0)], inside, basis, h, 0, n)
-        found[cut.slab] = 0.0
-        slabs = np.repeat(cut.slab, cut.parts)
+        cut = broken([(waveform, 1.0)], inside, basis, h, first, n)
+        found[cut.slab - first] = 0.0
+        slabs = np.repeat(cut.slab - first, cut.parts)
         for slab, start, stop, coef in zip(slabs, cut.start, cut.stop, cut.coef, strict=True):
             found[slab] += basis.projection(float(start), float(stop)) @ (basis.to_points @ coef)
     return found
@@ -72,6 +72,25 @@ def places_of(parts: Sequence[tuple[Waveform, float]], t_end: float, h: float) -
     near = np.round(places)
     places = np.where(np.abs(places - near) < EDGE, near, places)
     return np.unique(places[(places >= 0) & (places < t_end / h)])
+
+
+def jumps_of(parts: Sequence[tuple[Waveform, float]], places: NDArray, t_end: float, h: float, steady: bool) -> NDArray:
+    """Those of the places that constants on slabs have to follow: jumps, and corners less than a slab apart.
+
+    From rest t = 0 is one, whatever the waveforms.
+    """
+    edges, t = np.append(places, t_end / h), h * places
+    middle, near = h * (edges[:-1] + edges[1:]) / 2, np.diff(places) < 1
+    before, after = np.zeros(len(places)), np.zeros(len(places))
+    for waveform, share in parts:
+        before += share * np.append(just_before(waveform), waveform.value(t[1:], middle[:-1]))
+        after += share * waveform.value(t, middle)
+    kept = np.abs(after - before) > EDGE * np.maximum(np.abs(before), np.abs(after))
+    kept[0] |= not steady
+    near[:1] &= kept[0] or any((np.abs(waveform.breaks(h)) < EDGE * h).any() for waveform, _ in parts)
+    kept[1:] |= near
+    kept[:-1] |= near
+    return places[kept]
 
 
 def broken(parts: list[tuple[Waveform, float]], places: NDArray, basis: Basis, h: float, first: int, n: int) -> Broken:

@@ -21,7 +21,17 @@ from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tal
 from tline.solver.assembly.layout import Excitation
 from tline.solver.assembly.node_maps import Event
 from tline.solver.assembly.workspace import renew, work_for
-from tline.solver.description.excitation import EDGE, Broken, Waveform, averaged, broken, places_of, sampled
+from tline.solver.description.excitation import (
+    EDGE,
+    Broken,
+    Waveform,
+    averaged,
+    broken,
+    jumps_of,
+    places_of,
+    projected,
+    sampled,
+)
 from tline.solver.description.laws import units_of_laws
 from tline.solver.kernel import blocks
 from tline.solver.kernel.fronts.structures import BEGIN, DONE, END, LATE, LIVE, NOTED, FrontRun, Fronts, Sources
@@ -189,6 +199,9 @@ class Signals:
     def __init__(self, assembly: Assembly, n: int, before: "Signals | None" = None):
         self.of, self.h, self.basis = assembly.excitations, assembly.resolution.h, assembly.basis
         self.n, self.follows, self.plain = n, assembly.follows_edges, assembly.resolution.plain
+        self.steady = assembly.description.steady
+        # cells of order 1 are no better with corners in pieces, which would never be joined
+        self.constants = self.basis.s == 1 and len(assembly.network.diamonds.line) > 0
         few = len(self.of) * n * self.basis.s <= FEW
         self.shape = n, self.follows, few
         known = before.known if before and before.shape == self.shape else []
@@ -205,12 +218,15 @@ class Signals:
         if k < len(known) and known[k][0] == waveforms:
             return known[k]
         places = np.empty(0) if self.plain else places_of(parts, self.n * self.h, self.h)
+        if self.constants and not self.plain:
+            places = jumps_of(parts, places, self.n * self.h, self.h, self.steady)
         places = places if self.follows else places[places % 1 != 0]
         values = [self._values(waveform, 0, self.n) for waveform in waveforms] if few else []
         return waveforms, places, np.array(values)
 
     def _values(self, waveform: Waveform, first: int, n: int) -> NDArray:
-        values = (averaged if self.plain else sampled)(waveform, self.basis, self.h, first, n)
+        values_of = averaged if self.plain else projected if self.constants else sampled
+        values = values_of(waveform, self.basis, self.h, first, n)
         return np.broadcast_to(values, (n, self.basis.s)).ravel()
 
     def broken(self, first: int, n: int) -> list[Broken]:
