@@ -69,7 +69,7 @@ class OneOrder:
         """Put another scene in place; whether that could be done."""
         assembly, n = self.assembly, self.slabs.number
         chosen = assembly.resolution
-        if not rewritten(assembly, description, chosen, layout_of(description, chosen)):
+        if not rewritten(assembly, description, chosen, layout_of(description, chosen, assembly.grid)):
             return False
         self.signals = Signals(assembly, n, self.signals)
         self.excitation = self.signals.sampled(0, n)
