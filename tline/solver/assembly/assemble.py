@@ -1,6 +1,6 @@
 """From a scene to arrays: the one place that knows both."""
 
-from collections.abc import Collection, Hashable, Mapping
+from collections.abc import Collection, Hashable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
