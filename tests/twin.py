@@ -11,7 +11,7 @@ from tline.solver.description.load_step import load_step
 
 def states_of(assembly: Assembly, g: int, x: np.ndarray) -> np.ndarray:
     """The part of the states that belongs to a group."""
-    at, n = assembly.network.load_at[g], len(assembly.systems[assembly.network.step_row[g]].A)
+    at, n = assembly.network.load_at[g], len(assembly.systems.spaces[assembly.network.step_row[g]].A)
     return x[at : at + n]
 
 
@@ -20,7 +20,7 @@ def efforts(assembly: Assembly, n_slabs: int) -> np.ndarray:
     net, s, h = assembly.network, assembly.resolution.s, assembly.resolution.h
     starts = np.array(list(assembly.start.values()))
     sent = [[np.full(s, starts[e // 2, e % 2])] * (int(net.delay[e // 2]) + 1) for e in range(2 * len(net.delay))]
-    steps = [load_step(system, assembly.basis, h) for system in assembly.systems]
+    steps = [load_step(system, assembly.basis, h) for system in assembly.systems.spaces]
     u = np.zeros((len(net.first) - 1, n_slabs, s))
     x, step_row = assembly.state.load.copy(), net.step_row.copy()
     for k in range(n_slabs):
@@ -112,7 +112,7 @@ def efforts_in_pieces(assembly: Assembly, n_slabs: int) -> np.ndarray:
                         wave[node - low] += net.weight[i] * arriving[net.ends[i]]
                 if net.load_at[g] >= 0:
                     step, state = (
-                        load_step(assembly.systems[step_row[g]], basis, (q - p) * h),
+                        load_step(assembly.systems.spaces[step_row[g]], basis, (q - p) * h),
                         states_of(assembly, g, x),
                     )
                     both = step @ np.concatenate([wave.ravel(), state])

@@ -6,7 +6,7 @@ these are written down and nothing else is made again.
 """
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from math import inf
 
 import numpy as np
@@ -69,7 +69,7 @@ class OneOrder:
         """Put another scene in place; whether that could be done."""
         assembly, n = self.assembly, self.slabs.number
         chosen = assembly.resolution
-        if not rewritten(assembly, description, chosen, layout_of(description, chosen)):
+        if not rewritten(assembly, description, chosen, layout_of(description, chosen, assembly.grid)):
             return False
         self.signals = Signals(assembly, n, self.signals)
         self.excitation = self.signals.sampled(0, n)
@@ -102,16 +102,11 @@ class Pair:
 
     Both are packed once; where slabs are in pieces they are made anew for each run.
 
-    Slabs have the width h, s; the coarser run has the order given, and `tol` is that of all runs.
+    `orders` are the coarser run and the finer one, and `tol` is that of all runs.
     """
 
-    def __init__(self, description: Description, tol: float, order: int, h: float):
-        self.description, self.tol, self.order, self.h = description, tol, order, h
-
-    @cached_property
-    def orders(self) -> tuple[OneOrder, OneOrder]:
-        """The coarser run, and the finer one."""
-        return OneOrder(self.description, self.order, self.h), OneOrder(self.description, self.order + 1, self.h)
+    def __init__(self, description: Description, tol: float, orders: tuple[OneOrder, OneOrder]):
+        self.description, self.tol, self.orders = description, tol, orders
 
     @cached_property
     def smooth(self) -> bool:
@@ -190,8 +185,8 @@ class Plan(Pair):
     For scenes from rest without laws, losses, switches, elevations and lumped lines.
     """
 
-    def __init__(self, description: Description, tol: float, order: int, h: float):
-        super().__init__(description, tol, order, h)
+    def __init__(self, description: Description, tol: float, orders: tuple[OneOrder, OneOrder]):
+        super().__init__(description, tol, orders)
         self._base, _ = description.grouped()
         self._number = {node.name: g for g, group in enumerate(self._base) for node in group.nodes}
         self._written: dict[int, Group] = {}  # in place of those
@@ -248,13 +243,21 @@ def planned(description: Description, tol: float) -> Pair | None:
     if not _tells_by_order(description):
         return None
     more = description.steady or description.elements or description.heights or description.switched
+    made = cache(lambda order, h: OneOrder(description, order, h))
+
+    def enough(make: type[Pair], order: int, h: float) -> Pair | None:
+        try:
+            pair = make(description, SPARE * tol, (made(order, h), made(order + 1, h)))
+        except InputError:
+            return None
+        return pair if pair.run(description) else None
+
     for make in (Pair,) if more else (Plan, Pair):
         for h in _widths(description):
-            if make(description, SPARE * tol, HIGHEST, h).run(description) is None:
-                continue
-            for order in range(LOWEST, HIGHEST + 1):
-                if make(description, SPARE * tol, order, h).run(description) is not None:
-                    return make(description, tol, order, h)
+            for order in range(LOWEST, HIGHEST + 1) if enough(make, HIGHEST, h) else ():
+                if pair := enough(make, order, h):
+                    pair.tol = tol
+                    return pair
     return None
 
 

@@ -166,7 +166,7 @@ def given_out(
         done.fronts,
         accuracy=accuracy,
         accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work, bool(description.coupled)),
-        circuits=assembly.circuits,
+        circuits=assembly.grid.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )

@@ -1,7 +1,7 @@
 """From a scene to arrays: the one place that knows both."""
 
-from collections.abc import Collection, Hashable, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Hashable
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -9,15 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.diamonds import begin_steady, diamonds_of, fill_diamonds
-from tline.solver.assembly.layout import Excitation, Layout, layout_of
+from tline.solver.assembly.layout import Layout, layout_of
 from tline.solver.assembly.node_maps import Event, maps_of
-from tline.solver.description.circuits import Circuits
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import with_basis
-from tline.solver.description.lines import Line
-from tline.solver.description.load_step import StateSpace
-from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.kernel.network import Laws, Network, State
 from tline.solver.radau import Basis, basis
@@ -25,12 +21,13 @@ from tline.solver.steady.edges import Ends
 
 ORDERS = 4  # assemblies that a grid keeps
 FEW = 1e5  # samples on the lines of one that is kept
+KEPT = "basis", "network", "state", "recorded", "recorded_laws", "recorded_nodes", "kernel", "signals"
 OF_LAWS = Laws._fields[: Laws._fields.index("record_row")]  # what slabs and what is recorded do not matter to
 
 
 @dataclass
-class Assembly:
-    """A scene as arrays, and what the time loop needs beside them.
+class Assembly(Layout):
+    """A layout as arrays for slabs of one order, and what the time loop needs beside them.
 
     Its arrays stay where they are as long as runs on the same grid go on with it: they are packed once, and a scene
     with other values is written in place of the one before.
@@ -41,22 +38,12 @@ class Assembly:
     basis: Basis
     network: Network
     state: State
-    excitations: list[Excitation]  # of each excitation row
-    systems: list[StateSpace]  # of each row of the network's maps
     events: list[Event]  # in order of time
-    nodes: dict[str, Node]  # in the order of their groups
-    lines: dict[str, Line]  # those that are not lumped
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     recorded_laws: dict[str, int]  # place of an element -> its row, behind those of lines
     recorded_nodes: dict[str, int]  # node without a line -> its row, behind those
-    start: dict[str, NDArray]  # line name -> (a1, b1, a2, b2) before t = 0, counted from the level
-    efforts: Mapping[str, float]  # of nodes, likewise
-    groups: list[Group]
-    circuits: dict[str, Circuits]  # of lossy lines
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
-    spare: dict[Hashable, "Assembly"]  # of the grid, by what they record: those whose run is over
     graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
-    loads_before: NDArray  # states of loads and laws before t = 0
     kernel: Any = None  # of the loop, which packs the network and the state
     signals: Any = None  # of the loop
 
@@ -84,9 +71,10 @@ class Assembly:
     def leave(self) -> None:
         """Let the next run on the same grid have the arrays, if that is worth it."""
         if self.state.waves.size <= FEW:
-            for old in list(self.spare)[: max(len(self.spare) + 1 - ORDERS, 0)]:
-                self.spare.pop(old, None)  # which another thread may have done
-            self.spare[self.key] = self
+            spare = self.grid.spare
+            for old in list(spare)[: max(len(spare) + 1 - ORDERS, 0)]:
+                spare.pop(old, None)  # which another thread may have done
+            spare[self.key] = self
 
 
 def _key(chosen: Resolution, record: Collection[str], laws: Collection[str], nodes: Collection[str]) -> Hashable:
@@ -107,86 +95,75 @@ def assemble(
     grid, order = layout.grid, basis(chosen.s)
     assembly: Assembly | None = grid.spare.pop(_key(chosen, record, laws, description.probed_nodes), None)
     if assembly is None or not rewritten(assembly, description, chosen, layout):
-        maps, load = maps_of(layout.systems, order, grid.h), np.concatenate([layout.systems.states, layout.states])
-        recorded = _recorded(layout, record, laws, description.probed_nodes)
+        maps, recorded = maps_of(layout.systems, order, grid.h), _recorded(layout, record, laws, description)
         network = _network(layout, order, recorded, maps, chosen.same)
         assembly = Assembly(
+            **{each.name: getattr(layout, each.name) for each in fields(layout)},
+            **_now(description, chosen, layout),
             basis=order,
             network=network,
-            state=_state(network, layout, order, len(load)),
-            lines=grid.lines,
+            state=_state(network, layout, order),
             recorded=recorded[0],
             recorded_laws=recorded[1],
             recorded_nodes=recorded[2],
-            circuits=grid.circuits,
-            spare=grid.spare,
-            **_now(description, chosen, layout, load),
         )
-        _begin(assembly, layout)
+        _begin(assembly)
     return assembly
 
 
 def rewritten(assembly: Assembly, description: Description, chosen: Resolution, layout: Layout) -> bool:
     """Put a scene in place of another on the same grid, if it has as many of everything; whether that could be done."""
-    maps = maps_of(layout.systems, assembly.basis, layout.grid.h)
-    load = np.concatenate([layout.systems.states, layout.states])
-    if not _written(assembly, layout, maps, load):
+    if not _written(assembly, layout, maps_of(layout.systems, assembly.basis, layout.grid.h)):
         return False
-    vars(assembly).pop("follows_edges", None)
-    vars(assembly).update(_now(description, chosen, layout, load))
-    _begin(assembly, layout)
+    kept = {key: vars(assembly)[key] for key in KEPT}
+    vars(assembly).clear()  # of what was found of the scene before, too
+    vars(assembly).update(kept | vars(layout) | _now(description, chosen, layout))
+    _begin(assembly)
     return True
 
 
-def _now(description: Description, chosen: Resolution, layout: Layout, load: NDArray) -> dict[str, Any]:
+def _now(description: Description, chosen: Resolution, layout: Layout) -> dict[str, Any]:
     follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     return {
         "description": description,
         "resolution": chosen if graded.any() else chosen._replace(layers=0.0),
-        "excitations": layout.excitations,
-        "systems": layout.systems.systems,
         "events": layout.systems.events,
-        "nodes": layout.nodes,
-        "start": layout.start,
-        "efforts": layout.efforts,
-        "groups": layout.groups,
         "settle": np.array([chosen.settle if group.lumped_lines else 0.0 for group in layout.groups]),
         "graded": graded,
-        "loads_before": load,
     }
 
 
-def _state(network: Network, layout: Layout, order: Basis, loads: int) -> State:
+def _state(network: Network, layout: Layout, order: Basis) -> State:
     grid, s, lines = layout.grid, order.s, len(layout.grid.delay)
     return State(
         waves=np.empty(2 * int(grid.delay.sum()) * s),
         slot=np.empty(lines, np.int64),
         side=np.empty(lines, np.int64),
         before=np.empty((2 * lines, s)),
-        load=np.empty(loads),
+        load=np.empty(len(layout.loads_before)),
         memory=np.empty(network.diamonds.memory.states),
         halves=np.empty((len(network.ends) if network.diamonds.at_group.any() else 0, len(network.diamonds.values))),
         since=np.empty(len(network.diamonds.line), np.int64),
     )
 
 
-def _begin(assembly: Assembly, layout: Layout) -> None:
+def _begin(assembly: Assembly) -> None:
     """Put in place what there is before t = 0."""
-    state, network, grid, order = assembly.state, assembly.network, layout.grid, assembly.basis
+    state, network, grid, order = assembly.state, assembly.network, assembly.grid, assembly.basis
     for part in (state.slot, state.side, state.memory, state.halves, state.since):
         part.fill(0)
-    sent = (layout.arriving - layout.moved) / np.repeat(grid.passed, 2)
+    sent = (assembly.arriving - assembly.moved) / np.repeat(grid.passed, 2)
     state.waves[:] = np.repeat(sent, np.repeat(grid.delay * order.s, 2))
     state.before[:] = sent[:, None]
     state.load[:] = assembly.loads_before
     if assembly.description.steady and grid.diamonds and not grid.cell:
-        ends = zip(grid.lines.values(), layout.u, layout.y, strict=True)
+        ends = zip(grid.lines.values(), assembly.u, assembly.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_diamonds(network, state, flows, order)
 
 
-def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], load: NDArray) -> bool:
+def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray]) -> bool:
     """Put a layout in place of the one before, if it has as many of everything; whether that could be done in full."""
     network, laws, systems = assembly.network, assembly.network.laws, layout.systems
     pairs: list[tuple[Any, Any]] = [
@@ -199,7 +176,7 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray], 
         (network.step, maps[0]),
         (network.step_at, maps[1]),
         (network.moved, layout.moved),
-        (assembly.state.load, load),
+        (assembly.state.load, layout.loads_before),
         *(zip(laws, layout.laws[: len(OF_LAWS)], strict=False) if len(laws.kind) else ()),
     ]
     if network.first is not layout.junctions.first:
@@ -254,13 +231,13 @@ def _network(
 
 
 def _recorded(
-    layout: Layout, record: set[str], laws: Collection[str], probed: Collection[str]
+    layout: Layout, record: set[str], laws: Collection[str], description: Description
 ) -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
     """Rows of the record: the first of two of each line by name, of laws by place, of nodes by name."""
     lines = {name: 2 * k for k, name in enumerate(name for name in layout.grid.lines if name in record)}
     places = (element.where for group in layout.groups for element in group.elements)
     of_laws = {where: k for k, where in enumerate((where for where in places if where in laws), 2 * len(lines))}
-    return lines, of_laws, {node: k for k, node in enumerate(probed, 2 * len(lines) + len(of_laws))}
+    return lines, of_laws, {node: k for k, node in enumerate(description.probed_nodes, 2 * len(lines) + len(of_laws))}
 
 
 def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:

@@ -118,11 +118,11 @@ def _excitation_rows(network: Network) -> ExcitationRows:
 
 
 def _packed(assembly: Assembly) -> Systems:
-    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in assembly.systems]
+    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in assembly.systems.spaces]
     maps = [np.empty(0)] * len(entries)
     for r, time in zip(assembly.network.step_row, assembly.settle, strict=True):
         if time > 0:
-            maps[r] = settling_step(assembly.systems[r], assembly.basis, time).ravel()
+            maps[r] = settling_step(assembly.systems.spaces[r], assembly.basis, time).ravel()
     return Systems(*_joined(entries), *_joined(maps))
 
 

@@ -132,7 +132,12 @@ class Layout:
     excitation_row: NDArray  # (N,)
     systems: GroupSystems
     laws: Laws  # without matrices of an order
-    states: NDArray  # of the laws
+    loads_before: NDArray  # states of loads and laws before t = 0
+
+    @property
+    def lines(self) -> dict[str, Line]:
+        """Those that are not lumped."""
+        return self.grid.lines
 
     @cached_property
     def arriving(self) -> NDArray:
@@ -159,13 +164,18 @@ class Layout:
         return dict(zip(self.grid.lines, np.stack([self.u + q, self.u - q], axis=2).reshape(-1, 4), strict=True))
 
 
-def layout_of(description: Description, chosen: Resolution, *, progress: bool = False) -> Layout:
-    """The layout of a described scene for some slabs; the last ones are kept as long as the description is."""
+def layout_of(
+    description: Description, chosen: Resolution, known: SlabGrid | None = None, *, progress: bool = False
+) -> Layout:
+    """The layout of a described scene for some slabs; the last ones are kept as long as the description is.
+
+    `known` are its lines in those slabs.
+    """
     key = chosen.h, chosen.rounded, tuple(chosen.sections.items()), _losses(description, chosen)
 
     def laid_out() -> Layout:
         with Progress(STAGES, "stage", progress, "assembling") as bar:
-            grid = of_last(description.grids, key, lambda: _grid(description, chosen), LAYOUTS + 1)  # and wiring
+            grid = known or of_last(description.grids, key, lambda: _grid(description, chosen), LAYOUTS + 1)
             bar.update()
             return _laid_out(description, chosen, grid, bar)
 
@@ -243,7 +253,7 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
         excitation_row=np.where(driven, np.cumsum(driven) - 1, -1),
         systems=systems,
         laws=started(laws, elements, effort, through, openings),
-        states=states_of(elements, effort, openings),
+        loads_before=np.concatenate([systems.states, states_of(elements, effort, openings)]),
     )
 
 

@@ -42,7 +42,7 @@ class GroupSystems(NamedTuple):
     step_row: NDArray  # (groups,) row of its first map, -1 without one
     step_states: NDArray  # (maps,) number of states of a map
     states: NDArray  # at the start
-    systems: list[StateSpace]  # of each map, from waves of nodes and laws to efforts there
+    spaces: list[StateSpace]  # of each map, from waves of nodes and laws to efforts there
     group: list[int]  # of each map
     whole: list[bool]  # of each map, whether it sees the points of a slab at once, be it without states
     events: list[Event]  # in order of time
@@ -63,12 +63,12 @@ def systems_of(groups: list[Group], h: float, before: tuple[dict[str, float], ..
         impedances = group.matched(1 / h)
         found.impedances.extend(impedances)
         if group.dynamic or (group.elements and not group.simple):
-            load_at[g], step_row[g] = filled, len(found.systems)
+            load_at[g], step_row[g] = filled, len(found.spaces)
             states.append(group.at_rest() if before is None else group.at_rest_under(*before))
             filled += len(states[-1])
             stores = any(element.kind.states for element in group.elements)
             _add(found, g, group, impedances, h, stores)
-    step_states = np.array([len(system.A) for system in found.systems], int)
+    step_states = np.array([len(system.A) for system in found.spaces], int)
     return found._replace(step_states=step_states, states=np.concatenate(states), events=sorted(found.events))
 
 
@@ -79,8 +79,8 @@ def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: 
     if len({len(system.A) for system in systems}) > 1:
         where = next(branch.where for branch in (*group.loads, *group.branches))
         raise InputError(where, "a switch shorts what holds efforts or flows", "a switch with a resistance above zero")
-    found.events.extend(Event(time / h, g, len(found.systems) + 1 + j) for j, time in enumerate(times))
-    found.systems.extend(systems)
+    found.events.extend(Event(time / h, g, len(found.spaces) + 1 + j) for j, time in enumerate(times))
+    found.spaces.extend(systems)
     found.group.extend([g] * len(systems))
     found.whole.extend([coupled or bool(len(systems[0].A))] * len(systems))
 
@@ -93,7 +93,7 @@ def maps_of(found: GroupSystems, order: Basis, h: float) -> tuple[NDArray, NDArr
     """
     maps = [
         load_step(system, order, h).ravel() if whole else system.d.ravel()
-        for system, whole in zip(found.systems, found.whole, strict=True)
+        for system, whole in zip(found.spaces, found.whole, strict=True)
     ]
     return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]
 

@@ -24,6 +24,7 @@ class ExtremesOfCopies(NamedTuple):
     found: Floats2  # (4, B) smallest value, when, largest, when
     top: Floats3  # (2, n K, B) of each slab, the largest of minus the wave and of the wave at its begin and its points
     coef: Floats  # (s,)
+    begin: Floats  # (s,) from values at the points to that at the begin of a slab
 
 
 def extremes(
@@ -31,7 +32,8 @@ def extremes(
 ) -> ExtremesOfCopies:
     """The search for a wave's extremes, with its workspace."""
     top = np.empty((2, len(wave), wave.shape[2]))
-    return ExtremesOfCopies(wave, period, edges, t_end, points, to_powers, found, top, np.empty(len(points)))
+    begin = (-1.0) ** np.arange(len(points)) @ to_powers
+    return ExtremesOfCopies(wave, period, edges, t_end, points, to_powers, found, top, np.empty(len(points)), begin)
 
 
 @unit
@@ -47,7 +49,7 @@ def find_extremes(search: ExtremesOfCopies) -> int:
     for j in range(1, s):
         gap = max(gap, points[j] - points[j - 1])
     for slab in range(slabs):
-        note_tops(wave[slab], search.to_powers, top[0, slab], top[1, slab])
+        note_tops(wave[slab], search.begin, top[0, slab], top[1, slab])
     for c in range(copies):
         end = search.t_end / search.period[c]
         whole = min(int(end) * parts, slabs)  # slabs that end until then
@@ -78,17 +80,14 @@ def find_extremes(search: ExtremesOfCopies) -> int:
 
 
 @function
-def note_tops(wave, to_powers, lowest, highest):
+def note_tops(wave, begin, lowest, highest):
     """Largest value of -wave and of wave (s, B) at the begin of a slab and at its points, for all copies."""
     s, copies = wave.shape
     for c in range(copies):
         lowest[c] = 0.0
     for j in range(s):
-        weight = 0.0  # of its value at the begin, where powers are 1, -1, 1 ...
-        for k in range(s):
-            weight += to_powers[k, j] * (1.0 - 2.0 * (k & 1))
         for c in range(copies):
-            lowest[c] -= weight * wave[j, c]
+            lowest[c] -= begin[j] * wave[j, c]
     for c in range(copies):
         highest[c] = -lowest[c]
     for j in range(s):

@@ -203,14 +203,17 @@ class Signals:
         # cells of order 1 are no better with corners in pieces, which would never be joined
         self.constants = self.basis.s == 1 and len(assembly.network.diamonds.line) > 0
         few = len(self.of) * n * self.basis.s <= FEW
-        self.shape = n, self.follows, few
-        known = before.known if before and before.shape == self.shape else []
-        self.known = [self._found(k, parts, known, few) for k, parts in enumerate(self.of)]
+        self.shape = n, self.follows, few, len(self.of)
+        like = before if before and before.shape == self.shape else None
+        self.known = [self._found(k, parts, like.known if like else [], few) for k, parts in enumerate(self.of)]
         self.places = [places for _, places, _ in self.known]
-        self._all = np.zeros((len(self.of), n * self.basis.s)) if few else None
+        self._all = like._all if like else np.zeros((len(self.of), n * self.basis.s)) if few else None
         rows = [] if self._all is None else self._all
-        for row, parts, (_, _, values) in zip(rows, self.of, self.known, strict=False):
-            np.matmul([share for _, share in parts], values, out=row)
+        for k, (row, parts, found) in enumerate(zip(rows, self.of, self.known, strict=False)):
+            if like is None or found is not like.known[k] or parts != like.of[k]:
+                np.multiply(parts[0][1], found[-1][0], out=row)
+                for (_, share), values in zip(parts[1:], found[-1][1:], strict=True):
+                    row += share * values
 
     def _found(self, k: int, parts: Excitation, known: list, few: bool) -> tuple[list[Waveform], NDArray, NDArray]:
         """Waveforms of a row, where it breaks, and their values, shape (parts, n s), if there are few."""
