@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -18,14 +19,6 @@ TRACES = {"crosstalk": "coupled_pair", "overhead_line": "overhead_line"} | {
 MEASURED = (1015e3 - 101_325) / 1e5  # bar, the highest pressure behind the column's separation
 
 
-def bode() -> Figure:
-    """The transfer function of a cable."""
-    cable, f = tl.examples["cable_rlc"], np.geomspace(1e6, 1e9, 1001)
-    seen = {name: probe.u for name, probe in tl.frequency.respond(cable, 2j * np.pi * f).items()}
-    marks = tl.frequency.resonances(cable, f[-1])
-    return tl.pictures.plot_bode(f, seen, "voltage / source", "V/V", marks, cable.title)
-
-
 def separation() -> Figure:
     """Column separation in a pipe, with the highest pressure measured."""
     picture = tl.simulate(tl.examples["column_separation"]).plot()
@@ -35,7 +28,7 @@ def separation() -> Figure:
     return picture
 
 
-def waves() -> dict[str, Figure]:
+def waves() -> dict[str, Any]:
     """Of a pipe, and of a town."""
     town, closure = tl.examples["town"], tl.examples["valve_closure"]
     result, whole = tl.simulate(tl.examples["water_pipe"]), tl.simulate(town, record=town.lines, envelope=True)
@@ -55,7 +48,7 @@ def waves() -> dict[str, Figure]:
 
 
 @styled
-def signals() -> dict[str, Figure]:
+def signals() -> dict[str, Any]:
     """Of cables: crosstalk, reflections, eyes, load lines, a measured load; and a verdict."""
     pulse = tl.signal.pulse_response(tl.examples["stripline_eye"], "receiver", "100 ps", "20 ps", tol=1e-4)
     found = {
@@ -66,10 +59,11 @@ def signals() -> dict[str, Figure]:
         "skin_pair": crosstalk(tl.examples["skin_pair"]),
         "coax_fault": tl.signal.reflectometry(tl.examples["coax_fault"], "near", "5 ns"),
         "ddr_eye": tl.signal.eye(tl.examples["ddr_ibis"], "die", "1 ns"),
+        "bode": tl.frequency.respond(tl.examples["cable_rlc"], 2j * np.pi * np.geomspace(1e6, 1e9, 1001)),
         "passivity": tl.passivity.check_positive_real("(s + 2)/(s^2 + s + 1)"),
     } | {f"exercise_{letter}": tl.exercise(letter) for letter in ("1d", "1e", "2a", "3c")}
     misfit = tl.pictures.plot_misfit(tl.examples["antenna"].loads["antenna"].model, "antenna.s1p")
-    return {name: each.plot() for name, each in found.items()} | {"bode": bode(), "fit": misfit}
+    return {name: each.plot() for name, each in found.items()} | {"fit": misfit}
 
 
 if __name__ == "__main__":

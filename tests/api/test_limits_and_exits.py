@@ -14,8 +14,8 @@ from click.testing import CliRunner
 from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_DIGITS, MAX_EXPONENT
 from passivity.rational.matrix import MAX_PORTS
 from passivity.sampled.read import MAX_BYTES, MAX_LINE
-from tline.cli.frequency import MOST_POINTS
 from tline.cli.main import main
+from tline.frequency.response import MOST_POINTS
 from tline.interchange.deck import DEEPEST, MOST_CARDS
 from tline.scene.mistakes import MOST
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER

@@ -46,6 +46,9 @@ DRAWN = {
         tl.signal.pulse_response(tl.examples["tdr"], "far", "0.8 ns", "0.2 ns", tol=1e-3)
     ),
     "crosstalk": lambda: crosstalk(tl.examples["coupled_pair"]),
+    "answer over frequency": lambda: tl.frequency.respond(tl.examples["cable_rlc"]),
+    "S-parameters": lambda: tl.frequency.scattering_parameters(tl.examples["cable_rlc"], ["near", "far"]),
+    "transfer function with delays": lambda: tl.frequency.DelaySystem(tl.examples["cable_rlc"], "far"),
     "load lines": lambda: tl.signal.bergeron(tl.examples["load_lines"]),
     "friction": lambda: tl.friction.simulate(tl.friction.Karnopp(), tl.friction.Testbench(tl.friction.Ramp(0.5))),
     "chatter": lambda: tl.friction.simulate(tl.friction.Coulomb(), tl.friction.Testbench(), 10.0, "euler", h=0.01),

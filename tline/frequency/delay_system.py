@@ -1,5 +1,6 @@
 """A scene's transfer function as an object that keeps its delays exact."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -8,8 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.frequency.oscillations import Resonance, resonances
-from tline.frequency.response import respond, source_named
+from tline.frequency.response import Curves, frequencies, respond, source_named, unit_over
+from tline.presentation import Presentation
 from tline.scene.load import Reservoir
+from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch
 from tline.solver.description.description import describe
@@ -18,12 +21,14 @@ from tline.words.wording import nearest
 
 if TYPE_CHECKING:
     from control import StateSpace
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 LONGEST = 1e6  # shortest delays in a step response
 
 
-@dataclass(frozen=True)
-class DelaySystem:
+@dataclass(frozen=True, repr=False)
+class DelaySystem(Presentation):
     """What one source does at one probe, as a transfer function with exact delays.
 
     All other sources are silent, and switches stand as they do after they have moved.
@@ -81,6 +86,23 @@ class DelaySystem:
         """Value at any complex s, 1/s, of its shape."""
         value = getattr(respond(self.scene, s, self.source)[self.probe], self.quantity)
         return value if value.ndim else complex(value)
+
+    def _curves(self) -> Curves:
+        s, medium, source = 2j * np.pi * frequencies(self.scene), MEDIA[self.scene.medium], str(self.source)
+        what = f"{medium.flow if self.quantity == 'y' else medium.effort} / {source}"
+        return Curves(self.scene, s, {self.probe: self(s)}, what, unit_over(self.scene, source, self.quantity))
+
+    def text_lines(self) -> Iterable[str]:
+        """Lowest and highest magnitude over frequencies around those of the lines, and natural oscillations."""
+        return self._curves().text_lines()
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
+        """Bode plot, over frequencies around those of the lines."""
+        return self._curves().plot(ax)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The curve that is drawn, and natural oscillations."""
+        return self._curves().to_dict() | {"source": self.source}
 
     def bode(self, f: ArrayLike) -> tuple[NDArray, NDArray]:
         """Magnitude, and phase in rad without jumps, at frequencies f, Hz, in rising order.

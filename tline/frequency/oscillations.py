@@ -46,6 +46,13 @@ class Resonance(NamedTuple):
         """Time in which the amplitude falls by a factor e, s; infinite if it stays, negative if it grows."""
         return -1 / self.s.real if abs(self.s.real) > UNDAMPED * abs(self.s) else np.inf
 
+    def __str__(self) -> str:
+        if self.decay_time < 0:
+            return f"{self.frequency:.6g} Hz, grow by a factor e in {-self.decay_time:.4g} s"
+        if np.isinf(self.decay_time):
+            return f"{self.frequency:.6g} Hz, undamped"
+        return f"{self.frequency:.6g} Hz, Q = {self.quality:.4g}, decays by a factor e in {self.decay_time:.4g} s"
+
 
 def resonances(scene: Scene, highest: float) -> list[Resonance]:
     """Natural oscillations up to a frequency, slowest first, and what grows without turning.

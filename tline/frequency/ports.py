@@ -1,21 +1,92 @@
 """S-parameters and impedances seen at nodes of a scene."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.frequency.response import Curves, frequencies
+from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
+from tline.solver.result.atomic import replacing
 from tline.solver.stability.scattering import Scattering, answers
 from tline.units import to_si
 from tline.words.wording import nearest, shown
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class ScatteringParameters(Curves):
+    """S-parameters between nodes of a scene: an array of shape (n, p, p) for NumPy, with Bode plot and Touchstone file.
+
+    Attributes
+    ----------
+    ports : tuple of str
+        Nodes, p of them.
+    z0 : tuple of float
+        Reference resistance of each, ohm or Pa s/m³.
+    values : ndarray of complex, shape (n, p, p)
+        [:, i, j]: the power wave out of port i per power wave into port j.
+    """
+
+    ports: tuple[str, ...]
+    z0: tuple[float, ...]
+    values: NDArray
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray:
+        return np.array(self.values, dtype, copy=bool(copy))
+
+    def __getitem__(self, at: Any) -> Any:
+        return self.values[at]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(n, p, p)."""
+        return self.values.shape
+
+    def _told(self) -> dict[str, Any]:
+        return {"ports": self.ports, "z0": self.z0 if len({*self.z0}) > 1 else self.z0[0]}
+
+    def save(self, path: str | Path) -> None:
+        """Write them as Touchstone 1 (``.sNp``), or as CSV: frequency in Hz, then real and imaginary parts.
+
+        Raises
+        ------
+        InputError
+            The suffix does not fit the number of ports, their references differ, or the file cannot be written.
+        """
+        suffix, count, f = Path(path).suffix.lower(), len(self.ports), self.f
+        if suffix == ".csv":
+            return super().save(path)
+        if suffix != f".s{count}p":
+            raise InputError(str(path), "does not fit the number of ports", f".s{count}p or .csv", suffix)
+        if len({*self.z0}) > 1:
+            raise InputError("z0", "differs between ports", "one resistance for all in a Touchstone file")
+        order = self.values.swapaxes(1, 2) if count == 2 else self.values  # of two ports S21 comes before S12
+        with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+            file.write(f"! ports: {', '.join(self.ports)}\n# Hz S RI R {self.z0[0]:.17g}\n")
+            for frequency, matrix in zip(f, order, strict=True):
+                for k, row in enumerate([matrix.ravel()] if count <= 2 else matrix):
+                    numbers = np.ascontiguousarray(row).view(float)  # real and imaginary parts in turn
+                    for start in range(0, len(numbers), 8):  # four pairs on a line
+                        head = f"{frequency:.17g}" if k == start == 0 else ""
+                        line = " ".join([head, *(f"{x:.17g}" for x in numbers[start : start + 8])])
+                        file.write(line.strip() + "\n")
+
+
 def scattering_parameters(
-    scene: Scene, ports: Sequence[str], s: ArrayLike, z0: float | str | Sequence[float | str] = 50.0
-) -> NDArray:
+    scene: Scene,
+    ports: Sequence[str],
+    s: ArrayLike | None = None,
+    z0: float | str | Sequence[float | str] | None = None,
+) -> ScatteringParameters:
     """S-parameters of a scene between nodes and the reference.
 
     Sources at the ports are taken away with their resistances; all others are silent.
@@ -25,14 +96,14 @@ def scattering_parameters(
     scene : Scene
     ports : sequence of str
         Nodes, p of them.
-    s : array_like of complex, shape (n,)
-        Laplace variable, 1/s.
-    z0 : float or str, or one for each port
-        Reference resistance, above zero, ohm or Pa s/m³.
+    s : array_like of complex, shape (n,), optional
+        Laplace variable, 1/s; by default 1001 frequencies around those of the lines.
+    z0 : float or str, or one for each port, optional
+        Reference resistance, above zero, ohm or Pa s/m³; by default that of the first line at the first port.
 
     Returns
     -------
-    ndarray of complex, shape (n, p, p)
+    ScatteringParameters
         S[:, i, j]: the power wave out of port i per power wave into port j.
 
     Raises
@@ -55,18 +126,20 @@ def scattering_parameters(
     array([[0., 1.],
            [1., 0.]])
     """
-    R = _references(ports, z0)
+    R = _references(scene, ports, z0)
+    s = np.atleast_1d(np.asarray(2j * np.pi * frequencies(scene) if s is None else s, complex))
     bare = _without_sources(scene, ports)
     network = Scattering(describe(bare), dict(zip(ports, 1 / R, strict=True)))
     at = _indices(network, ports)
-    points = np.asarray(s, complex) * network.second
+    points = s * network.second
     S = np.empty((len(points), len(ports), len(ports)), complex)
     for j, node in enumerate(at):
         flows = np.zeros(len(network.names))
         flows[node] = 2 / np.sqrt(R[j])  # a unit power wave: 2 sqrt(R) behind R
         _, efforts = answers(network, points, np.zeros(len(network.names)), flows)
         S[:, :, j] = efforts[:, at] / np.sqrt(R) - np.eye(len(ports))[j]
-    return S
+    curves = {f"S({i},{j})": S[:, m, n] for m, i in enumerate(ports) for n, j in enumerate(ports)}
+    return ScatteringParameters(scene, s, curves, "S", "1", tuple(ports), tuple(R.tolist()), S)
 
 
 def impedance(scene: Scene, node: str, s: ArrayLike) -> NDArray:
@@ -88,19 +161,20 @@ def impedance(scene: Scene, node: str, s: ArrayLike) -> NDArray:
     np.float64(25.0)
     """
     s = np.asarray(s, complex)
-    lines = [line for line in scene.lines.values() if node in line.nodes]
-    reference = lines[0].parameters.z0 if lines else 1.0
-    h = scattering_parameters(scene, [node], s.ravel(), reference)[:, 0, 0]
+    found = scattering_parameters(scene, [node], s.ravel())
+    h, reference = found[:, 0, 0], found.z0[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         z = reference * (1 + h) / (1 - h)
     return np.where(h == 1, np.inf, z).reshape(s.shape)
 
 
-def _references(ports: Sequence[str], z0: float | str | Sequence[float | str]) -> NDArray:
+def _references(scene: Scene, ports: Sequence[str], z0: float | str | Sequence[float | str] | None) -> NDArray:
+    if z0 is None:
+        z0 = next((line.parameters.z0 for line in scene.lines.values() if {*ports[:1]} & {*line.nodes}), 1.0)
     each = [z0] * len(ports) if isinstance(z0, str | float | int) else list(z0)
     if len(each) != len(ports):
         raise InputError("z0", "not one for each port", str(len(ports)), str(len(each)))
-    R = np.array([to_si(given, None, "z0") for given in each], float)
+    R = np.array([to_si(given, MEDIA[scene.medium].units["resistance"], "z0") for given in each], float)
     for value, given in zip(R, each, strict=True):
         if not 0 < value < np.inf:
             raise InputError("z0", "not positive", "more than 0", shown(given))

@@ -1,22 +1,125 @@
-"""Transfer functions from a source to all probes of a scene, at any complex s, and their files: CSV and Touchstone."""
+"""Answers over frequency; transfer functions from a source to all probes of a scene, at any complex s."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.frequency.oscillations import Resonance, resonances
+from tline.presentation import Presentation, plain
+from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.result.atomic import replacing, write_columns
+from tline.solver.result.atomic import write_columns
+from tline.solver.stability.growth import growth_sentence
 from tline.solver.stability.scattering import Scattering, answers, inside
+from tline.units import to_si
+from tline.words.aligned import aligned
 from tline.words.wording import nearest, place
+
+MOST_POINTS = 1_000_000
+PARTS = {"re": np.real, "im": np.imag}
+MOST_MODES = 12  # oscillations that are told, of those that grow and of the others
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Curves(Presentation):
+    """Complex functions of s, with the natural oscillations of the scene that they belong to."""
+
+    scene: Scene
+    s: NDArray  # Laplace variable, 1/s; any shape
+    curves: dict[str, NDArray]  # by name, of the shape of s
+    what: str  # they are, such as "voltage / source"
+    unit: str
+    picture = "tline.pictures.bode:plot_curves"
+
+    @property
+    def f(self) -> NDArray:
+        """Frequencies, Hz.
+
+        Raises
+        ------
+        InputError
+            They do not rise, or s is not on the imaginary axis.
+        """
+        f = np.imag(np.atleast_1d(self.s)) / (2 * np.pi)
+        if f.ndim > 1 or np.any(np.real(self.s)) or f[0] < 0 or np.any(np.diff(f) <= 0):
+            raise InputError("s", "no frequencies in rising order", "2j*pi*f")
+        return f
+
+    @cached_property
+    def _modes(self) -> tuple[list[Resonance], list[str]]:
+        """Natural oscillations in the range, and those that grow below it; or why they are not found."""
+        try:
+            f = self.f
+            found = resonances(self.scene, float(f[-1]))
+        except InputError as error:
+            return [], [f"no natural oscillations are listed: {error.problem}"]
+        return [mode for mode in found if mode.frequency >= f[0] or mode.decay_time < 0], []
+
+    @property
+    def oscillations(self) -> list[Resonance]:
+        """Natural oscillations between the frequencies, and what grows below them, slowest first."""
+        return self._modes[0]
+
+    @property
+    def notes(self) -> list[str]:
+        """Why no oscillations are listed, and how fast waves grow."""
+        description = describe(self.scene)
+        return self._modes[1] + ([growth_sentence(description)] if description.active else [])
+
+    def text_lines(self) -> Iterator[str]:
+        """Lowest and highest magnitudes, and natural oscillations."""
+        if self.curves:
+            rows = [(self.what, *(f"{end} magnitude [{self.unit}]" for end in ("lowest", "highest")))]
+            at = [f"{s.imag / (2 * np.pi):.6g} Hz" if s.real == 0 else f"s = {s:.6g}" for s in self.s.ravel()]
+            for name, values in self.curves.items():
+                size = np.abs(values.ravel())
+                ends = int(np.nanargmin(size)), int(np.nanargmax(size))
+                rows.append((name, *(f"{size[k]:.4g} at {at[k]}" for k in ends)))
+            yield from aligned(rows, 1)
+        else:
+            yield "no source: natural oscillations only"
+        for title, growing in (("waves that grow:", True), ("natural oscillations:", False)):
+            found = [mode for mode in self.oscillations if (mode.decay_time < 0) == growing]
+            more = [f"  and {len(found) - MOST_MODES} more"] * (len(found) > MOST_MODES)
+            yield from ["", title, *(f"  {mode}" for mode in found[:MOST_MODES]), *more] if found else []
+
+    def to_dict(self) -> dict[str, Any]:
+        """Curves by frequency, Hz, or by s, and oscillations."""
+        s = self.s.ravel()
+        along = {"s": s} if np.any(np.real(s)) else {"frequency": np.imag(s) / (2 * np.pi)}
+        modes = [
+            {key: getattr(mode, key) for key in ("frequency", "quality", "decay_time")} for mode in self.oscillations
+        ]
+        values = {name: {"re": np.real(c), "im": np.imag(c)} for name, c in self.curves.items()}
+        return plain(self._told() | {"natural_oscillations": modes} | along | {"values": values})
+
+    def _told(self) -> dict[str, Any]:
+        return {"source": None}
+
+    def save(self, path: str | Path) -> None:
+        """Write frequency in Hz, then real and imaginary part of each curve, as CSV.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        columns = {
+            f"{part} {name} [{self.unit}]": of(c) for name, c in self.curves.items() for part, of in PARTS.items()
+        }
+        write_columns(path, {"frequency [Hz]": self.f} | columns)
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class ProbeResponse:
     """Effort, flow and waves at one probe per unit of the source, each of the shape of s."""
 
     u: NDArray
@@ -25,7 +128,73 @@ class Response:
     b: NDArray
 
 
-def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, Response]:
+@dataclass(frozen=True, eq=False, repr=False)
+class Response(Curves, Mapping[str, ProbeResponse]):
+    """What all probes of a scene see per unit of one source: by name as in a dict, and as Bode plot and table.
+
+    Attributes
+    ----------
+    source : str
+        Name of the source.
+    probes : dict of str to ProbeResponse
+        By probe; units: of the probe's quantity over that of the source.
+    s : ndarray of complex
+        Laplace variable, 1/s.
+    """
+
+    source: str
+    probes: dict[str, ProbeResponse]
+
+    def __getitem__(self, probe: str) -> ProbeResponse:
+        return self.probes[probe]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.probes)
+
+    def __len__(self) -> int:
+        return len(self.probes)
+
+    def _told(self) -> dict[str, Any]:
+        return {"source": self.source, "unit": self.unit}
+
+    def save(self, path: str | Path) -> None:
+        """Write frequency in Hz, then real and imaginary part of effort and flow at each probe, as CSV.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        columns = {"frequency [Hz]": self.f}
+        for name, seen in self.items():
+            for quantity in "uy":
+                values, unit = np.atleast_1d(getattr(seen, quantity)), unit_over(self.scene, self.source, quantity)
+                columns |= {f"{name} {part} {quantity} [{unit}]": of(values) for part, of in PARTS.items()}
+        write_columns(path, columns)
+
+
+def unit_over(scene: Scene, source: str, quantity: str) -> str:
+    """Unit of u, y, a or b per unit of a source."""
+    units = MEDIA[scene.medium].units
+    unit = units["effort" if scene.sources[source].is_effort else "flow"]
+    return units["flow" if quantity == "y" else "effort"] + (f"/({unit})" if "/" in unit else f"/{unit}")
+
+
+def frequencies(scene: Scene, low: str | None = None, high: str | None = None, points: int = 1001) -> NDArray:
+    """Frequencies, Hz, evenly spaced on a logarithmic scale; by default around what the lines' delays make of them."""
+    if not 2 <= points <= MOST_POINTS:
+        raise InputError("points", "not a number of frequencies", f"2 to {MOST_POINTS}", f"{points}")
+    delays = [line.parameters.delay or 0.0 for line in scene.lines.values()]
+    top = to_si(high, "Hz", "high") if high else 2.0 / min(delays)
+    bottom = to_si(low, "Hz", "low") if low else min(0.01 / sum(delays), top / 100)
+    if not 0 < bottom < math.inf:
+        raise InputError("low", "not a positive frequency", "such as '1 MHz'", f"'{low}'")
+    if not bottom < top < math.inf:
+        raise InputError("high", "not above the lowest frequency", f"more than {bottom:.6g} Hz", f"{top:.6g} Hz")
+    return np.geomspace(bottom, top, points)
+
+
+def respond(scene: Scene, s: ArrayLike | None = None, source: str | None = None) -> Response:
     """Transfer functions from one source of a scene to its probes.
 
     All other sources are silent: only their resistances count. Switches stand as they do after they have moved.
@@ -34,15 +203,16 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     ----------
     scene : Scene
         Linear lines between linear nodes.
-    s : array_like of complex
-        Laplace variable, 1/s; ``2j*pi*f`` for a frequency f in Hz. Any shape.
+    s : array_like of complex, optional
+        Laplace variable, 1/s; ``2j*pi*f`` for a frequency f in Hz. Any shape. By default 1001 frequencies around those
+        of the lines.
     source : str, optional
         Name of the source; not needed if there is one only.
 
     Returns
     -------
-    dict of str to Response
-        By probe. Units: of the probe's quantity over that of the source.
+    Response
+        By probe, with `plot()`, `save()` and natural oscillations.
 
     Raises
     ------
@@ -63,7 +233,7 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
     >>> bool(abs(respond(scene, 2j * np.pi * 0.25e9)["far"].u + 1j) < 1e-12)  # open end, a quarter wave: delayed by it
     True
     """
-    s = np.asarray(s, complex)
+    s = np.asarray(2j * np.pi * frequencies(scene) if s is None else s, complex)
     if not np.isfinite(s).all():
         raise InputError("s", "not finite", "finite complex numbers", f"{s.ravel()[~np.isfinite(s.ravel())][0]}")
     name = source_named(scene, source)
@@ -78,15 +248,19 @@ def respond(scene: Scene, s: ArrayLike, source: str | None = None) -> dict[str, 
             if node is not None:
                 flows[network.names.index(node)] = sign * (given.conductance if given.is_effort else 1.0)
     arriving, efforts = answers(network, s.ravel() * network.second, held, flows)
-    return {probe: _seen(scene, network, probe, arriving, efforts, s) for probe in scene.probes}
+    seen = {probe: _seen(scene, network, probe, arriving, efforts, s) for probe in scene.probes}
+    what, unit = f"{MEDIA[scene.medium].effort} / source", unit_over(scene, name, "u")
+    return Response(scene, s, {probe: each.u for probe, each in seen.items()}, what, unit, name, seen)
 
 
-def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray) -> Response:
+def _seen(
+    scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray
+) -> ProbeResponse:
     """What a probe sees: the two waves on its line, each delayed by its way."""
     line = scene.probed_line(probe)
     if line is None:
         u = efforts[:, network.names.index(scene.probes[probe].at or "")].reshape(s.shape)
-        return Response(u, 0 * u, u, u)
+        return ProbeResponse(u, 0 * u, u, u)
     k, share = list(scene.lines).index(line), scene.probes[probe].fraction(scene.lines[line])
     nodes = [network.names.index(node) for node in scene.lines[line].nodes]
     (b1, a2), (u1, u2) = arriving[:, 2 * k : 2 * k + 2].T, efforts[:, nodes].T
@@ -99,7 +273,7 @@ def _seen(scene: Scene, network: Scattering, probe: str, arriving: NDArray, effo
         way = s.ravel() * network.second * network.delays[k]
         a, b = (2 * u1 - b1) * np.exp(-way * share), (2 * u2 - a2) * np.exp(-way * (1 - share))
     parts = ((a + b) / 2, (a - b) / (2 * network.z0[k]), a, b)
-    return Response(*(part.reshape(s.shape) for part in parts))
+    return ProbeResponse(*(part.reshape(s.shape) for part in parts))
 
 
 def source_named(scene: Scene, name: str | None) -> str:
@@ -119,59 +293,3 @@ def source_named(scene: Scene, name: str | None) -> str:
     if name not in sources:
         raise InputError("source", "no such source", nearest(name, list(sources)), f"'{name}'")
     return name
-
-
-TOUCHSTONE = "s{}p"
-PARTS = {"re": np.real, "im": np.imag}
-
-
-def save_response(f: NDArray, probes: Mapping[str, Response], units: tuple[str, str], path: str | Path) -> None:
-    """Write transfer functions as CSV: frequency in Hz, then real and imaginary part of effort and flow at each probe.
-
-    `units` are those of effort and flow per unit of the source, such as ("V/V", "A/V").
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
-    columns = {"frequency [Hz]": f}
-    for name, seen in probes.items():
-        for letter, values, unit in (("u", seen.u, units[0]), ("y", seen.y, units[1])):
-            columns |= {
-                f"{name} re {letter} [{unit}]": np.real(values),
-                f"{name} im {letter} [{unit}]": np.imag(values),
-            }
-    write_columns(path, columns)
-
-
-def save_parameters(f: NDArray, S: NDArray, ports: Sequence[str], z0: float, path: str | Path) -> None:
-    """Write S-parameters, shape (n, p, p), as CSV, or as Touchstone 1 where the suffix is ``.sNp``.
-
-    Raises
-    ------
-    InputError
-        The suffix does not fit the number of ports, or the file cannot be written.
-    """
-    suffix, count = Path(path).suffix.lower(), len(ports)
-    if suffix == ".csv":
-        entries = {f"S({i},{j})": S[:, m, n] for m, i in enumerate(ports) for n, j in enumerate(ports)}
-        parts = {f"{part} {name} [1]": of(values) for name, values in entries.items() for part, of in PARTS.items()}
-        write_columns(path, {"frequency [Hz]": f} | parts)
-        return
-    if suffix != f".{TOUCHSTONE.format(count)}":
-        raise InputError(str(path), "does not fit the number of ports", f".{TOUCHSTONE.format(count)} or .csv", suffix)
-    order = S.swapaxes(1, 2) if count == 2 else S  # of two ports S21 comes before S12
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-        file.write(f"! ports: {', '.join(ports)}\n# Hz S RI R {z0:.17g}\n")
-        for frequency, matrix in zip(f, order, strict=True):
-            rows = [_interleaved(row[None, :])[0] for row in ([matrix.ravel()] if count <= 2 else matrix)]
-            for k, row in enumerate(rows):
-                for start in range(0, len(row), 8):  # four pairs on a line
-                    head = f"{frequency:.17g}" if k == start == 0 else ""
-                    file.write(" ".join([head, *(f"{x:.17g}" for x in row[start : start + 8])]).strip() + "\n")
-
-
-def _interleaved(values: NDArray) -> NDArray:
-    """Real and imaginary parts beside each other, shape (n, 2 m)."""
-    return np.stack([np.real(values), np.imag(values)], axis=2).reshape(len(values), -1)

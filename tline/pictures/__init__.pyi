@@ -1,5 +1,4 @@
 from tline.pictures.animation import animated as animated
-from tline.pictures.bode import plot_bode as plot_bode
 from tline.pictures.bode import plot_misfit as plot_misfit
 from tline.pictures.lattice import plot_lattice as plot_lattice
 from tline.pictures.map import lines_to_map as lines_to_map

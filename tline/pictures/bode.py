@@ -10,11 +10,12 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from tline.frequency.oscillations import Resonance
-from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, figure, styled
+from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, figure, styled
 from tline.units import handy
 
 if TYPE_CHECKING:
     from passivity import DelayedModel
+    from tline.frequency.response import Curves
 
 WIDTH, HEIGHT = 8.0, 5.6  # inches
 ENTRY = 0.09  # inches per letter in the legend
@@ -22,45 +23,37 @@ ALIKE = 1e-9  # of the largest value; curves nearer to each other than this are 
 
 
 @styled
-def plot_bode(
-    f: NDArray, curves: Mapping[str, NDArray], what: str, unit: str, modes: Sequence[Resonance] = (), title: str = ""
-) -> Figure:
-    """Size and phase modulo 360° of complex curves over frequency; curves that are alike are drawn once.
+def plot_curves(found: "Curves", ax: Axes | None = None) -> Figure | Axes:
+    """Magnitude (alone on `ax`) and phase modulo 360° over frequency; curves that are alike are drawn once.
 
-    Parameters
-    ----------
-    f : ndarray, shape (n,)
-        Frequencies, Hz, increasing.
-    curves : mapping of str to ndarray of complex, shape (n,)
-        What is drawn, by name.
-    what, unit : str
-        What the curves are, such as "voltage / source" in "V/V".
-    modes : sequence of Resonance
-        Natural oscillations, marked at the upper edge.
-    title : str
+    Natural oscillations are marked at the upper edge.
     """
+    f = found.f
     hertz, name = handy(float(f[-1]), "Hz")
-    drawn = _distinct(curves)
-    picture = figure(WIDTH, HEIGHT, title)
-    upper, lower = picture.subplots(2, 1, sharex=True)
-    for k, (label, values) in enumerate(drawn.items()):
+    picture, axes = cells_of(ax, WIDTH, HEIGHT, 2, title=found.scene.title or "", sharex=True)
+    upper, lower = axes[0], axes[-1]
+    for k, (label, values) in enumerate(_distinct(found.curves).items()):
         look = {"color": COLOURS[k % len(COLOURS)], "linestyle": DASHES[k % len(DASHES)]}
         finite = np.isfinite(values) & (values != 0)
         x = f[finite] / hertz
         upper.plot(x, 20 * np.log10(np.abs(values[finite])), label=label, **look)
-        lower.plot(*_broken(x, np.degrees(np.angle(values[finite]))), **look)
-    upper.set_ylabel(f"|{what}|\n[dB re {'1 ' * (unit != '1')}{unit}]")
+        if ax is None:
+            lower.plot(*_broken(x, np.degrees(np.angle(values[finite]))), **look)
+    for each in axes:
+        if f[0] > 0 and f[-1] / f[0] > 20:
+            each.set_xscale("log")
+            each.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
+        each.grid(True, which="major")
+    _mark(upper, [mode for mode in found.oscillations if f[0] <= mode.frequency <= f[-1]], hertz)
+    upper.set_ylabel(f"|{found.what}|\n[dB re {'1 ' * (found.unit != '1')}{found.unit}]")
+    lower.set_xlabel(f"frequency [{name}]")
+    handles, labels = upper.get_legend_handles_labels()
+    if ax is not None:
+        ax.legend(fontsize="small")
+        return ax
     lower.set_ylabel("phase modulo 360° [°]")
     lower.set_ylim(-190, 190)
     lower.set_yticks(range(-180, 181, 90))
-    lower.set_xlabel(f"frequency [{name}]")
-    for axes in (upper, lower):
-        if f[0] > 0 and f[-1] / f[0] > 20:
-            axes.set_xscale("log")
-            axes.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
-        axes.grid(True, which="major")
-    _mark(upper, [mode for mode in modes if f[0] <= mode.frequency <= f[-1]], hertz)
-    handles, labels = upper.get_legend_handles_labels()
     if len(labels) > 1:
         columns = max(int(WIDTH / (0.6 + ENTRY * max(map(len, labels)))), 1)
         picture.legend(handles, labels, loc="outside lower center", ncols=min(columns, len(labels)))
