@@ -5,15 +5,14 @@ Nodes are functions of s: 1, s, a name, a sum of multiples, a product of powers,
 impedance of a line. A fact holds in Re s > 0 for all values of the names: ("disc", low, high), a quadratic form in the
 value w told by where its region crosses the real axis, a half-plane if an end is infinite, so that positive real is
 (0, inf) and bounded real (-1, 1); ("real", low, high), a constant in s; ("arg", t), w > 0 for real s, no zeros and
-poles, and |arg w| <= 90 t degrees. An infinite constant is the limit of an unbounded region, an open circuit; what is 0
-or infinite everywhere satisfies any bound of the argument; what is 0/0 everywhere has no value. A step is a node, a
-fact, a rule, steps it rests on, data.
+poles, and |arg w| <= 90 t degrees, or w = 0 everywhere. Nothing is divided by 0 everywhere, which one s and one choice
+of the names show; others are limits of such. A step is a node, a fact, a rule, steps it rests on, data.
 """
 
 import json
 import sys
 from bisect import bisect_left
-from decimal import MAX_EMAX, MIN_EMIN, Context
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from fractions import Fraction
 from functools import reduce
 from itertools import pairwise, zip_longest
@@ -92,7 +91,8 @@ class Graph:
     """Nodes (kind, parts), read as quotients of polynomials, and the rules: facts about a node from those of others."""
 
     def __init__(self, names):
-        self.nodes, self.names, self.roots = [("one", ())], names, {}  # roots that were met: their arguments
+        self.nodes, self.names, self.roots = [("one", ())], names, {}  # roots that were met: their squares
+        self.values = {0: Decimal(1)}  # of the nodes of a file, at one s
 
     def enter(self, kind, parts):
         """Append a node from its file after a look at its parts."""
@@ -102,12 +102,40 @@ class Graph:
             ids = [n for n, e in parts if isinstance(e, int)] if kind == "mul" else [n for _, n in parts]
             right = len(ids) == len(parts) == {"sum": len(set(ids)), "mul": len(set(ids)), "line": 3}.get(kind, 1)
             need(right and all(type(n) is int and 0 <= n < len(self.nodes) for n in ids), f"wrong parts in {kind}")
+        with localcontext(DECIMAL):
+            self.values[len(self.nodes)] = self.value(kind, parts)
         self.nodes.append((kind, tuple(parts)))
+
+    def value(self, kind, parts):
+        """A new node at one s > 0 and for one choice of the names; what it divides by is not 0."""
+        if kind in ("s", "name"):
+            low, high = disc(RIGHT if kind == "s" else self.names[parts[0]])
+            low = max(low, min(high, 1) - 1)
+            x = low + (min(high, low + 1) - low) * Fraction(2**61 - 1, 2**62 + len(self.nodes))
+            return x.numerator / Decimal(x.denominator)
+        if kind == "mul":
+            return prod((self.values[n] ** e for n, e in parts), start=Decimal(1))
+        terms = [self.values[n] * c.numerator / c.denominator for c, n in parts]
+        if kind == "sum":  # what is left of 0 is 0
+            return sum(terms) if abs(sum(terms)) * 10**80 > max(map(abs, terms)) else Decimal(0)
+        if kind in ("log", "sqrt"):
+            return terms[0].ln() if kind == "log" else terms[0].sqrt()
+        up, down = (x.exp() for x in (terms[kind == "line"], -terms[kind == "line"]))
+        if kind == "line":
+            wave, (z0, _, load) = (up - down) / (up + down), terms
+            return z0 * (load + z0 * wave) / (z0 + load * wave)
+        return {"exp": up, "tanh": (up - down) / (up + down), "cosh": (up + down) / 2}[kind]
 
     def powers(self, n):
         """A node as a product: base to exponent."""
         kind, parts = self.nodes[n]
         return dict(parts) if kind == "mul" else {n: 1} if n else {}
+
+    def powers_of(self, known, exponents):
+        """A product of powers of nodes, as one; none that is 0 is divided by."""
+        pairs = [(m, e) for (m, _), e in zip(known, exponents, strict=True)]
+        need(all(type(e) is int and (e > 0 or self.values.get(m, 1)) for m, e in pairs), "no such powers")
+        return reduce(added, ({b: e * k for b, k in self.powers(m).items()} for m, e in pairs), {})
 
     def terms(self, n, c=ONE):
         """c times a node as a sum: node to coefficient."""
@@ -129,11 +157,11 @@ class Graph:
         elif kind == "mul":
             top, bottom = self.powered((self.fraction(ONE, m, cut), e) for m, e in parts)
         elif kind == "sqrt":
-            top, (p, q) = {((n, 1),): 1}, self.fraction(*parts[0], cut)
-            self.roots |= {n: p} if q == UNITY else {}
+            p, bottom = self.fraction(*parts[0], cut)  # the root of p/q is that of p q, over q
+            top, self.roots[n] = {((n, 1),): 1}, self.multiplied(p, bottom)
         elif kind == "line":  # A (Z + A t)/(A + Z t), t = tanh B an atom if it is cut
             (a, x), (z, y) = self.fraction(*parts[0], cut), self.fraction(*parts[2], cut)
-            t = next(({((m, 1),): 1} for m in cut if self.nodes[m] == ("tanh", parts[1:2])), None)
+            t = next(({((m, 1),): 1} for m in cut if m > 0 and self.nodes[m] == ("tanh", parts[1:2])), None)
             over, under = (UNITY, t) if t else self.exponentials(*parts[1])[1:]
             ax, az = self.multiplied(a, y), self.multiplied(z, x)  # over the common denominator of A and Z
             top = self.multiplied(a, added(self.multiplied(az, over), self.multiplied(ax, under)))
@@ -173,8 +201,8 @@ class Graph:
                     found = added(found, self.multiplied(rest, self.roots[square]))
                 else:
                     name = tuple(sorted(key.items()))
-                    found[name] = found[name] + x * y if name in found else x * y
-        return {key: x for key, x in found.items() if x}
+                    found[name] = found.get(name, 0) + x * y
+        return found if all(found.values()) else {key: x for key, x in found.items() if x}
 
     def is_equal(self, left, right):
         """Whether two quotients of polynomials are one."""
@@ -200,8 +228,7 @@ class Graph:
     def rule_product(self, n, known, data):
         """w = product of w_k^e: arguments add, moduli multiply; constants multiply as intervals, and scale one disc."""
         facts = [fact for _, fact in known]
-        powers = [{b: e * k for b, k in self.powers(m).items()} for e, (m, _) in zip(data, known, strict=True)]
-        need(all(type(e) is int for e in data) and reduce(added, powers, {}) == self.powers(n), "not this product")
+        need(self.powers_of(known, data) == self.powers(n), "not this product")
         signs = [1 if turn(f) is not None else -1 for f in facts]
         turns = [turn(scaled(f, sign)) for f, sign in zip(facts, signs, strict=True)]
         total = None not in turns and ("arg", sum(abs(e) * t for e, t in zip(data, turns, strict=True)))
@@ -234,7 +261,7 @@ class Graph:
             same = self.powers(x) == added(*(self.powers(m) for m, _ in known))
             need((name, e) == ("sqrt", 1) and same and c > 0 and min(low, least) >= 0, "not such a root")
             return [("disc", image(name, c * low * least)[0], inf)]
-        if name == "exp" and self.nodes[parts[0][1]] == ("log", ((ONE, m),)):  # a power turns so many times as much
+        if (name, e) == ("exp", 1) and self.nodes[parts[0][1]] == ("log", ((ONE, m),)):  # a power turns as much
             return [("arg", abs(parts[0][0]) * turn(fact))] if turn(fact) is not None and turn(fact) <= 2 else []
         need(name in FUNCTIONS and parts[0][1] == m and e == (-1 if name == "cosh" else 1), "not at this argument")
         fact = scaled(fact, parts[0][0])
@@ -254,10 +281,8 @@ class Graph:
     def rule_square(self, n, known, data):
         """w^2 = c w_1, c > 0, where w > 0 for real s, without zeros and poles, so that w is the root of c w_1."""
         ((m, fact), *parts), (c, exponents) = known, data
-        powers = [{x: e * k for x, k in self.powers(b).items()} for e, (b, _) in zip(exponents, parts, strict=True)]
-        whole = None not in [turn(f) for _, f in parts] and reduce(added, powers, {})
-        roots = {b: self.nodes[b][1] if self.nodes[b][0] == "sqrt" else 2 * ((ONE, b),) for b in self.powers(n)}
-        twice = self.powered((self.fraction(*roots[b][0]), e * len(roots[b])) for b, e in self.powers(n).items())
+        whole = None not in [turn(f) for _, f in parts] and self.powers_of(parts, exponents)
+        twice = self.powered([(self.fraction(ONE, n), 2)])
         same = twice[0] and self.is_equal(twice, self.fraction(Fraction(c), m))
         need(Fraction(c) > 0 and same and whole == self.powers(n), "not its root")
         return [("arg", turn(fact) / 2)] if turn(fact) is not None and turn(fact) <= 2 else []
@@ -265,16 +290,14 @@ class Graph:
     def rule_mean(self, n, known, data):
         """log(1 + X)/X and (1 - exp(-X))/X, means over t from 0 to 1 of 1/(1 + tX) and of exp(-tX), for X = c w_1."""
         ((m, fact),), c = known, Fraction(data)
-        ((base, e),), x = added(self.powers(n), self.powers(m)).items(), self.terms(m, c)
-        kind, parts = self.nodes[base]
-        need(e == 1 and c > 0 and disc(fact) and disc(fact)[0] >= 0, "not a mean")
-        if kind == "log":
-            need(self.terms(parts[0][1], parts[0][0]) == added({0: ONE}, x), "not the mean of 1/(1 + tX)")
-            return [("disc", ZERO, c)]
-        ((inner, factor),) = added(self.terms(base), {0: -ONE}).items()
-        (name, parts) = self.nodes[inner]
-        need(factor == -1 and name == "exp" and self.terms(parts[0][1], -parts[0][0]) == x, "not that of exp(-tX)")
-        return [("disc", -c, c)]
+        ((base, e),) = added(self.powers(n), self.powers(m)).items()
+        of_log = self.nodes[base][0] == "log"
+        inner = base if of_log else max(self.terms(base))
+        kind, ((x, argument),) = self.nodes[inner]
+        right = of_log or (kind == "exp" and self.terms(base) == {0: ONE, inner: -ONE})
+        same = self.terms(argument, x) == added({0: ONE} if of_log else {}, self.terms(m, c if of_log else -c))
+        need(right and same and e == 1 and c > 0 and disc(fact) and disc(fact)[0] >= 0, "not a mean")
+        return [("disc", ZERO if of_log else -c, c)]
 
     def rule_line(self, n, known, data):
         """Re W >= 0 stays along dW/dx = A B - (B/A) W^2; if A is constant, so does a disc that w -> A^2/w maps."""
@@ -324,7 +347,7 @@ def added(f, g):
     found = dict(f)
     for key, x in g.items():
         found[key] = found[key] + x if key in found else x
-    return {key: x for key, x in found.items() if x}
+    return found if all(found.values()) else {key: x for key, x in found.items() if x}
 
 
 def combined(f, g, c, a=1):
@@ -375,7 +398,7 @@ def read_fact(fact):
     return (fact[0], *(float(x) if x in ("inf", "-inf") else Fraction(x) for x in fact[1:]))
 
 
-def check(proof):
+def check(proof, rules=RULES):
     """None if a proof, as its file is read, proves its claim; else what is wrong."""
     step = "the head"
     try:
@@ -386,12 +409,12 @@ def check(proof):
         for k, (n, fact, name, premises, data) in enumerate(proof["steps"]):
             step, goal = f"step {k}, rule '{name}'", read_fact(fact)
             need(n >= 0 and all(0 <= m < k for m in premises), "a step refers to a later one")
-            found = RULES[name](graph, n, [known[m] for m in premises], data)
+            found = rules[name](graph, n, [known[m] for m in premises], data)
             need(any(implies(f, goal) for f in found), "does not follow")
             known.append((n, goal))
         step, (c, n), (m, fact) = "the end", proof["root"], known[-1]
         need(m == n and implies(scaled(fact, Fraction(c)), read_fact(proof["claim"])), "no step leads to the claim")
-    except (ArithmeticError, AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         return f"{step}: {error}"
 
 

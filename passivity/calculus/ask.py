@@ -10,8 +10,8 @@ from flint import acb, ctx
 
 from passivity.ball import near, of_fraction, of_point
 from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, granted, if_affordable
-from passivity.calculus.conclusion import CLAIMS, Conclusion
-from passivity.calculus.fact import POSITIVE_REAL, Fact
+from passivity.calculus.conclusion import Conclusion
+from passivity.calculus.fact import CLAIMS, POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.leaf import Waves, function_of
@@ -21,7 +21,6 @@ from passivity.calculus.read import read, statements
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
 from passivity.calculus.witness import Question, Witness
-from passivity.delayed.boxes import prove_in_balls
 from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
@@ -220,8 +219,8 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
         lambda: _refuted(made, search.behind(prover.active())),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
+        lambda: _in_balls(made, kind, question, search, prover),
         lambda: _refuted(made, search.hunt()),
-        lambda: _in_balls(made, kind, question, search),
         lambda: _proved(made, question, prover, DEPTHS[-1:]),
     )
     for k, way in enumerate(ways):  # a look at a point takes as long as the function is
@@ -275,16 +274,18 @@ def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) ->
     return [made(Status.REFUTED, why, witness=search.around(pole.place), pole=pole)]
 
 
-def _in_balls(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:
+def _in_balls(made: partial, kind: Kind, question: Question, search: Search, prover: Prover) -> list[Conclusion]:
+    """By balls about the load of the line farthest from the input that rules do not find passive, else about all."""
+    for _, _, (_, _, load) in prover.active()[:1]:
+        if if_affordable(_EACH // 4, prover.strictly, Kind.PR, load) and (found := _at_once(made, question, prover)):
+            return found
     try:
-        found = prove_in_balls(kind, question.text, question.numbers)
+        return _proved(made, question, prover, DEPTHS[:1]) if prover.strictly(kind, question.value) else []
     except UndecidedError as error:
         frequency = getattr(error, "frequency", None)
         if frequency is not None and (witness := search.beside(frequency)):
             return _refuted(made, witness)
         raise
-    why = f"strictly so in {len(found.cuts) - 1} balls on the axis up to ω = {digits(found.radius)}"
-    return [made(Status.PROVED, why, oracle=found)]
 
 
 def _with_names(made: partial, question: Question, ranges: list[Range]) -> Conclusion:

@@ -9,21 +9,18 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from passivity.budget import ASIDE, VERDICT, if_affordable
-from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
+from passivity.calculus.fact import CLAIMS, Fact
 from passivity.calculus.graph import Graph
 from passivity.calculus.proof import Proof, lines, prove, sharpest, verify_proof
 from passivity.calculus.read import read
 from passivity.calculus.search import Search
 from passivity.calculus.values import at_point
 from passivity.calculus.witness import Question, Witness
-from passivity.delayed.boxes import BallProof, holds
 from passivity.delayed.poles import Pole
 from passivity.exact.verdict import Verdict
 from passivity.expression.number import complex_text, digits, written
 from passivity.status import Decided, Kind, Status, first_of
 from tline.presentation import SCREEN
-
-CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
 
 
 class AxisValue(NamedTuple):
@@ -52,8 +49,8 @@ class Conclusion(Decided):
         Values of the names, and a point s where the property fails.
     pole : Pole or None
         Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
-    oracle : Verdict, MatrixVerdict, SymbolicVerdict, BallProof or None
-        Of the exact test, of polynomials or of balls, where one of these decided.
+    oracle : Verdict, SymbolicVerdict or None
+        Of the exact test or of polynomials, where one of these decided.
     asked : tuple of (str, dict, dict)
         The text, the numbers for names in it, and what was assumed of others, if the question was one.
     """
@@ -72,11 +69,6 @@ class Conclusion(Decided):
     def rational(self) -> Verdict | None:
         """The verdict of the exact test, if the function is rational with numbers alone."""
         return self.oracle if isinstance(self.oracle, Verdict) else None
-
-    @property
-    def balls(self) -> BallProof | None:
-        """The proof in ball arithmetic, if it is one."""
-        return self.oracle if isinstance(self.oracle, BallProof) else None
 
     @cached_property
     def margin(self) -> AxisValue | None:
@@ -102,9 +94,7 @@ class Conclusion(Decided):
 
     @cached_property
     def evidence(self) -> dict[str, Any] | None:
-        """What a file can hold of a proof or a witness: for rational functions too, and for balls."""
-        if self.balls:
-            return self.balls.file
+        """What a file can hold of a proof or a witness: for rational functions too."""
         if self.rational is None or not self.asked[0]:
             return self.proof or (self.witness and self.witness.file)
         question = self._question
@@ -115,12 +105,12 @@ class Conclusion(Decided):
 
     @property
     def certificate(self) -> Any:
-        """What proves it, whatever it is: a proof by the rules, one in balls, or that of the oracle."""
-        return self.proof or self.balls or getattr(self.oracle, "certificate", None)
+        """What proves it, whatever it is: a proof by the rules, or that of the oracle."""
+        return self.proof or getattr(self.oracle, "certificate", None)
 
     def text_lines(self) -> list[str]:
         """The answer, its reason, the witness, the margin, and the steps of the proof as far as a screen shows them."""
-        if self.oracle is not None and not self.balls:
+        if self.oracle is not None:
             return self.oracle.text_lines()
         told, letter = [f"{self.kind.value}: {self.status.value}", f"  because {self.why}"], self.kind.letter
         if found := self.witness:
@@ -136,17 +126,14 @@ class Conclusion(Decided):
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it, with the proof, and whether it was verified."""
-        if self.oracle is not None and not self.balls:
+        if self.oracle is not None:
             return {"statement": self.statement, **self.oracle.to_dict()}
         told: dict[str, Any] = {"kind": self.kind.value, "statement": self.statement, "status": self.status.value}
         told |= {"why": self.why, "proof": self.proof, "witness": self.witness and self.witness.file}
-        told |= {"balls": self.balls and self.balls.file}
         if self.pole:
             told[self.pole.word] = self.pole.place.str(20)
-        if self.proof or self.balls:
-            told["verified"] = if_affordable(
-                VERDICT, *((verify_proof, self.proof) if self.proof else (holds, self.balls))
-            )
+        if self.proof:
+            told["verified"] = if_affordable(VERDICT, verify_proof, self.proof)
         if margin := self.margin:
             bound = None if margin.bound is None else written(margin.bound)
             told["margin"] = {"attained": margin.attained.str(20), "bound": bound, "frequency": margin.frequency}
@@ -154,4 +141,4 @@ class Conclusion(Decided):
 
     def plot(self, ax: Any = None) -> Any:
         """The picture of the verdict of a rational function, or of samples, on `ax` or in a new figure."""
-        return super().plot(ax) if self.oracle is None or self.balls else self.oracle.plot(ax)
+        return super().plot(ax) if self.oracle is None else self.oracle.plot(ax)

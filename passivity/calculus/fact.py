@@ -7,12 +7,14 @@ from typing import Any, TypeAlias
 from flint import fmpz
 
 from passivity.expression.number import digits, written
+from passivity.status import Kind
 from passivity.verifier import disc, inverted, scaled, turn
 
 Fact: TypeAlias = tuple[Any, ...]
 
 POSITIVE_REAL: Fact = ("disc", Fraction(0), math.inf)
 BOUNDED_REAL: Fact = ("disc", Fraction(-1), Fraction(1))
+CLAIMS = {Kind.PR: POSITIVE_REAL, Kind.BR: BOUNDED_REAL}
 
 _LONG = 256  # bits of a number in a fact that is rounded
 _LONGEST_NUMBER = 30  # characters

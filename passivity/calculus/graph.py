@@ -47,10 +47,9 @@ class Graph(Nodes):
 
     def node(self, kind: str, parts: tuple) -> int:
         """The number of a node, which is made if it is new."""
-        found = self._number.get((kind, parts))
-        if found is None:
+        found = self._number.setdefault((kind, parts), len(self.nodes))  # fractions are slow to hash
+        if found == len(self.nodes):
             self.nodes.append((kind, parts))
-            found = self._number[kind, parts] = len(self.nodes) - 1
             ids = self.inner(found)
             opaque = kind == "name" and self.names[parts[0]][0] != "real"
             self.moves.append(kind == "s" or opaque or any(self.moves[n] for n in ids))
@@ -120,9 +119,9 @@ class Graph(Nodes):
             For a division by zero.
         """
         key = tuple(values), tuple(exponents or ())
-        if key not in self._products:
-            self._products[key] = self._powered(*key)
-        return self._products[key]
+        if (found := self._products.get(key)) is None:
+            found = self._products[key] = self._powered(*key)
+        return found
 
     def _powered(self, values: tuple[Value, ...], exponents: tuple[int, ...]) -> Value:
         powers: dict[int, int] = {}

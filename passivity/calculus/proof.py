@@ -10,6 +10,7 @@ from passivity.calculus.fact import BOUNDED_REAL, Fact, in_texts, in_words
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
 from passivity.calculus.witness import Question
+from passivity.delayed.boxes import ALL_RULES
 from passivity.expression.number import written
 from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
@@ -36,7 +37,7 @@ def verify_proof(proof: Proof) -> bool:
     >>> verify_proof(is_positive_real("1/(1 + sqrt(s))").proof)
     True
     """
-    return check(json.loads(json.dumps(proof))) is None
+    return check(json.loads(json.dumps(proof)), ALL_RULES) is None
 
 
 def sharpest(proof: Proof) -> Fraction | None:

@@ -23,9 +23,11 @@ from passivity.calculus.graph import ZERO, Graph, Value
 from passivity.calculus.leaf import Waves, rational_facts
 from passivity.calculus.rewrite import Line, absorbing, lines, merged, rewritings
 from passivity.calculus.values import needed
+from passivity.delayed.boxes import ALL_RULES, prove_in_balls
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
-from passivity.verifier import RULES, disc, implies, scaled, turn
+from passivity.status import Kind
+from passivity.verifier import disc, implies, scaled, turn
 
 DEPTHS = (
     0,
@@ -69,6 +71,10 @@ class Prover:
                 return found[0]
             self.known = {n: steps for n, steps in self.known.items() if steps and (most or self._is_line(steps))}
         return None
+
+    def strictly(self, kind: Kind, value: Value) -> bool:
+        """Whether balls prove a value without names strictly positive or bounded real."""
+        return bool(self.follow(value[1], "balls", [], prove_in_balls(kind, self.graph, value)))
 
     def _run(self, task: Task) -> None:
         """Work through a task and those that it waits for, however deep, without recursion."""
@@ -117,7 +123,7 @@ class Prover:
     def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
         """Apply a rule, and keep what is new."""
         try:
-            found = RULES[rule](self.graph, n, [self.steps[k][:2] for k in premises], data)
+            found = ALL_RULES[rule](self.graph, n, [self.steps[k][:2] for k in premises], data)
         except (ValueError, TypeError, ZeroDivisionError):
             return []
         fresh = []
@@ -210,13 +216,21 @@ class Prover:
             self.follow(n, "line", [k, *others])
 
     def active(self) -> list[tuple[int, int, Line]]:
-        """Nodes that are 1 or -1 times a line whose load was not found to be passive, deepest first."""
+        """Nodes that are 1 or -1 times a line whose load was not found to be passive, deepest first.
+
+        Not those, if there are others, whose load is the negative of a passive one: that is a line of z0 < 0.
+        """
         about: dict[int, list[int]] = {}
         for k, (n, *_) in enumerate(self.steps):
             about.setdefault(n, []).append(k)
         lines = [(n, sign, line) for n, (sign, line, _) in self.lines.items()]
-        active = [x for x in lines if self._best(x[2][2], POSITIVE_REAL, about.get(x[2][2][1], ())) is None]
-        return sorted(active, key=lambda each: each[2][2][1])
+
+        def passive(line: Line, sign: int) -> bool:
+            c, m = line[2]
+            return self._best((sign * c, m), POSITIVE_REAL, about.get(m, ())) is not None
+
+        active = sorted((x for x in lines if not passive(x[2], 1)), key=lambda each: each[2][2][1])
+        return [x for x in active if not passive(x[2], -1)] or active
 
     def right(self, n: int) -> int | None:
         """The step that says most of Re w >= 0."""

@@ -11,7 +11,7 @@ from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
 from passivity.calculus.rewrite import Line
-from passivity.calculus.values import Array, in_ball, in_balls, in_floats, needed
+from passivity.calculus.values import Array, in_balls, in_floats, needed
 from passivity.calculus.witness import Question, Witness
 from passivity.expression.number import double
 
@@ -125,15 +125,14 @@ class Search:
         }
         lines = [each for each in lines if each[0] in parts]
         starts = (self._spread(), self._ladder()) if lines else ()
-        ways = [(first, bits, places) for bits in _BITS for first in range(_LINES) for places in starts]
-        for first, bits, places in ways:
+        ways = [(bits, places, first) for bits in _BITS for places in starts for first in range(_LINES)]
+        for bits, places, first in ways:
             for k, (n, sign, line) in enumerate(lines[first:], first):
                 places = self._zeros(graph.sum([line[2], line[0]]), places)
                 if not len(places):
                     break
                 for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
-                    place = self._aimed(n, parts[n], sign, line, root, bits)
-                    if place is not None and (found := self.rounded(place)):
+                    if found := self._aimed(n, parts[n], sign, line, root, bits):
                         return found
         return None
 
@@ -155,23 +154,26 @@ class Search:
         """Zeros of a part in Re s > 0, by Newton's method from some places; nearest to the axis first."""
         import numpy as np
 
-        order, step = needed(self.question.graph, value[1]), s
+        order, ended = needed(self.question.graph, value[1]), []
         with np.errstate(all="ignore"):
-            for _ in range(_NEWTON):
+            for _ in range(_NEWTON if len(s) else 0):
                 both = np.stack([s, s + 1e-6 * np.abs(s)])
                 f, after = in_floats(self.question.graph, value, both, self.floats, order)
                 step = f / (after - f) * (both[1] - s)
                 s = s - step * np.minimum(1, np.abs(s) / np.abs(step))
-            s = s[(np.abs(step) < 1e-6 * np.abs(s)) & (s.real > 0)]
-        s = s.real + 1j * np.abs(s.imag)
+                there = np.abs(step) < 1e-6 * np.abs(s)
+                ended += s[there & (s.real > 0)].tolist()
+                s = s[~there & np.isfinite(s)]
+                if not len(s):
+                    break
         found: list[complex] = []
-        for root in s[np.argsort(s.real)]:
+        for root in sorted((complex(x.real, abs(x.imag)) for x in ended), key=lambda x: x.real):
             if all(abs(root - other) > 1e-4 * abs(root) for other in found):
-                found.append(complex(root))
+                found.append(root)
         return np.array(found[:_KEPT])
 
-    def _aimed(self, n: int, part: int, sign: int, line: Line, root: complex, bits: int) -> acb | None:
-        """Where, near a point, the load of a line is such that the whole fails, by secants in balls.
+    def _aimed(self, n: int, part: int, sign: int, line: Line, root: complex, bits: int) -> Witness | None:
+        """A witness near a point, where the load of a line is such that the whole fails, by secants in balls.
 
         The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line times a sign is node n, and
         a part of n, which the whole is made of, tells of its value.
@@ -179,21 +181,28 @@ class Search:
         graph, value = self.question.graph, self.question.value
         e = graph.powers(n)[part]
         rest = graph.product([(Fraction(sign), n), (Fraction(1), part)], [1, -e])
+        parts, whole = [*line, rest], needed(graph, value[1], known=[part])
+        before = needed(graph, *(m for _, m in parts))
 
         def excess(s: acb) -> acb:
-            z0, through, load, over = in_balls(graph, (*line, rest), s, self.names)
+            z0, through, load, over = in_balls(graph, parts, s, self.names, order=before)
             wave = through.tanh()
             v1, v2, v3 = z0, 2 * z0, z0 * acb(0, 1)
             seen = [z0 * (v + z0 * wave) / (z0 + v * wave) / over for v in (v1, v2, v3)]
-            w1, w2, w3 = (in_ball(graph, value, s, self.names, {part: w**e}) for w in seen)
+            w1, w2, w3 = (in_balls(graph, [value], s, self.names, {part: w**e}, whole)[0] for w in seen)
             goal = acb(2) if self.question.bounded else -w1
             ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
             return load - (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
 
         spend(_AIMS * len(self.scales.order) * (3_000 + 10 * bits), "a pole")
+        first, place = abs(root) / 2, None
         with ctx.workprec(bits):
-            place = _zero(excess, acb(root.real, root.imag))
-        return place if place is not None and place.real > 0 else None
+            for place in _approaching(excess, acb(root.real, root.imag)):
+                if not abs(place - acb(root.real, root.imag)) < first or not place.real > 0:
+                    return None
+                if found := self.check(_short(near(place.real), _LENGTHS[1]), _short(near(place.imag), _LENGTHS[1])):
+                    return self.rounded(place) or found
+        return place and self.rounded(place)
 
     def beside(self, w: float) -> Witness | None:
         """A witness near a frequency on the axis."""
@@ -318,19 +327,17 @@ class Search:
         return middle[np.argsort(-self.badness((tilt + 1j) * middle, relative=False))]
 
 
-def _zero(function: Callable[[acb], acb], s: acb) -> acb | None:
-    """A zero near a place by secants, as exactly as the precision allows; None if they do not come to one."""
+def _approaching(function: Callable[[acb], acb], s: acb) -> Iterator[acb]:
+    """Places ever nearer to a zero, by secants, as near as the precision allows."""
     last = s + abs(s) / 2**30
     before = function(last)
     for _ in range(_AIMS):
         f = function(s)
-        if f.contains(0):
-            return s
         step = f * (s - last) / (f - before)
-        if not step.is_finite():
-            return None
+        if f.contains(0) or not step.is_finite():
+            return
         last, before, s = s, f, acb((s - step).real.mid(), (s - step).imag.mid())
-    return None
+        yield s
 
 
 def _exp(x: float) -> float:

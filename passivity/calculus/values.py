@@ -40,12 +40,18 @@ def in_ball(
 
 
 def in_balls(
-    graph: Graph, values: Sequence[Value], s: acb, names: Names | None = None, known: Mapping[int, acb] | None = None
+    graph: Graph,
+    values: Sequence[Value],
+    s: acb,
+    names: Names | None = None,
+    known: Mapping[int, acb] | None = None,
+    order: list[int] | None = None,
 ) -> list[acb]:
-    """Balls with several values, what these have in common evaluated once."""
+    """Balls with several values, what these have in common evaluated once; `order` is what is needed for them."""
     numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
     at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
-    return at.values(values, needed(graph, *(n for _, n in values), known=known or ()), known)
+    order = needed(graph, *(n for _, n in values), known=known or ()) if order is None else order
+    return at.values(values, order, known)
 
 
 def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Names | None = None) -> acb:

@@ -4,16 +4,18 @@ Z = a0 s + 1/(a1 s + 1/(... + 1/(ak s + Z1))), where Z1 has the value A > 0 for 
 X = (Z1 - A)/(Z1 + A) = n/d is analytic with |X| < 1 in Re s > 0, and so Z is positive real, if |n| < |d|
 
   - far out, |s| >= R, where the delays stand for any number in the unit disc,
-  - on the pieces of the axis up to R, each in a ball,
+  - on the pieces of the axis up to R, each in a ball; at 0 |n| = |d| will do, as where Z has a pole or a zero there, if
+    |d|^2 - |n|^2, which is even in w, has a second derivative above 0 on the first piece,
 
 and d does not turn around zero along the half disc of radius R: then it has no zero in it, and |X| is
 largest on the edge.
+
+Such a proof is a step of the rule `balls`, with the radius and the cuts; `passivity.verifier` does not know it.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 from flint import acb, arb, arb_poly, ctx, fmpz_mpoly
@@ -21,15 +23,15 @@ from flint import acb, arb, arb_poly, ctx, fmpz_mpoly
 from passivity.ball import of_fraction, of_point
 from passivity.budget import UndecidedError
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
+from passivity.calculus.fact import CLAIMS, Fact
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.read import read
-from passivity.calculus.values import in_ball
+from passivity.calculus.values import in_ball, needed
 from passivity.delayed.roots import BITS, QuasiPolynomial, cuts_of_axis, least_radius, on_axis, pieces, winding
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.status import Kind
-
-FORMAT = "passivity proof in balls 1"
+from passivity.verifier import RULES, scaled
+from passivity.verifier import Graph as Nodes
 
 _PLACES = ((Fraction(37, 29), Fraction(17, 23)), (Fraction(5, 3), Fraction(0)), (Fraction(1, 7), Fraction(9, 11)))
 _DIGITS = 4096  # binary, of the comparison: a term of 1e-400 is seen, and so is its square
@@ -43,84 +45,86 @@ class UnresolvedError(UndecidedError):
     frequency: float | None = None
 
 
-@dataclass(frozen=True)
-class BallProof:
-    """All that `holds` needs to repeat a proof in balls: the function, the radius R and the cuts of the axis."""
-
-    kind: Kind
-    text: str
-    numbers: Mapping[str, Fraction]
-    radius: Fraction = Fraction(1)
-    cuts: tuple[Fraction, ...] = ()
-
-    def read(self) -> tuple[Graph, Value]:
-        """The function."""
-        graph = Graph()
-        return graph, read(graph, self.text, self.numbers)
-
-    @cached_property
-    def file(self) -> dict[str, Any]:
-        """What `from_file` reads."""
-        told: dict[str, Any] = {"format": FORMAT, "statement": f"{self.text} is {self.kind}", "text": self.text}
-        told |= {"kind": self.kind.name, "numbers": {name: written(x) for name, x in self.numbers.items()}}
-        return told | {"radius": written(self.radius), "cuts": [written(cut) for cut in self.cuts]}
-
-
-def from_file(told: dict[str, Any]) -> BallProof:
-    """The proof that a file tells of; KeyError, TypeError or ValueError if there is none."""
-    numbers = {name: Fraction(x) for name, x in told["numbers"].items()}
-    cuts = tuple(map(Fraction, told["cuts"]))
-    return BallProof(Kind[told["kind"]], told["text"], numbers, Fraction(told["radius"]), cuts)
-
-
-def prove_in_balls(kind: Kind, text: str, numbers: Mapping[str, Fraction] | None = None) -> BallProof:
-    """A proof that a function has the property strictly, or UnresolvedError.
+def prove_in_balls(kind: Kind, graph: Graph, value: Value) -> dict[str, Any]:
+    """A proof that a value has the property strictly, as the data of a step about its node; or UnresolvedError.
 
     Examples
     --------
-    >>> proof = prove_in_balls(Kind.PR, "(s + 2 - exp(-s))/(s + 3 + exp(-s)/(1 + s))")
-    >>> len(proof.cuts), holds(proof)
-    (12, True)
+    >>> from passivity.calculus.read import read
+    >>> graph = Graph()
+    >>> value = read(graph, "(s + 2 - exp(-s))/(s + 3 + exp(-s)/(1 + s))")
+    >>> len(prove_in_balls(Kind.PR, graph, value)["cuts"])
+    12
     """
-    asked = BallProof(kind, text, dict(numbers or {}))
     with ctx.workprec(BITS):
-        x = reflection(kind, *asked.read())
+        x = reflection(kind, graph, value)
         radius = least_radius(lambda r: _is_small_far_out(x.n, x.d, r))
         if radius is None:
             raise UnresolvedError("no room left far out: |H| comes to 1, or Re Z to 0, for s to infinity")
-        cuts = cuts_of_axis(lambda s: abs(x.n(s)) < abs(x.d(s)), radius, partial(_room, x.n, x.d))
-    proof = BallProof(kind, text, asked.numbers, radius, tuple(cuts))
-    if not holds(proof):
-        raise UnresolvedError("Z + A has zeros in Re s > 0, or their number is not resolved")
-    return proof
+        cuts = cuts_of_axis(_Axis(x.n, x.d).is_clear, radius, partial(_room, x.n, x.d))
+    told = {"kind": kind.name, "factor": written(value[0])}
+    return told | {"radius": written(radius), "cuts": [written(cut) for cut in cuts]}
 
 
-def holds(proof: BallProof) -> bool:
+def holds(kind: Kind, graph: Graph, value: Value, radius: Fraction, cuts: list[Fraction]) -> bool:
     """Whether the radius and the cuts of a proof make one, of a reflection that leads back to the function."""
-    cuts = list(proof.cuts)
-    if not cuts or cuts[0] != 0 or cuts[-1] != proof.radius or sorted(set(cuts)) != cuts:
+    if not cuts or cuts[0] != 0 or cuts[-1] != radius or sorted(set(cuts)) != cuts:
         return False
     try:
-        graph, value = proof.read()
         with ctx.workprec(2 * BITS):
-            x = reflection(proof.kind, graph, value)
-            small = _is_small_far_out(x.n, x.d, proof.radius) and all(abs(x.n(s)) < abs(x.d(s)) for s in pieces(cuts))
-            if not small or winding(x.d, proof.radius, cuts):
+            x = reflection(kind, graph, value)
+            small = _is_small_far_out(x.n, x.d, radius) and all(map(_Axis(x.n, x.d).is_clear, pieces(cuts)))
+            if not small or winding(x.d, radius, cuts):
                 return False
         with ctx.workprec(_DIGITS):
-            x = reflection(proof.kind, graph, value)
-            points = [of_point(re * r, im * r) for re, im in _PLACES for r in (proof.radius, proof.radius / 2**20)]
-            pairs = [(x.given(proof.kind, s), in_ball(graph, value, s)) for s in points]
+            x = reflection(kind, graph, value)
+            points = [of_point(re * r, im * r) for re, im in _PLACES for r in (radius, radius / 2**20)]
+            pairs = [(x.given(kind, s), in_ball(graph, value, s)) for s in points]
             known = [(a, b) for a, b in pairs if a.is_finite() and b.is_finite()]
             return bool(known) and all(a.overlaps(b) for a, b in known)
     except (UndecidedError, ExpressionError):
         return False
 
 
+def rule_balls(nodes: Nodes, n: int, known: list[Any], data: dict[str, Any]) -> list[Fact]:
+    """c times a node without names is positive or bounded real: the radius and the cuts make a proof in balls."""
+    graph = nodes if isinstance(nodes, Graph) else Graph(nodes.names)
+    if any(graph.node(*node) != k for k, node in enumerate(nodes.nodes) if graph is not nodes):
+        raise ValueError("a node that is there twice")
+    if any(graph.nodes[m][0] == "name" for m in needed(graph, n)):
+        raise ValueError("a function with names")
+    kind, c, cuts = Kind[data["kind"]], Fraction(data["factor"]), [Fraction(x) for x in data["cuts"]]
+    fact = scaled(CLAIMS[kind], 1 / c) if holds(kind, graph, (c, n), Fraction(data["radius"]), cuts) else None
+    return [fact] if fact else []
+
+
+ALL_RULES = RULES | {"balls": rule_balls}
+
+
 def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction) -> bool:
     leading, rest = d.far(radius, d.degree)
     other, more = n.far(radius, d.degree)
     return n.degree <= d.degree and bool(abs(other) + more < abs(leading) - rest)
+
+
+class _Axis:
+    """Where |n| < |d|."""
+
+    def __init__(self, n: QuasiPolynomial, d: QuasiPolynomial):
+        self.each = tuple((f, f.derivative(), f.derivative().derivative()) for f in (n, d))
+        at_0, whole = (f(acb(0)).real for f in (n, d))
+        self.touches = at_0 * at_0 == whole * whole and whole != 0  # which balls say of exact numbers alone
+
+    def is_clear(self, s: acb) -> bool:
+        """Whether |n| < |d| on a piece of the axis, except at 0."""
+        (n, *_), (d, *_) = self.each
+        if abs(n(s)) < abs(d(s)):
+            return True
+        if not (self.touches and s.contains(0)):
+            return False
+        bent = ((f(s), first(s), second(s)) for f, first, second in self.each)
+        less, more = (first * first.conjugate() - (f.conjugate() * second) for f, first, second in bent)
+        return bool(more.real > less.real)
 
 
 def _room(n: QuasiPolynomial, d: QuasiPolynomial, low: Fraction, high: Fraction) -> UnresolvedError:
@@ -156,6 +160,7 @@ def reflection(kind: Kind, graph: Graph, value: Value) -> Reflection:
 
     Examples
     --------
+    >>> from passivity.calculus.read import read
     >>> graph = Graph()
     >>> found = reflection(Kind.PR, graph, read(graph, "2*s + 3 + exp(-s)/(1 + s)"))
     >>> found.slopes, found.far

@@ -36,6 +36,10 @@ class QuasiPolynomial:
         spend(sum(3_000 + 300 * len(p) for _, p in self.terms), "the values on the axis")
         return sum(((-s * delay).exp() * p(s) for delay, p in self.terms), acb(0))
 
+    def derivative(self) -> "QuasiPolynomial":
+        """Its derivative."""
+        return QuasiPolynomial(tuple((delay, p.derivative() - p * arb_poly([delay])) for delay, p in self.terms))
+
     @property
     def degree(self) -> int:
         """The highest power of s."""

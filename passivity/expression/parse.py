@@ -213,6 +213,8 @@ def _whole(exponent: Node, column: int) -> int:
 
 def _decimal(number: Token) -> Fraction:
     """Exact value of a number as written, refused where it would fill the memory."""
+    if number.text.isdecimal() and len(number.text) <= MAX_DIGITS:
+        return Fraction(int(number.text))
     where = f"column {number.column}"
     mantissa, _, exponent = number.text.lower().partition("e")
     if len(mantissa) > MAX_DIGITS:

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from passivity.calculus.ask import check_expression
 from passivity.calculus.proof import verify_proof
-from passivity.delayed.boxes import holds
 from passivity.status import Kind, Status
 
 positive = st.fractions(Fraction(1, 20), 20, max_denominator=20).map(lambda x: f"({x})")
@@ -123,4 +122,4 @@ def test_scales_do_not_matter(k, delay, decade):
     for expression, kind in ((text, Kind.BR), (f"(1 - {text})/(1 + {text})", Kind.PR)):
         verdict = check_expression(expression, kind)
         assert verdict.status is (Status.PROVED if abs(k) <= 100 else Status.REFUTED)
-        assert verdict.balls is None or holds(verdict.balls)
+        assert verdict.proof is None or verify_proof(verdict.proof)

@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -18,10 +17,10 @@ from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
 from passivity.calculus.graph import Graph
 from passivity.calculus.proof import prove, verify_proof
 from passivity.calculus.read import read
-from passivity.calculus.values import in_ball
+from passivity.calculus.values import in_ball, in_floats
 from passivity.calculus.witness import Question
 from passivity.delayed import boxes
-from passivity.delayed.boxes import UnresolvedError, from_file, holds, prove_in_balls
+from passivity.delayed.boxes import UnresolvedError, prove_in_balls, rule_balls
 from passivity.delayed.roots import roots_right
 from passivity.errors import ExpressionError
 from passivity.polynomial.sign import UndecidedError
@@ -251,17 +250,41 @@ def g1(k, delay):
     ],
 )
 def test_balls(kind, text):
-    found = prove_in_balls(Kind[kind], text)
-    assert holds(found)
-    assert holds(from_file(json.loads(json.dumps(found.file))))
-    assert not holds(replace(found, cuts=found.cuts[:-1]))
-    assert not holds(replace(found, text=f"{text} - 3*s^2"))
+    graph = Graph()
+    value, other = read(graph, text), read(graph, f"{text} - 3*s^2")
+    found = prove_in_balls(Kind[kind], graph, value)
+    assert rule_balls(graph, value[1], [], json.loads(json.dumps(found)))
+    assert not rule_balls(graph, other[1], [], found)
+    assert not rule_balls(graph, value[1], [], found | {"cuts": found["cuts"][:-1]})
+
+
+@pytest.mark.parametrize(
+    ("text", "least"),
+    [("line(50, 7/10*s, 100 + 1/s) - 5", 15), ("1/s + 2 - exp(-s)", 1), ("1/(1/s + 2 - exp(-s))", 0), (g1("1", 2), 0)],
+)
+def test_balls_that_touch_at_0(text, least):
+    """A pole at s = 0, or a zero: |X(0)| = 1, and |X| < 1 on the rest of the axis."""
+    graph = Graph()
+    value = read(graph, text)
+    data = prove_in_balls(Kind.PR, graph, value)
+    assert rule_balls(graph, value[1], [], data)
+    w = np.geomspace(1e-4, 300, 3000)
+    assert in_floats(graph, value, 1e-12 + 1j * w, {}).real.min() > least - 1e-6
+    active = graph.sum([value, (Fraction(-3), graph.s[1])])
+    assert not rule_balls(graph, active[1], [], data)
+
+
+def in_balls_of(text):
+    graph = Graph()
+    value = read(graph, text)
+    data = prove_in_balls(Kind.PR, graph, value)
+    if not rule_balls(graph, value[1], [], data):
+        raise UnresolvedError("zeros")
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (g1("1", 2), "the room"),
         (g1("2", 2), "the room"),
         ("sqrt(s) + 1", "not rational in s and delays"),
         ("exp(2*s)/2", "far out"),
@@ -270,7 +293,7 @@ def test_balls(kind, text):
 )
 def test_balls_do_not_prove_what_is_not_strict(text, words):
     with pytest.raises(UnresolvedError, match=words):
-        prove_in_balls(Kind.PR, text)
+        in_balls_of(text)
 
 
 COMPLEX = [
@@ -283,7 +306,7 @@ COMPLEX = [
 @pytest.mark.parametrize("text", COMPLEX)
 def test_constants_that_are_not_real_prove_nothing(text):
     with pytest.raises(UnresolvedError, match="not known to be real"):
-        prove_in_balls(Kind.PR, text)
+        in_balls_of(text)
     assert check_expression(text, Kind.PR).status is not Status.PROVED
 
 
@@ -291,7 +314,7 @@ def test_constants_that_are_not_real_prove_nothing(text):
 def test_a_wrong_translation_is_caught(text, monkeypatch):
     monkeypatch.setattr(boxes, "_real", lambda graph, constant: in_ball(graph, constant, acb(1)).real)
     with pytest.raises(UnresolvedError, match="zeros"):
-        prove_in_balls(Kind.PR, text)
+        in_balls_of(text)
 
 
 @pytest.mark.parametrize(
