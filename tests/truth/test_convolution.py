@@ -130,3 +130,27 @@ def test_an_edge_of_a_nanosecond_into_37_and_23_metres_of_rg58():
     exact = [(inverse(ramps, delay, x) - inverse(ramps, delay, x - 1e-9)) / 1e-9 for x in t.tolist()]
     assert result.accuracy.met
     assert np.abs(result.probes["far"].at(t).u - exact).max() < 1e-4
+
+
+@pytest.mark.parametrize("tol", [1e-2, 1e-3])
+def test_a_slow_ramp_into_a_short_line_costs_what_its_corners_cost(tol):
+    """16,000 delays in a thousand slabs, beside both corners and elsewhere, against the sum of all reflections."""
+    delay, rise, z0, source, load = 1.25e-9, 5e-6, 50.0, 25.0, 1000.0
+    scene = Scene(
+        medium="electrical", t_end="20 us", probes={"far": {"at": "far"}},
+        lines={"line": {"nodes": ["near", "far"], "z0": z0, "delay": delay}},
+        sources={"s": {"at": "near", "kind": "voltage", "resistance": source,
+                       "value": {"shape": "ramp", "to": 1, "duration": rise}}},
+        loads={"r": {"at": "far", "kind": "resistor", "resistance": load}},
+    )  # fmt: skip
+    result = simulate(scene, tol=tol)
+    beside = np.linspace(0.0, 40e-9, 401)
+    t = np.concatenate([beside, rise + beside, np.linspace(0.0, 20e-6, 401)])
+    back = (source - z0) / (source + z0) * (load - z0) / (load + z0)
+    first = 2 * load / (load + z0) * z0 / (z0 + source)
+    u = sum(first * back**k * np.clip((t - (2 * k + 1) * delay) / rise, 0.0, 1.0) for k in range(40))
+    worst = np.abs(result.probes["far"].at(t).u - u).max()
+    assert result.accuracy.met
+    assert result.resolution.convolved
+    assert result.slabs.number < 16_000
+    assert worst <= result.accuracy.inside["far"].u

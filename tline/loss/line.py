@@ -62,11 +62,14 @@ class LossyLine(ByValue):
         return self.length * math.sqrt(self.series.storage * self.shunt.storage)
 
     @property
+    def constant(self) -> bool:
+        """Whether R and G are the same at all frequencies."""
+        return isinstance(self.series, ConstantLoss) and isinstance(self.shunt, ConstantLoss)
+
+    @property
     def distortionless(self) -> bool:
         """R/L = G/C, to rounding: the line only delays and attenuates by exp(-l sqrt(R G)), and Zc = z0."""
-        if not (isinstance(self.series, ConstantLoss) and isinstance(self.shunt, ConstantLoss)):
-            return False
-        return math.isclose(
+        return self.constant and math.isclose(
             self.series.loss * self.shunt.storage, self.shunt.loss * self.series.storage, rel_tol=ROUNDING
         )
 
@@ -78,6 +81,14 @@ class LossyLine(ByValue):
     def gamma(self, s: ArrayLike) -> NDArray[np.complex128]:
         """Γ(s), 1/m; shape of s, 1/s, off the negative real axis."""
         return np.sqrt(self.series.at(s)) * np.sqrt(self.shunt.at(s))
+
+    def beyond_delay(self, s: NDArray) -> NDArray[np.complex128]:
+        """Γl - sT, of which at high frequencies a difference would leave rounding alone where R and G are constant."""
+        total, late = self.gamma(s) * self.length, s * self.delay
+        if not self.constant:
+            return total - late
+        (r, g), L, C = (self.series.loss, self.shunt.loss), self.series.storage, self.shunt.storage
+        return self.length**2 * ((r * C + g * L) * s + r * g) / (total + late)
 
     def zc(self, s: ArrayLike) -> NDArray[np.complex128]:
         """Zc(s), ohm or Pa s/m³; shape of s. Infinite at s = 0 if the shunt does not leak."""
@@ -166,16 +177,12 @@ class Losses:
     @property
     def constant(self) -> tuple[float, float] | None:
         """Resistance and conductance per metre, if that is all."""
-        laws = self.exact.series, self.exact.shunt
-        if not self.linear or not all(isinstance(law, ConstantLoss) for law in laws):
-            return None
-        return laws[0].loss, laws[1].loss
+        return (self.exact.series.loss, self.exact.shunt.loss) if self.linear and self.exact.constant else None
 
     @property
     def only_quadratic(self) -> bool:
         """Whether K |y| y is all that is lost."""
-        laws = self.exact.series, self.exact.shunt
-        plain = all(isinstance(law, ConstantLoss) and not law.loss for law in laws)
+        plain = self.exact.constant and not (self.exact.series.loss or self.exact.shunt.loss)
         return self.quadratic > 0 and plain
 
     @property

@@ -38,6 +38,7 @@ ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps 
 WRONG = 1e-12  # of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
 SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of which transforms are quick
+FEW = 1000  # slabs of transforms whose modes are kept for the next scene
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 
@@ -94,6 +95,19 @@ def _by_decomposition(basis: Basis, zeta: NDArray) -> Modes:
     return Modes(rates, vectors, np.linalg.inv(vectors))
 
 
+def _places(radius: float, n: int) -> NDArray:
+    """Half a circle, on which a transform of n real numbers is known."""
+    return radius * np.exp(-2j * np.pi * np.arange(n // 2 + 1) / n)
+
+
+def on_circle(s: int, radius: float, n: int) -> Modes:
+    """D of order s there."""
+    return derivative(basis(s), _places(radius, n))
+
+
+_kept = lru_cache(maxsize=16)(on_circle)
+
+
 def _smooth(n: int) -> int:
     halved = max(n.bit_length() - 4, 0)
     return min(part * 2**k for part in SMOOTH for k in (halved, halved + 1) if part * 2**k >= n)
@@ -124,10 +138,10 @@ class Quadrature:
         self.n, self.h, self.length = n, h, _smooth(padded * n)
         radius = EPS ** (1 / (n + self.length))  # what wraps around is then as small as rounding makes the last slabs
         self.decay = radius ** np.arange(n)
-        zeta = radius * np.exp(-2j * np.pi * np.arange(self.length // 2 + 1) / self.length)
-        rates, self._from_eigen, self._to_eigen = derivative(basis, zeta)
+        rates, self._from_eigen, self._to_eigen = (_kept if n <= FEW else on_circle)(basis.s, radius, self.length)
         self.points: NDArray = rates.ravel() / h  # where transfer functions are needed, 1/s
-        self.late: NDArray = (-np.log(zeta)[:, None] - rates).ravel()  # of a slab, what its delay is beyond sh
+        late = -np.log(_places(radius, self.length))[:, None] - rates
+        self.late: NDArray = late.ravel()  # of a slab, what its delay is beyond sh
 
     def forward(self, values: NDArray) -> NDArray:
         """Transforms at all points, shape (points, k), of values of shape (n, s, k)."""

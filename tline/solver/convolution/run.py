@@ -38,6 +38,7 @@ from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, 
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
+LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
 MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
@@ -62,7 +63,8 @@ def envelope_of(description: Description, result: Result) -> Envelope:
 class Convolved:
     """A linear scene in s, and what its sources add to what they are before t = 0.
 
-    Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each.
+    Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each. Slabs may be far wider
+    than delays where all is `slow`.
     """
 
     def __init__(
@@ -73,8 +75,10 @@ class Convolved:
         *,
         envelope: bool = False,
         clocked: bool = True,
+        slow: bool = False,
     ):
-        self.description, self.padded, self.envelope, self.clocked = description, padded, envelope, clocked
+        self.description, self.padded, self.envelope = description, padded, envelope
+        self.clocked, self.slow = clocked, slow
         self.kept = {*record, *description.probed}
         self.lines = [name for name in description.lines if envelope or name in self.kept]
         self.before: Before = above_level(description) if description.steady else rest(description)
@@ -96,14 +100,14 @@ class Convolved:
     def layered(self) -> bool:
         """Whether what happens beside fronts is followed on narrower slabs there, along rays."""
         straight = not any(changes.curved for changes in self.changes)
-        alone = self.laws is None and not self.network.bundles and not self.clock
+        alone = self.laws is None and not self.network.bundles and not self.clock and not self.slow
         return alone and straight and affordable(self.network)
 
     @cached_property
     def clock(self) -> float:
         """What many fronts are whole numbers of apart, s: they all are at edges of such slabs; 0 where they are not."""
         apart = np.diff(self.instants)
-        if len(apart) < MANY or not self.clocked:
+        if len(apart) < MANY or not self.clocked or self.slow:
             return 0.0
         tick = float(apart.sum() / max(round(apart.sum() / apart.min()), 1))
         return tick if len(leads(self.instants / tick)) == 1 else 0.0
@@ -294,8 +298,23 @@ def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: floa
 
 def suits(description: Description) -> bool:
     """Whether lines lose linearly, not all of them in diamonds, and the rest but laws and switches stays what it is."""
+    return (description.dispersive or description.mixing) and _stays(description)
+
+
+def is_slow(description: Description) -> bool:
+    """Whether a linear scene is long for its lines, and nothing that drives it jumps."""
+    longest = max(line.delay for line in description.lines.values())
+    moving = description.elements or description.switched or description.own
+    if description.t_end < LONG * longest or moving or description.scene.solver.slab or not _stays(description):
+        return False
+    waveforms = description.waveforms.values()
+    changes = [changes_of(each, description.steady, description.t_end) for each in waveforms]
+    return not any(each.jump.any() for each in changes)
+
+
+def _stays(description: Description) -> bool:
     losses = [line.losses for line in description.lines.values() if line.losses is not None]
-    if not (description.dispersive or description.mixing) or not all(each.linear for each in losses):
+    if not all(each.linear for each in losses):
         return False
     moving = any(element.governor is not None or element.kind.breaks for element in description.elements)
     lifted = description.heights and not description.steady

@@ -10,13 +10,13 @@ from tline.errors import InputError
 from tline.solver.convolution.families import leads
 from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.rays import arrivals
-from tline.solver.convolution.run import Convolved, is_affordable, suits
+from tline.solver.convolution.run import Convolved, is_affordable, is_slow, suits
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy
-from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.result import ProbeResult, Result, Wave
 from tline.solver.run import accounts_of
-from tline.solver.tolerance.compare import BETWEEN, relative
+from tline.solver.tolerance.compare import BETWEEN, added, relative
 from tline.solver.tolerance.difference import Difference, on_slabs, ways
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
 from tline.words.wording import place
@@ -30,25 +30,31 @@ SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside front
 ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
 MOST_BLURRED = 0.25  # of a run
+WIDE, MOST_WIDE = 64, 1e4  # slabs of a run in which all is slow: of the first, and of the last
 MOST_CLOCKED = 2.5e5  # samples, with fronts at edges of slabs; where they ask for more, slabs narrower beside them do
 
 
 def convolved(search: Search) -> Result | None:
     """Run a scene by convolution quadrature to a tolerance; None if it is not one for that."""
     description = search.description
-    if search.tol < CLOSEST or not suits(description):
+    slow, usual = is_slow(description), suits(description)
+    if search.tol < CLOSEST or not (slow or usual):
         return None
     if search.envelope:
         description.refuse_coupled("an envelope")
-    try:
-        grids = Convolutions(search)
-        if not is_affordable(grids.scene, grids.order, grids.h / 2) and not grids.alone:
+    grids, result = None, None
+    for how in [{"slow": True}] * slow + [{}, {"clocked": False}] * usual:
+        try:
+            grids = Convolutions(search, **how)
+            if is_affordable(grids.scene, grids.order, grids.h / 2) or grids.alone:
+                result = refined(grids)
+            elif not grids.scene.slow:
+                return None
+        except InputError:  # there is no answer in s, or no flow through laws
             return None
-        result = refined(grids)
-        if grids.scene.clock and result.accuracy and not result.accuracy.met:
-            grids = Convolutions(search, clocked=False)
-            result = refined(grids)
-    except InputError:  # there is no answer in s, or no flow through laws
+        if (result and result.accuracy and result.accuracy.met) or not (grids.scene.slow or grids.scene.clock):
+            break
+    if grids is None or result is None or not (usual or (result.accuracy and result.accuracy.met)):
         return None
     bundles = grids.scene.network.bundles
     notes = tuple(f"{place('lines', name)}: its losses mix the modes: it is computed by matrices" for name in bundles)
@@ -63,10 +69,11 @@ class Convolutions(Grids):
     follow it; there no tolerance is asked, but what is off is told.
     """
 
-    def __init__(self, search: Search, *, clocked: bool = True):
+    def __init__(self, search: Search, *, clocked: bool = True, slow: bool = False):
         super().__init__(search)
         description, padded = search.description, padding(search.tol)
-        self.scene = Convolved(description, search.record, padded, envelope=search.envelope, clocked=clocked)
+        how = {"envelope": search.envelope, "clocked": clocked, "slow": slow}
+        self.scene = Convolved(description, search.record, padded, **how)
         self.order = description.scene.solver.order or ORDER
         self.h = self._first_slab()
         self.jumps = arrivals(description)
@@ -91,12 +98,17 @@ class Convolutions(Grids):
     def step(self, ladder: Ladder, finer: Result) -> Step:
         """What the run is off, if the next ones leave as large a share of the difference as the last two."""
         scene, least = self.search.description.scene, rounding(self.scene.padded)
-        found = _errors(ladder.last, finer, scene, self.jumps, self.settle, least)
+        differences = _errors(ladder.last, finer, scene, self.jumps, self.settle, least)
+        found = Accuracy(self.search.tol, *relative(differences))
         share = max(found.worst / self.off, LEAST_SHARE) if self.off < inf else self.share
         self.share, self.off = min(share, SLOWEST), found.worst
         by = BETWEEN * self.share / (1 - self.share)
-        blurred = found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred
-        return Step(finer, replace(found.times(by, by), tol=self.search.tol, blurred=blurred), by)
+        told = replace(found.times(by, by), blurred=found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred)
+        if self.scene.slow:  # what rings behind a corner of a waveform shows as a jump there, in both runs
+            torn = {name: np.full(2, BETWEEN * sum(map(_torn, probe.waves))) for name, probe in finer.probes.items()}
+            rings = relative({name: each._replace(inside=torn[name]) for name, each in differences.items()})[1]
+            told = replace(told, inside=added(told.inside, rings), blurred=added(told.blurred, rings))
+        return Step(finer, told, by)
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met."""
@@ -104,6 +116,8 @@ class Convolutions(Grids):
 
     def limit(self, ladder: Ladder) -> str:
         """What forbids a finer run: that it takes too long."""
+        if self.scene.slow and ladder.last.slabs.number > MOST_WIDE:
+            return "slabs wider than delays converge slowly"
         if self.scene.clock and 2 * ladder.last.samples > MOST_CLOCKED:
             return "slabs of one width converge slowly"
         finer = is_affordable(self.scene, self.order, ladder.last.resolution.h / 2)
@@ -116,6 +130,8 @@ class Convolutions(Grids):
         them to be at edges of slabs.
         """
         description, scene, s = self.search.description, self.scene, self.order
+        if scene.slow:
+            return min([description.t_end / WIDE, *(each.fastest() for each in description.waveforms.values())])
         shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
         if scene.clock:
             return scene.clock / ceil(scene.clock * FIRST / shortest)
@@ -133,13 +149,18 @@ class Convolutions(Grids):
 
 def _errors(
     coarse: Result, fine: Result, scene: Scene, jumps: dict[str, NDArray], settle: float, least: float
-) -> Accuracy:
+) -> dict[str, Difference]:
     """Differences of all probes at slab ends, and at places in all slabs of the finer run."""
-    found = {}
-    for name, probe in fine.probes.items():
-        near = _near(name, scene, jumps, settle)
-        found[name] = _difference(coarse.probes[name], probe, near, settle, least)
-    return Accuracy(None, *relative(found))
+    return {
+        name: _difference(coarse.probes[name], probe, _near(name, scene, jumps, settle), settle, least)
+        for name, probe in fine.probes.items()
+    }
+
+
+def _torn(wave: Wave) -> float:
+    """Sum of all jumps of a wave between its slabs, or pieces."""
+    values = wave.pieces.values if len(wave.pieces.slab) else wave.values
+    return float(np.abs(values @ wave.basis.evaluation([0.0])[0] - np.append(wave.before, values[:-1, -1])).sum()) / 2
 
 
 def _near(name: str, scene: Scene, jumps: dict[str, NDArray], settle: float) -> NDArray:
