@@ -73,6 +73,8 @@ class Desk:
             self.way: Route | None = route(scene)
         except InputError:  # no chain, which has no picture over place and time
             self.way = None
+        lines = self.way.lines if self.way else ()
+        self.record = [*{*lines} - {*self.prepared.description.probed}]  # what has a probe is recorded: plans know it
 
     def first(self) -> dict[str, Any]:
         """What the page begins with: title, sliders, drawing of the network, and the run as it was given."""
@@ -102,7 +104,7 @@ class Desk:
     def _run(self, values: Mapping[str, Any]) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
-            return self.prepared.run(self._checked(values), record=self.way.lines if self.way else ())
+            return self.prepared.run(self._checked(values), record=self.record)
 
     def _panels(self, result: Result) -> list[dict[str, Any]]:
         end, panels = float(result.t[-1]), []
