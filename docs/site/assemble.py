@@ -28,6 +28,7 @@ PACKAGES = (
 )  # fmt: skip
 FENCE = "```"
 CODE = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+SHOWN = re.compile(r"!\[(.+)\]\((pictures/(?!circuit_)\w+\.png|charts/\w+\.png)\)")
 PICTURE = re.compile(r"^!\[.*?\]\(.*?\)\n+", re.MULTILINE)  # files that a notebook does not bring; its cells draw
 KERNEL = {"name": "python3", "display_name": "Python 3", "language": "python"}
 CHECKED = {True: " *(checked)*", False: " **(does not hold)**", None: ""}
@@ -100,15 +101,27 @@ def scene_page(name: str) -> str:
 
 
 def gallery() -> str:
-    """Pictures of all scenes, each of which leads to its page."""
-    titles = {name: tl.examples[name].title or name for name in tl.examples}
-    cells = [f"[![{name}](gallery/{name}.png) {title}](gallery/{name}.md)" for name, title in titles.items()]
-    listed = "\n".join(f"gallery/{name}" for name in titles)
-    return (
-        "# Gallery\n\nEach scene comes with tline.\n\n"
-        f"{FENCE}`{{container}} gallery\n" + "\n\n".join(cells) + f"\n{FENCE}`\n\n"
-        f"{FENCE}{{toctree}}\n:hidden:\n{listed}\n{FENCE}\n"
-    )
+    """Pictures of all scenes, each of which leads to its page, and those of all other pages, which lead to these."""
+    parts = [
+        "# Gallery",
+        "Each scene comes with tline and has a page with its file; other pictures lead to the page that makes them.",
+    ]
+    for title, medium in (("Pipes", "hydraulic"), ("Cables", "electrical")):
+        titles = {name: tl.examples[name].title or name for name in tl.examples if tl.examples[name].medium == medium}
+        parts += _cells(title, [(f"gallery/{name}.png", told, f"gallery/{name}.md") for name, told in titles.items()])
+    pages = {page: page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs").glob("*.md"))}
+    shown = [
+        (f"docs/{at}", told, f"docs/{page.name}") for page, text in pages.items() for told, at in SHOWN.findall(text)
+    ]
+    parts += _cells("All else", shown)
+    listed = "\n".join(f"gallery/{name}" for name in tl.examples)
+    return "\n\n".join([*parts, f"{FENCE}{{toctree}}\n:hidden:\n{listed}\n{FENCE}"]) + "\n"
+
+
+def _cells(title: str, pictures: list[tuple[str, str, str]]) -> list[str]:
+    """A section of pictures with their words and the pages behind them."""
+    cells = [f"[![{told}]({picture}) {told}]({page})" for picture, told, page in pictures]
+    return [f"## {title}", f"{FENCE}`{{container}} gallery", *cells, f"{FENCE}`"]
 
 
 def draw(name: str, file: Path) -> None:
@@ -149,6 +162,7 @@ def assemble(folder: Path) -> None:
         (folder / "exercise" / f"{letter}.md").write_text(letter_page(answer), encoding="utf-8")
         if answer.has_figure:
             save_figure(answer.plot(), folder / "exercise" / f"{letter}.png")
+    tl.simulate(tl.examples["water_pipe"]).animate().save(folder / "style" / "waves.html")
     for name in tl.examples:
         draw(name, folder / "gallery" / f"{name}.png")
         (folder / "gallery" / f"{name}.md").write_text(scene_page(name), encoding="utf-8")

@@ -7,6 +7,7 @@ from tline.cli.drives import MECHANISM, mechanism
 from tline.cli.from_signature import FileKind, Output, command, picture
 from tline.cli.options import make_folder, write_text
 from tline.errors import InputError
+from tline.presentation import SCREEN
 
 EXAMPLES = """\b
 Examples:
@@ -53,10 +54,18 @@ def exercise(letter: str = "", *, figures: str | None = None, files: dict[str, s
         (answer,) = answers
         writers["modelica"] = lambda file: write_text(answer.modelica, file)
         writers["plot"] = lambda file: _draw(answer, file)
-        code = ["", answer.modelica.rstrip()] if answer.modelica else []
-        return Output([*answer.text_lines(), *code, *written], answer.to_dict, writers)
+        return Output([*answer.text_lines(), *_code(answer.modelica), *written], answer.to_dict, writers)
     text = [f"{key}  {title}" for key, title in known.items()]
     return Output(written or text, lambda: known)
+
+
+def _code(modelica: str) -> list[str]:
+    """The package; where that fills more than a screen, the model that it adds to those of the letters before."""
+    lines = modelica.splitlines()
+    if len(lines) > SCREEN:
+        last = max(k for k, line in enumerate(lines) if line.startswith(("  model ", "  partial model ")))
+        lines = [lines[0], "  // the models of earlier letters: --modelica FILE.mo writes all", "", *lines[last:]]
+    return ["", *lines] if lines else []
 
 
 def _figure(answer: Any, folder: str) -> str:

@@ -3,6 +3,7 @@
 import json
 import math
 import warnings
+from base64 import b64encode
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -25,7 +26,7 @@ from tline.units import engineering, handy
 from tline.words.wording import place
 
 SECTIONS, MOST_SLIDERS, MOST_PROBES = ("lines", "sources", "loads", "links"), 60, 6
-INSTANTS, PLACES, ROWS, LEVELS = 800, 60, 100, 255  # of a trace, and of the picture over place and time
+INSTANTS, PLACES, ROWS, LEVELS = 800, 72, 150, 255  # of a trace, and of the picture over place and time
 
 
 def sliders(scene: Scene) -> dict[str, Quantity]:
@@ -73,6 +74,8 @@ class Desk:
             self.way: Route | None = route(scene)
         except InputError:  # no chain, which has no picture over place and time
             self.way = None
+        lines = self.way.lines if self.way else ()
+        self.record = [*{*lines} - {*self.prepared.description.probed}]  # what has a probe is recorded: plans know it
 
     def first(self) -> dict[str, Any]:
         """What the page begins with: title, sliders, drawing of the network, and the run as it was given."""
@@ -102,7 +105,7 @@ class Desk:
     def _run(self, values: Mapping[str, Any]) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
-            return self.prepared.run(self._checked(values), record=self.way.lines if self.way else ())
+            return self.prepared.run(self._checked(values), record=self.record)
 
     def _panels(self, result: Result) -> list[dict[str, Any]]:
         end, panels = float(result.t[-1]), []
@@ -118,7 +121,7 @@ class Desk:
         return panels
 
     def _map(self, result: Result) -> dict[str, Any] | None:
-        """The effort along the chain, as whole numbers up to LEVELS, row by row from t = 0 on."""
+        """The effort along the chain, as bytes in base 64, row by row from t = 0 on."""
         if self.way is None:
             return None
         x, t = np.linspace(0.0, self.way.marks[-1], PLACES), np.linspace(0.0, result.t[-1], ROWS)
@@ -127,8 +130,8 @@ class Desk:
         word, size, unit = scale(result.scene, self.way.lines, max(abs(low), abs(high)))
         told = f"{word} {low / size:.4g} {unit} (blue) … {high / size:.4g} {unit} (red)"
         metre, label = axis(self.way, result.scene)
-        levels = np.rint((effort - low) / (high - low) * LEVELS).astype(int)
-        return {"levels": levels, "told": told, "place": label, "end": self.way.marks[-1] / metre}
+        levels = b64encode(np.rint((effort - low) / (high - low) * LEVELS).astype(np.uint8).tobytes()).decode()
+        return {"levels": levels, "rows": ROWS, "told": told, "place": label, "end": self.way.marks[-1] / metre}
 
     def copied(self, values: Mapping[str, Any]) -> dict[str, str]:
         """The scene with these values as a file, and as Python."""

@@ -26,15 +26,23 @@ def waves_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
 
     Shape (2, len(t), len(x)). Half of their sum is the effort.
     """
-    legs = _insides(result, way)
+    legs = _insides(result, way, min(len(x), STRETCHES))
     at = np.clip(np.searchsorted([leg.span[1] for leg in way.legs], x), 0, len(legs) - 1)
     both = np.empty((2, len(t), len(x)))
-    for column, (k, place) in enumerate(zip(at, x, strict=True)):
-        leg = way.legs[k]
-        part = float(np.clip((place - leg.span[0]) / (leg.span[1] - leg.span[0]), 0.0, 1.0))
-        a, b = legs[k].waves(t, part if leg.forward else 1.0 - part)
-        both[:, :, column] = (a, b) if leg.forward else (b, a)
+    for k in np.unique(at):
+        leg, here = way.legs[k], at == k
+        part = np.clip((x[here] - leg.span[0]) / (leg.span[1] - leg.span[0]), 0.0, 1.0)
+        waves = _waves(legs[k], t, part if leg.forward else 1.0 - part)
+        both[:, :, here] = waves if leg.forward else waves[::-1]
     return both
+
+
+def _waves(seen: Inside | InStretches, t: NDArray, shares: NDArray) -> NDArray:
+    """The waves a and b at places of one line, shape (2, len(t), len(shares))."""
+    if isinstance(seen, InStretches) or seen.lost is not None:
+        return np.stack([seen.waves(t, share) for share in shares.tolist()], axis=-1)
+    (a, _), (_, b), late = seen.record.at_end1, seen.record.at_end2, shares * seen.record.delay
+    return np.stack([a(t[:, None] - late), b(t[:, None] - (seen.record.delay - late))])
 
 
 def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
@@ -60,9 +68,9 @@ def start_effort(result: Result, way: Route) -> float:
     return (a.before + b.before) / 2
 
 
-def _insides(result: Result, way: Route) -> list[Inside | InStretches]:
-    return [inside(result, leg.line, _cells(way, leg)) for leg in way.legs]
+def _insides(result: Result, way: Route, stretches: int = STRETCHES) -> list[Inside | InStretches]:
+    return [inside(result, leg.line, _cells(way, leg, stretches)) for leg in way.legs]
 
 
-def _cells(way: Route, leg: Leg) -> int:
-    return max(round(STRETCHES * (leg.span[1] - leg.span[0]) / way.marks[-1]), FEWEST)
+def _cells(way: Route, leg: Leg, stretches: int) -> int:
+    return max(round(stretches * (leg.span[1] - leg.span[0]) / way.marks[-1]), FEWEST)
