@@ -55,7 +55,7 @@ def given(what: Any, kind: Kind) -> Any:
     if callable(model := getattr(what, "passivity_model", None)) and not isinstance(what, type):
         return given(model(kind), kind)
     if all(hasattr(what, name) for name in ("s", "f", "z0")):
-        return _samples(what)
+        return SampledResponse.from_network(what)
     if hasattr(what, "tolist"):  # numpy
         what = what.tolist()
     if isinstance(what, tuple | list):
@@ -83,14 +83,3 @@ def checked(what: Any, kind: Kind) -> Any:
     if what.parameter != "S" and kind is Kind.BR:
         raise ExpressionError("what", f"samples of {what.parameter}", "samples of S, or is_positive_real")
     return check_samples(what)
-
-
-def _samples(network: Any) -> Any:
-    """S of a network of scikit-rf, with its reference resistances."""
-    from passivity.sampled.response import SampledResponse
-
-    references = [[complex(x) for x in row] for row in network.z0]
-    if any(row != references[0] or any(x.imag for x in row) for row in references):
-        expected = "resistances that do not change with the frequency; renormalize() changes them"
-        raise ExpressionError("z0", "not such reference impedances", expected)
-    return SampledResponse(network.f, network.s, "S", [x.real for x in references[0]])

@@ -29,7 +29,7 @@ from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
 from passivity.sampled.extremes import FEW, bands_of, seen, verdict_of, worst_of
 from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
-from passivity.sampled.model import PoleResidueModel
+from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
 
@@ -38,9 +38,10 @@ MOST_SCOUTS = 8  # poles up to which it is improved for each order; beyond, each
 SCOUTED = 200  # samples that are enough for both
 STEPS = 64  # delays that are tried, a STEP apart
 STEP = 1 / 8  # of the shortest period; a shorter delay is left to the poles
-FINE = 1e-6  # of the width that is searched, to which it is narrowed
-HOPELESS = 0.5  # misfit on a grid of quarter steps above which the delay is not searched in between
-PROMISING = 1e-3  # misfit below which it is searched once more
+FINE = 1e-9  # radians at the highest frequency, to which a delay is narrowed
+MOST_STEPS = 12  # on the way
+FARTHEST_STEP = 0.5  # radians at the highest frequency
+SEEN = 1e-6  # of what the best seen delays change; of others nothing is known
 Tried: TypeAlias = Callable[[int, float], object]  # told order and misfit of each model on the way
 
 
@@ -255,17 +256,24 @@ def _candidates_of_several(response: SampledResponse, delays: ArrayLike | None) 
     most = MAX_STATES // response.ports if response.ports > FEW else max(MEETING)
     orders = [k for k in MEETING if k <= min(most, len(response.f) - 2)]
     given = np.broadcast_to(np.asarray(0.0 if delays is None else delays, float), response.ports)
-    rests = [(given, _without(response, given))]
-    if delays is None and (found := _port_delays(response)).any():
-        rests.append((found, _without(response, found)))
-    models = [fits(rest, orders) for _, rest in rests]
-    for order in orders:
-        for (chosen, rest), some in list(zip(rests, models, strict=True))[: 2 if order <= MANY else 1]:
-            yield DelayedModel(chosen, model := next(some), model, rest)
+    rough = _port_delays(response) if delays is None else np.zeros(1)
+    few, both = [k for k in orders if k <= MOST_SCOUTS], [given]
+    for order in few:
+        both = [given, T] if rough.any() and (T := _fine_delays(response, order, rough)).any() else [given]
+        for chosen in both:
+            rest = _without(response, chosen)
+            yield DelayedModel(chosen, model := fit(rest, order), model, rest)
+    rests = [_without(response, chosen) for chosen in both]
+    models = [fits(rest, orders[len(few) - 1 :]) for rest in rests]  # begin with the last of few
+    for order in orders[len(few) - 1 :]:
+        for chosen, rest, some in list(zip(both, rests, models, strict=True))[: 2 if order <= MANY else 1]:
+            model = next(some)
+            if order > MOST_SCOUTS:
+                yield DelayedModel(chosen, model, model, rest)
 
 
 def _port_delays(response: SampledResponse) -> NDArray:
-    """Delays in front of up to FEW ports, in the ratio of the least squares of T + T' less the phases' slopes, or 0."""
+    """Rough delays in front of up to FEW ports, in the ratio of the least squares of T + T' less the phases' slopes."""
     f, p = response.f, response.ports
     turned = (response.values[1:] * response.values[:-1].conj()).reshape(-1, p * p)
     size = np.abs(turned) + np.finfo(float).tiny
@@ -274,8 +282,7 @@ def _port_delays(response: SampledResponse) -> NDArray:
     T = np.linalg.lstsq(sums * weight[:, None], slope * weight, rcond=None)[0].clip(0)
     if p > FEW or T.max() * f[-1] < 1:
         return np.zeros(p)
-    ratio = T / T.max()
-    return ratio * _fine_delay(response, MOST_SCOUTS, _rough_delay(response, T.max(), ratio), ratio)
+    return T / T.max() * _rough_delay(response, T.max(), T / T.max())
 
 
 def _candidates(response: SampledResponse, delay: float | None) -> Iterator[DelayedModel]:
@@ -286,7 +293,7 @@ def _candidates(response: SampledResponse, delay: float | None) -> Iterator[Dela
     T = rough = _rough_delay(response, whole) if delay is None else delay
     few, both = [k for k in orders if k <= MOST_SCOUTS], (T,)
     for order in few:
-        T = _fine_delay(response, order, rough) if delay is None else delay
+        T = float(_fine_delays(response, order, rough)[0]) if delay is None else delay
         both = (0.0, T) if delay is None and T else (T,)
         for chosen in both:
             rest = _without(response, chosen)
@@ -319,22 +326,31 @@ def _rough_delay(response: SampledResponse, whole: float, ratio: ArrayLike = 1.0
     return min(grid[grid >= step], key=lambda T: _misfit_at(response, T * np.asarray(ratio), SCOUT), default=0.0)
 
 
-def _fine_delay(response: SampledResponse, order: int, around: float, ratio: ArrayLike = 1.0) -> float:
-    """The delay near another that so many poles like best; 0 for a short one."""
-    from scipy.optimize import minimize_scalar
+def _fine_delays(response: SampledResponse, order: int, around: ArrayLike) -> NDArray:
+    """Delays to all ports near others that so many poles like best; 0 for short ones.
 
-    step, ratio = STEP / response.f[-1], np.asarray(ratio)
-    if around < step:
-        return 0.0
-    grid = around + step * np.arange(-2, 2.25, 0.25)
-    misfits = [_misfit_at(response, T * ratio, order) for T in grid[grid > 0]]
-    around = grid[grid > 0][np.argmin(misfits)]
-    if min(misfits) > HOPELESS:
-        return float(around)
-    for width in (step / 4, FINE * step / 2):  # twice, for rounding limits each search
-        misfit = lambda x, T=around: _misfit_at(response, (T + x) * ratio, order)  # noqa: E731
-        best: Any = minimize_scalar(misfit, bounds=(-width, width), method="bounded", options={"xatol": FINE * width})
-        around += best.x
-        if best.fun > PROMISING:
+    Gauss and Newton's method: what no fraction of these poles explains, nor one that they move to, asks for delays.
+    """
+    f, ports = response.f[:: -(-len(response.f) // SCOUTED)], response.ports
+    w, T = f / f[-1], np.broadcast_to(np.asarray(around, float), ports)
+    sparse = replace(response, f=f, values=response.values[:: -(-len(response.f) // SCOUTED)], rounding=None)
+    least, best, own = np.inf, T, np.eye(ports)
+    for _ in range(MOST_STEPS):
+        rest = _without(sparse, T)
+        model = fit(rest, min(order, len(f) - 2))
+        if (error := DelayedModel(T, model, model, rest).error) < least:
+            least, best = error, T
+        a = model.poles / (2 * np.pi * f[-1])
+        moves = 1 / (1j * w[:, None] - np.concatenate([a, a.conj()])) ** 2
+        basis = np.hstack([terms(a, w)[:, :-1], moves[:, : len(a)] + moves[:, len(a) :],
+                           1j * (moves[:, : len(a)] - moves[:, len(a) :])])  # fmt: skip
+        u, sizes, _ = np.linalg.svd(np.vstack([basis.real, basis.imag]), full_matrices=False)
+        u = u[:, sizes > np.finfo(float).eps * len(w) * sizes[0]]
+        h = rest.values.reshape(len(w), -1)
+        left, turned = (x - u @ (u.T @ x) for x in (np.vstack([y.real, y.imag]) for y in (h, 1j * w[:, None] * h)))
+        columns = [(turned * (own[k][:, None] + own[k]).ravel()).ravel() for k in range(ports)]
+        step = np.linalg.lstsq(np.stack(columns, 1), -left.ravel(), rcond=SEEN)[0].clip(-FARTHEST_STEP, FARTHEST_STEP)
+        T = (T + step / (2 * np.pi * f[-1])).clip(0)
+        if np.abs(step).max() < FINE:
             break
-    return float(around) if around >= step else 0.0
+    return np.where(best * response.f[-1] < STEP, 0.0, best)

@@ -183,6 +183,69 @@ class SampledResponse:
         """Number of ports."""
         return self.values.shape[1]
 
+    @classmethod
+    def from_network(cls, network: Any) -> Self:
+        """S of a network of scikit-rf, where networks are cascaded, de-embedded and renormalised.
+
+        Raises
+        ------
+        ExpressionError
+            References that are complex or change with the frequency.
+        """
+        references: NDArray[np.complex128] = np.asarray(network.z0, complex)
+        if (references != references[0]).any() or references.imag.any():
+            expected = "resistances that do not change with the frequency; renormalize() changes them"
+            raise ExpressionError("z0", "not such reference impedances", expected)
+        return cls(network.f, network.s, "S", references[0].real)
+
+    def network(self, name: str = "") -> Any:
+        """The samples as a network of scikit-rf (`pip install scikit-rf`).
+
+        Examples
+        --------
+        >>> half = SampledResponse([1e9, 2e9], [[[0, -0.8j], [-0.8j, 0]]] * 2, "S")
+        >>> whole = SampledResponse.from_network(half.network() ** half.network())
+        >>> whole.values[0, 1, 0].round(9).item()
+        (-0.64+0j)
+        """
+        from skrf import Network
+
+        return Network(f=self.f, f_unit="Hz", z0=self.z0, name=name, **{self.parameter.value.lower(): self.values})
+
+    def between(self, groups: Sequence[Sequence[int]]) -> Self:
+        """S between single ports, and between the differential modes of pairs, then between the common ones of these.
+
+        Parameters
+        ----------
+        groups : sequence of sequences of int
+            Numbers of one port or of two with the same reference, from 0 on; what is in none is matched.
+
+        Raises
+        ------
+        ExpressionError
+            A port that is not there or stands twice, or unlike references.
+
+        References
+        ----------
+        D. E. Bockelman, W. R. Eisenstadt, "Combined differential and common-mode scattering parameters", IEEE
+        Transactions on Microwave Theory and Techniques 43 (1995), 1530-1539, DOI 10.1109/22.392911.
+        """
+        ports = [port for group in groups for port in group]
+        if len({*ports} & {*range(self.ports)}) < len(ports) or not {*map(len, groups)} <= {1, 2}:
+            told = " ".join(",".join(f"{port + 1}" for port in group) for group in groups)
+            raise ExpressionError("ports", "not single ports and pairs", f"of 1 to {self.ports}, each once", told)
+        pairs = [group for group in groups if len(group) == 2]
+        for a, b in pairs:
+            if self.z0[a] != self.z0[b]:
+                got = f"{self.z0[a]:g} and {self.z0[b]:g} ohm"
+                raise ExpressionError("ports", f"unlike references of {a + 1} and {b + 1}", "a pair of like ones", got)
+        one, signs = np.eye(self.ports), [-1] * len(groups) + [1] * len(pairs)
+        rows = [(one[g[0]] + s * one[g[-1]]) / np.sqrt(2) if len(g) == 2 else one[g[0]]
+                for g, s in zip([*groups, *pairs], signs, strict=True)]  # fmt: skip
+        factors = [2.0 if len(g) == 2 else 1.0 for g in groups] + [0.5] * len(pairs)
+        M, z0 = np.array(rows), [k * self.z0[g[0]] for k, g in zip(factors, [*groups, *pairs], strict=True)]
+        return type(self)(self.f, M @ self.values @ M.T, self.parameter, z0)
+
     def touchstone(self) -> str:
         """Text of a Touchstone file of version 1, from which `read_touchstone` has the same numbers; Z and Y as such.
 

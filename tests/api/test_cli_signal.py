@@ -213,3 +213,30 @@ def test_mistakes_with_crosstalk(text, options, sentence):
     done = CliRunner().invoke(main, ["crosstalk", "pair.toml", *shlex.split(options)])
     assert done.exit_code == 2
     assert done.stderr.startswith(sentence)
+
+
+def test_a_measured_channel_and_its_report(folder: Path) -> None:
+    line = "channel scenes/filter.s2p --bit '2 ns' --rise '0.5 ns' --ffe best:0,1 --ctle '-3 dB, 1 GHz, 3 GHz'"
+    done = run(f"{line} --mask '0.5 ns, 0.2 V' --report r.html --plot c.png")
+    assert done.exit_code == 0, done.output
+    assert "filter.s2p: 1 sends, 2 receives" in done.stdout
+    assert re.search(r"insertion 1 → 2 down to -\d+", done.stdout)
+    assert re.search(r"mask free by 0\.\d+ V", done.stdout)
+    page = (folder / "r.html").read_text(encoding="utf-8")
+    for part in ("Losses", "Impedance profile", "Eye of all bit patterns", "Passivity", "Inputs", "Versions"):
+        assert f"<h2>{part}</h2>" in page
+    assert page.count("<img") == 3
+    assert "proved passive" in page
+    assert (folder / "c.png").stat().st_size > 10_000
+
+
+def test_mistakes_of_channels(folder: Path) -> None:
+    (folder / "pair.s2p").symlink_to(folder / "scenes" / "filter.s2p")
+    for more, said in (
+        ("--ports 1,2", "--ports: not ports or pairs"),
+        ("--ports '1 3'", "--ports: not single ports and pairs"),
+        ("--noise 0.1", "--noise: is of an eye, expected --bit beside it"),
+        ("--report r.pdf", "--report"),
+    ):
+        done = CliRunner().invoke(main, shlex.split(f"channel pair.s2p {more}"))
+        assert (done.exit_code, said in done.stderr) == (2, True), done.output

@@ -70,6 +70,7 @@ OTHERS = {
     "drives",
     "numpy",
     "scipy",
+    "skrf",
     "distributed",
 }  # what snippets import beside the standard library
 

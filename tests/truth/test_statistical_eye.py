@@ -5,6 +5,7 @@ from math import erfc, sqrt
 
 import numpy as np
 import pytest
+from rc_channel import LATE, RC, T, exact_pulse
 from scipy.integrate import solve_ivp
 from scipy.stats import norm
 
@@ -12,18 +13,8 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.signal.all_patterns import best_ffe, statistical_eye
 from tline.signal.eye_diagram import FEEDBACK, prbs
+from tline.signal.eye_statistics import Mask, mask_margin
 from tline.signal.pulse import FINE, PulseResponse, pulse_response
-
-T = 100e-12
-RC, LATE = 60e-12, 250e-12
-
-
-def exact_pulse(n=12, edge=20e-12):
-    """Of straight edges through an RC behind a delay, in closed form."""
-    t = np.arange(n * FINE) / FINE * T - LATE
-    ramp = lambda t: np.where(t > 0, t - RC * (1 - np.exp(-np.maximum(t, 0) / RC)), 0.0) / edge  # noqa: E731
-    u = ramp(t) - ramp(t - edge) - ramp(t - T) + ramp(t - T - edge)
-    return PulseResponse(T, u.reshape(n, FINE), 0.0, 0.0)
 
 
 def bits_at(pulse, bits, j):
@@ -179,3 +170,46 @@ def test_the_width_is_where_the_error_rate_is_reached():
     pulse = PulseResponse(1e-9, 1 - np.abs(np.arange(-32, 32)[None] / 32), 0.0, 0.0)
     level = 0.5 + noise * norm.isf(2 * ber)
     assert statistical_eye(pulse, ber, noise=noise).width == pytest.approx((1 - level) * 1e-9, abs=0.1e-9 / 64)
+
+
+SQUARE = PulseResponse(64e-12, np.ones((1, FINE)), 0.0, 0.0)  # instants are 1 ps apart, edges half way between two
+
+
+def test_gaussian_jitter_reads_other_bits_beyond_an_edge():
+    """Half of what is read beyond is wrong: Q(d/sigma)/2 of the distance to either edge, down to 1e-15."""
+    seen = statistical_eye(SQUARE, jitter=3e-12)
+    t = seen.t * 1e12
+    exact = (norm.sf((t + 31.5) / 3) + norm.sf((32.5 - t) / 3)) / 2
+    assert seen.bathtub == pytest.approx(exact, rel=0.1)  # of a cell: the tail falls by half in 0.3 ps
+    assert seen.width == pytest.approx(64e-12 - 2 * 3e-12 * norm.isf(2e-12), abs=0.1e-12)
+
+
+def test_sinusoidal_jitter_and_a_distorted_duty_cycle_do_so():
+    """The arcsine law, and two edges of which each is there half of the time."""
+    swung, t = statistical_eye(SQUARE, sinusoidal=8e-12), np.arange(-32, 33)
+    beyond = lambda x: 0.5 - np.arcsin(np.clip(x / 8, -1, 1)) / np.pi  # noqa: E731
+    assert swung.bathtub == pytest.approx((beyond(t + 31.5) + beyond(32.5 - t)) / 2, abs=1e-12)
+    apart = statistical_eye(SQUARE, duty_cycle=6e-12)
+    assert apart.bathtub == pytest.approx(0.25 * (t + 31.5 < 3) + 0.25 * (32.5 - t < 3), abs=1e-12)
+    assert apart.width == pytest.approx(64e-12 - 6e-12, abs=1e-12)
+
+
+def test_neighbours_close_the_eye_as_their_cursors_convolved_by_hand():
+    """Four sums of two cursors around their mean, each with its normal tail."""
+    h, noise = (0.12, -0.3), 0.03
+    neighbour = PulseResponse(64e-12, np.repeat(np.array(h)[:, None], FINE, 1), 0.05, 0.0)
+    seen = statistical_eye(SQUARE, 1e-9, noise=noise, aggressors=[neighbour])
+    isi = np.array([a * h[0] + b * h[1] for a, b in itertools.product((-0.5, 0.5), repeat=2)])
+    assert seen.threshold == pytest.approx(0.5 + 0.05 + sum(h) / 2)
+    exact = np.mean(norm.sf((0.5 + isi) / noise))
+    assert seen.bathtub[FINE // 2] == pytest.approx(exact, rel=0.02)
+    up = seen.levels[90] - seen.threshold
+    exact = (np.mean(norm.sf((0.5 - up + isi) / noise)) + np.mean(norm.sf((0.5 + up + isi) / noise))) / 2
+    assert seen.misread[90] == pytest.approx(exact, rel=0.02)
+
+
+def test_a_mask_is_free_by_what_contours_stay_away():
+    seen = statistical_eye(SQUARE, aggressors=[PulseResponse(64e-12, np.full((1, FINE), 0.2), 0.0, 0.0)])
+    assert seen.height == pytest.approx(0.8, abs=2e-3)
+    assert mask_margin(seen, Mask(30e-12, 0.5)) == pytest.approx(0.4 - 0.25, abs=1e-3)
+    assert mask_margin(seen, Mask(30e-12, 1.0)) == pytest.approx(-0.1, abs=1e-3)

@@ -1,7 +1,8 @@
 """`tline fit`: the model that a Touchstone file becomes as a load or a link of a scene, before it is one."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -63,7 +64,6 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
 def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel":
     from passivity import fit_behind_delay, fit_scattering, read_touchstone
     from tline.scene.quantity import FIT_TOLERANCE, Role
-    from tline.words.progress import Progress
 
     with options_named({"": "--tol"}):
         asked = float(FIT_TOLERANCE.parse(tol, ""))
@@ -73,6 +73,17 @@ def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedMod
     response = read_touchstone(file)
     if given is not None and len(given) != response.ports:
         raise InputError("--delay", "not one for each port", f"{response.ports}", f"{len(given)}")
+    with trying() as tried:
+        if response.ports > 1:
+            return fit_scattering(response, asked, nearest, given, tried)
+        return fit_behind_delay(response, asked, given[0] if given else None, nearest, tried)
+
+
+@contextmanager
+def trying() -> Iterator[Callable[[int, float], None]]:
+    """A bar on a terminal that shows the poles on the way to a model, told each that is tried."""
+    from tline.words.progress import Progress
+
     most = 0
     with Progress(MOST_POLES, "poles", sys.stderr.isatty(), "fit") as bar:
 
@@ -81,9 +92,7 @@ def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedMod
             bar.update(max(order - most, 0))
             most = max(order, most)
 
-        if response.ports > 1:
-            return fit_scattering(response, asked, nearest, given, tried)
-        return fit_behind_delay(response, asked, given[0] if given else None, nearest, tried)
+        yield tried
 
 
 def _text(file: str, found: "DelayedModel", tol: float) -> Iterator[str]:

@@ -32,6 +32,10 @@ COMMANDS = {
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "tdr": ("tline.cli.signal:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
     "eye": ("tline.cli.signal:eye", "Eye diagram of a bit pattern at a probe."),
+    "channel": (
+        "tline.cli.signal:channel",
+        "A measured channel: losses, eye of all bit patterns, a report on one page.",
+    ),
     "crosstalk": (
         "tline.cli.signal:crosstalk",
         "Near- and far-end crosstalk of coupled conductors.",

@@ -1,13 +1,15 @@
-"""`tline tdr`, `tline crosstalk` and `tline eye`: signals on cables."""
+"""`tline tdr`, `tline crosstalk`, `tline eye` and `tline channel`: signals on cables."""
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from tline.cli.from_signature import Output, command, drawn, picture, table
+from tline.cli.from_signature import FileKind, Output, command, drawn, picture, table
+from tline.cli.options import check_readable
 from tline.errors import InputError
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
-    from tline.signal import Eye, Mask, PulseResponse, Reflections
+    from tline.signal import Eye, Mask, PulseResponse, Reflections, StatisticalEye
     from tline.signal.crosstalk import Crosstalk
 
 REFLECTIONS = {
@@ -18,8 +20,8 @@ CONDUCTORS = {
     "csv": table("Voltages of all conductors, differences and means of pairs"),
     "plot": picture("Driven and quiet conductors, and modes of a pair"),
 }
-OF_PATTERNS = "bits", "mask"
-OF_STATISTICS = "ber", "dfe", "noise", "jitter", "ffe", "ctle"
+OF_EYE = "ber", "dfe", "noise", "jitter", "sinusoidal", "duty_cycle"
+OF_STATISTICS = (*OF_EYE, "ffe", "ctle", "neighbours")
 
 
 @command(
@@ -85,6 +87,7 @@ def eye(
     statistical: bool = False,
     ffe: str | None = None,
     ctle: str | None = None,
+    neighbours: str | None = None,
     **given: Any,
 ) -> Output:
     """Send a bit pattern through a scene, and measure how far the eye opens at a probe.
@@ -106,14 +109,23 @@ def eye(
         Factors by which the sender adds up bits, as '-0.1, 0.8, -0.1', or 'best:1,2' for the best of so many taps
         before and behind the main one.
     ctle : DB,HZ,HZ,…
-        Gain at rest, zero and poles of a receiver's equaliser, as '-6, 2 GHz, 5 GHz, 15 GHz'.
+        Gain at rest, zero and poles of a receiver's equaliser, as '-6, 2 GHz, 5 GHz, 15 GHz'; 'best' for the gain tries
+        0 to -12 dB.
+    neighbours : SOURCE,…
+        Other sources that send bits of their own, of the same levels and edges, through the same equalisers.
     """
-    from tline.signal import eye_diagram, mask_hits
+    from tline.signal import eye_diagram, mask_hits, pulse_response
 
     given |= {key: _number_or_text(given[key]) for key in ("low", "high") if key in given}
-    _check_options(statistical, given | {"mask": mask, "ffe": ffe, "ctle": ctle})
+    _check_options(statistical, given | {"ffe": ffe, "ctle": ctle, "neighbours": neighbours})
     if statistical:
-        return _of_all_patterns(scene, ffe, ctle, given)
+        asked = {key: given.pop(key) for key in OF_EYE if key in given}
+        sources = [given.pop("source", None), *(name.strip() for name in (neighbours or "").split(",") if name)]
+        pulses = [pulse_response(scene, source=name, **given, progress=True) for name in sources]
+        seen, taps, gain = _equalised(pulses, ffe, ctle, asked)
+        told, closed = _told(seen, taps, gain, mask)
+        plot = drawn(seen.picture, seen, mask=None if mask is None else _mask(mask, seen))
+        return eye.shown(seen, *told, told={"ffe": taps, "ctle_gain": gain}, exit_code=closed, plot=plot)
     seen = eye_diagram.eye(scene, **given, progress=True)
     if mask is None:
         return eye.shown(seen, exit_code=int(seen.height <= 0))
@@ -123,7 +135,7 @@ def eye(
     return eye.shown(seen, line, told={"mask_hits": hits}, exit_code=int(closed), plot=plot)
 
 
-def _mask(text: str, seen: "Eye") -> "Mask":
+def _mask(text: str, seen: "Eye | StatisticalEye") -> "Mask":
     from tline.signal.eye_statistics import mask_of
 
     parts = [_number_or_text(part.strip()) for part in text.split(",")]
@@ -141,25 +153,120 @@ def _number_or_text(text: str) -> float | str:
 
 def _check_options(statistical: bool, given: dict[str, Any]) -> None:
     """Refuse options of the other kind of eye."""
-    for name in OF_PATTERNS if statistical else OF_STATISTICS:
+    for name in ("bits",) if statistical else OF_STATISTICS:
         if given.get(name) is not None:
             problem = "is for one pattern, not for all of them" if statistical else "is for --statistical alone"
-            raise InputError(f"--{name}", problem)
+            raise InputError(f"--{name.replace('_', '-')}", problem)
 
 
-def _of_all_patterns(scene: "Scene", ffe: str | None, ctle: str | None, given: dict[str, Any]) -> Output:
-    """Pulse, equalisers, statistics: their numbers, and the picture."""
-    from tline.signal import pulse_response, statistical_eye
+def _equalised(
+    pulses: "list[PulseResponse]", ffe: str | None, ctle: str | None, asked: dict[str, Any]
+) -> "tuple[StatisticalEye, list[float], float | None]":
+    """The highest eye of all equalisers that are tried, sender's taps, and gain of the receiver's filter."""
+    from tline.signal import statistical_eye
 
-    asked = {key: given.pop(key) for key in ("ber", "dfe", "noise", "jitter") if key in given}
-    pulse = pulse_response(scene, **given, progress=True)
+    gains: list[float | None] = [None]
+    corners: list[float] = []
     if ctle is not None:
-        pulse = pulse.with_ctle(*_numbers(ctle, "ctle", "dB", "Hz"))
-    taps = [1.0] if ffe is None else _taps(ffe, pulse, int(asked.get("dfe", 0)))
-    pulse = pulse.with_ffe(taps)
-    seen = statistical_eye(pulse, **asked)
-    more = ["sender's taps " + ", ".join(f"{tap:.4g}" for tap in taps)] if len(taps) > 1 else []
-    return eye.shown(seen, *more, told={"ffe": taps}, exit_code=int(seen.height <= 0))
+        first, _, rest = ctle.partition(",")
+        corners = _numbers(rest, "ctle", "Hz")
+        gains = [-float(k) for k in range(13)] if first.strip() == "best" else [*_numbers(first, "ctle", "dB")]
+    best = None
+    for gain in gains:
+        own, *others = pulses if gain is None else [each.with_ctle(gain, *corners) for each in pulses]
+        taps = [1.0] if ffe is None else _taps(ffe, own, int(asked.get("dfe", 0)))
+        seen = statistical_eye(own.with_ffe(taps), aggressors=[each.with_ffe(taps) for each in others], **asked)
+        if best is None or seen.height > best[0].height:
+            best = seen, taps, gain
+    assert best is not None, "some gain is tried"
+    return best
+
+
+def _told(seen: "StatisticalEye", taps: list[float], gain: float | None, mask: str | None) -> tuple[list[str], int]:
+    """What equalisers and mask add to the text of an eye, and the exit status."""
+    from tline.signal import mask_margin
+
+    told = ["sender's taps " + ", ".join(f"{tap:.4g}" for tap in taps)] if len(taps) > 1 else []
+    told += [] if gain is None else [f"receiver's gain at rest {gain:g} dB"]
+    margin = None if mask is None else mask_margin(seen, _mask(mask, seen))
+    if margin is not None:
+        word = f"free by {margin:.4g}" if margin > 0 else f"entered by {-margin:.4g}"
+        told.append(f"mask {word} {seen.medium.units['effort']}")
+    return told, int(seen.height <= 0 or (margin is not None and margin <= 0))
+
+
+@command(
+    "tline.signal.channel:measured_channel",
+    "tline.signal.pulse:pulse_response",
+    "tline.signal.all_patterns:statistical_eye",
+    names={"": "channel"},
+    files={
+        "plot": picture("Losses, crosstalk and conversion"),
+        "report": FileKind((".html",), "One page: losses, impedances, eye, passivity, inputs, versions"),
+    },
+    omit=["pulse", "aggressors", "period", "rise", "probe", "source"],
+    epilog="""\b
+Examples:
+  tline channel scenes/filter.s2p --plot losses.png
+  tline channel backplane.s4p --ports "1,3 2,4" --report channel.html
+  tline channel backplane.s8p --ports "1,3 2,4 5,7 6,8" --bit "40 ps" --ffe best:1,2 --dfe 3 --report channel.html
+""",
+)
+def channel(
+    file: str,
+    *,
+    bit: str | None = None,
+    rise: str | None = None,
+    ffe: str | None = None,
+    ctle: str | None = None,
+    mask: str | None = None,
+    **given: Any,
+) -> Output:
+    """What a measured channel lets through: losses, crosstalk, impedances, and the eye of all bit patterns.
+
+    S of a Touchstone file between single ports or differential modes of pairs, with the nearest passive model of it,
+    which is proved. With --bit its eye, exact for that model, down to error rates that no run reaches. A closed eye, or
+    one that enters the mask, exits with 1.
+
+    Parameters
+    ----------
+    bit : TIME
+        Time of a bit; without it no eye is computed.
+    rise : TIME
+        Time of a change of bits, and of the step that tells impedances; half a period of the highest frequency if not
+        given.
+    ffe : TAPS
+        As of `tline.cli.signal.eye`.
+    ctle : DB,HZ,HZ,…
+        As of `tline.cli.signal.eye`.
+    mask : TIME,LEVEL
+        As of `tline.cli.signal.eye`.
+    """
+    from tline.cli.fit import trying
+    from tline.signal import measured_channel
+
+    check_readable(file)
+    asked = {key: given.pop(key) for key in OF_EYE if key in given}
+    levels = {key: _number_or_text(given.pop(key)) for key in ("low", "high") if key in given}
+    equalisers = {"ffe": ffe, "ctle": ctle, "mask": mask}
+    for name, value in (asked | equalisers).items():
+        if bit is None and value is not None:
+            raise InputError(f"--{name.replace('_', '-')}", "is of an eye", "--bit beside it")
+    with trying() as tried:
+        found = measured_channel(file, progress=tried, **given)
+    edge = 0.5 / float(found.measured.f[-1]) if rise is None else rise
+    eye_seen, lines, more, exit_code = None, [], {}, 0
+    if bit is not None:
+        neighbours = range(2, len(found.names))
+        pulses = [found.pulse(bit, edge, source=k, **levels) for k in (0, *neighbours)]
+        eye_seen, taps, gain = _equalised(pulses, ffe, ctle, asked)
+        told, exit_code = _told(eye_seen, taps, gain, mask)
+        lines = [*eye_seen.text_lines(), *told]
+        more = {"eye": eye_seen.to_dict() | {"ffe": taps, "ctle_gain": gain}}
+    inputs = given | {"bit": bit, "rise": edge} | asked | levels | equalisers
+    shown = {name: str(value) for name, value in inputs.items() if value is not None}
+    page = partial(found.save, seen=eye_seen, rise=edge, inputs=shown)
+    return channel.shown(found, *lines, told=more, exit_code=exit_code, report=page)
 
 
 def _taps(text: str, pulse: "PulseResponse", dfe: int) -> list[float]:

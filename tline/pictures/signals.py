@@ -31,9 +31,7 @@ def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Fig
     drawn, (axes,) = cells_of(ax, 8.0, 4.8, title=seen.title)
     axes.plot(t, windows.T / size, color=COLOURS[0], linewidth=0.8, alpha=max(0.2, min(0.6, 12 / n)))
     if mask is not None:
-        corners = mask.corners
-        outline = (corners[:, 0] / second, (corners[:, 1] + seen.threshold) / size)
-        axes.fill(*outline, facecolor="#888888", edgecolor="#333333", alpha=0.5, zorder=3)
+        _fill(axes, mask, second, size, seen.threshold)
     if seen.height > 0:
         level = seen.threshold / size
         look = {"arrowstyle": "<->", "linewidth": 1.3, "shrinkA": 0, "shrinkB": 0}
@@ -53,14 +51,15 @@ def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Fig
 
 
 @styled
-def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None) -> Figure | Axes:
-    """The contours of an eye at an error rate, and in a figure of its own the bathtub below it.
+def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None, mask: Mask | None = None) -> Figure | Axes:
+    """The contours of an eye at an error rate, and in a figure of its own the bathtubs over time and over thresholds.
 
     Parameters
     ----------
     seen : StatisticalEye
     ax : matplotlib Axes, optional
         Where to draw; without it a new figure.
+    mask : Mask, optional
 
     Returns
     -------
@@ -71,25 +70,40 @@ def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None) -> Figure
     size, unit = handy(float(np.abs([seen.ones, seen.zeros]).max()), medium.shown["effort"])
     second, time_unit = handy(seen.period, "s")
     t, opened = seen.t / second, seen.ones > seen.zeros
-    drawn, (upper, *lower) = cells_of(ax, 8.0, 6.4, 2, title=seen.title, sharex=True)
+    drawn, (upper, *lower) = cells_of(ax, 8.0, 8.2, 3, title=seen.title)
     upper.fill_between(t, seen.zeros / size, seen.ones / size, where=opened, color=COLOURS[0], alpha=0.15)
     for curve, name in ((seen.ones, "ones, lowest"), (seen.zeros, "zeros, highest")):
         upper.plot(t, curve / size, label=name)
     upper.axhline(seen.threshold / size, color=INK, linewidth=0.8, linestyle=":")
+    if mask is not None:
+        _fill(upper, mask, second, size, seen.threshold)
     height, width = handy(abs(seen.height) or 1.0, medium.shown["effort"]), handy(seen.width or seen.period, "s")
     told = f"height {seen.height / height[0]:.4g} {height[1]}, width {seen.width / width[0]:.4g} {width[1]}"
     upper.set_title(f"{told} at an error rate of {seen.ber:g}" if seen.height > 0 else "closed", loc="left")
     upper.set_ylabel(f"{medium.effort} [{unit}]")
     upper.legend()
-    for axes in lower:
-        axes.semilogy(t, np.maximum(seen.bathtub, SMALLEST), color=COLOURS[0])
+    bathtubs = (t, seen.bathtub, f"time from the sampling instant [{time_unit}]"), (
+        seen.levels / size, seen.misread, f"threshold at the sampling instant [{unit}]",
+    )  # fmt: skip
+    for axes, (x, rates, name) in zip(lower, bathtubs, strict=False):
+        axes.semilogy(x, np.maximum(rates, SMALLEST), color=COLOURS[0])
         axes.axhline(seen.ber, color=INK, linewidth=0.8, linestyle=":")
         axes.set_ylim(SMALLEST, 1)
         ticks = 10.0 ** -np.arange(0, 16, 3)
         axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.set_ylabel("error rate")
-    [upper, *lower][-1].set_xlabel(f"time from the sampling instant [{time_unit}]")
+        axes.set_xlabel(name)
+        axes.margins(x=0)
+    upper.set_xlabel(bathtubs[0][2])
+    upper.margins(x=0)
     return drawn
+
+
+def _fill(axes: Axes, mask: Mask, second: float, size: float, threshold: float) -> None:
+    """A mask around the sampling instant."""
+    corners = mask.corners
+    outline = (corners[:, 0] / second, (corners[:, 1] + threshold) / size)
+    axes.fill(*outline, facecolor="#888888", edgecolor="#333333", alpha=0.5, zorder=3)
 
 
 @styled

@@ -1,6 +1,8 @@
 from tline.signal.all_patterns import StatisticalEye as StatisticalEye
 from tline.signal.all_patterns import best_ffe as best_ffe
 from tline.signal.all_patterns import statistical_eye as statistical_eye
+from tline.signal.channel import Channel as Channel
+from tline.signal.channel import measured_channel as measured_channel
 from tline.signal.eye_diagram import Eye as Eye
 from tline.signal.eye_diagram import eye as eye
 from tline.signal.eye_diagram import prbs as prbs
@@ -9,6 +11,7 @@ from tline.signal.eye_statistics import Jitter as Jitter
 from tline.signal.eye_statistics import Mask as Mask
 from tline.signal.eye_statistics import jitter as jitter
 from tline.signal.eye_statistics import mask_hits as mask_hits
+from tline.signal.eye_statistics import mask_margin as mask_margin
 from tline.signal.load_line import Bergeron as Bergeron
 from tline.signal.load_line import LoadLine as LoadLine
 from tline.signal.load_line import bergeron as bergeron

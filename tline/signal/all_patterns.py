@@ -48,6 +48,8 @@ class StatisticalEye(Presentation):
         Effort that ones fall below, and zeros rise above, only with that probability.
     bathtub : ndarray, shape (65,)
         Bit error rate of a receiver that samples at these instants, against the threshold.
+    levels, misread : ndarray, shape (129,)
+        Thresholds from the middle of zeros to that of ones at the sampling instant, and the bit error rate with each.
     instant : float
         The sampling instant, in the middle of the eye, after the begin of a sent bit, s.
     threshold : float
@@ -66,6 +68,8 @@ class StatisticalEye(Presentation):
     ones: NDArray
     zeros: NDArray
     bathtub: NDArray
+    levels: NDArray
+    misread: NDArray
     instant: float
     threshold: float
     width: float
@@ -82,12 +86,17 @@ class StatisticalEye(Presentation):
             yield "fed back " + ", ".join(f"{tap:.4g} {unit}" for tap in self.dfe)
         yield f"sampled {self.instant:.6g} s after the begin of a bit at the source"
         yield f"later than the response was computed, bits add up to {self.pulse.missing:.2g} {unit}"
+        if self.pulse.unmeasured:
+            yield f"what frequencies above the samples may change: some {self.pulse.unmeasured:.2g} {unit}"
 
     def to_dict(self) -> dict[str, Any]:
         """The same and the curves in SI."""
-        names = ("height", "width", "instant", "threshold", "ber", "period", "dfe", "t", "ones", "zeros", "bathtub")
-        told = {name: getattr(self, name) for name in names}
-        return plain(told | {"missing": self.pulse.missing, "unit": self.medium.units["effort"]})
+        names = "height width instant threshold ber period dfe t ones zeros bathtub levels misread"
+        told = {name: getattr(self, name) for name in names.split()}
+        return plain(
+            told
+            | {"missing": self.pulse.missing, "unmeasured": self.pulse.unmeasured, "unit": self.medium.units["effort"]}
+        )
 
     @property
     def medium(self) -> Medium:
@@ -113,6 +122,8 @@ def statistical_eye(
     dfe: int = 0,
     noise: float | str = 0.0,
     jitter: float | str = 0.0,
+    sinusoidal: float | str = 0.0,
+    duty_cycle: float | str = 0.0,
     aggressors: Sequence[PulseResponse] = (),
 ) -> StatisticalEye:
     """The eye that independent bits open, each zero or one with the same probability.
@@ -129,6 +140,10 @@ def statistical_eye(
         Standard deviation at the receiver, >= 0, in the probe's quantity.
     jitter : float or str
         Standard deviation of the sampling instant, >= 0, s; it rounds the bathtub, not the contours.
+    sinusoidal : float or str
+        Amplitude of a sinusoidal jitter of it, >= 0, s.
+    duty_cycle : float or str
+        Distortion of the duty cycle, by which every other edge is late, >= 0, s.
     aggressors : sequence of PulseResponse
         Of neighbours that send bits of their own at the same instants, seen at the same probe.
 
@@ -146,31 +161,38 @@ def statistical_eye(
     >>> round(statistical_eye(pulse, dfe=1).height, 3)
     0.8
     """
-    rate, spread, shaken = to_si(ber, "", "ber"), to_si(noise, None, "noise"), to_si(jitter, "s", "jitter")
+    rate, spread = to_si(ber, "", "ber"), to_si(noise, None, "noise")
+    times = {"jitter": jitter, "sinusoidal": sinusoidal, "duty_cycle": duty_cycle}
+    shaken = {name: to_si(time, "s", name) for name, time in times.items()}
     if not SMALLEST <= rate < 0.5:
         raise InputError("ber", "no error rate of an eye", f"{SMALLEST:g} to 0.5", shown(ber))
-    for name, value, most in (("dfe", dfe, len(pulse.u)), ("noise", spread, np.inf), ("jitter", shaken, pulse.period)):
-        if not 0 <= value < most:
-            raise InputError(name, "out of range", f"from 0 to below {most:g}", f"{value:g}")
+    most = dict.fromkeys(times, pulse.period) | {"dfe": len(pulse.u), "noise": np.inf}
+    for name, value in (shaken | {"dfe": dfe, "noise": spread}).items():
+        if not 0 <= value < most[name]:
+            raise InputError(name, "out of range", f"from 0 to below {most[name]:g}", f"{value:g}")
     flat = np.pad(pulse.u.ravel(), 2 * FINE)
     peak = int(flat.argmax())
     taps = _cursors(flat, peak)[1][:dfe]
     density = _Density(flat, [np.pad(x.u.ravel(), 2 * FINE) for x in aggressors], taps, spread)
     opening = np.array([density.opening(j, rate) for j in range(peak - FINE, peak + FINE + 1)])
     best = peak - FINE + _middle_of_the_widest(opening)
-    taps = _cursors(flat, best)[1][:dfe]
-    density = _Density(flat, density.others, taps, spread)
+    if dfe:
+        taps = _cursors(flat, best)[1][:dfe]
+        density = _Density(flat, density.others, taps, spread)
     around = range(best - FINE // 2, best + FINE // 2 + 1)
-    middles = pulse.base + np.array([density.middle(j) for j in around])
+    base = pulse.base + sum(each.base for each in aggressors)
+    middles = base + np.array([density.middle(j) for j in around])
     halves = np.array([density.opening(j, rate) for j in around]) / 2
     threshold = float(middles[FINE // 2])
     rates = np.array([density.error_rate(j, threshold - m) for j, m in zip(around, middles, strict=True)])
-    bathtub = _jittered(rates, shaken * FINE / pulse.period)
+    bathtub = _jittered(rates, *(time * FINE / pulse.period for time in shaken.values()))
+    levels = np.linspace(-1, 1, 2 * FINE + 1) * flat[best] / 2
+    misread = np.array([density.error_rate(best, level) for level in levels])
     width = _span(bathtub, rate) * pulse.period / FINE
     t, instant = np.arange(-(FINE // 2), FINE // 2 + 1) * pulse.period / FINE, (best - 2 * FINE) * pulse.period / FINE
-    zeros = middles - halves
+    ones, zeros, levels = middles + halves, middles - halves, levels + threshold
     return StatisticalEye(
-        pulse.period, rate, t, middles + halves, zeros, bathtub, instant, threshold, width, taps, pulse
+        pulse.period, rate, t, ones, zeros, bathtub, levels, misread, instant, threshold, width, taps, pulse
     )
 
 
@@ -240,8 +262,8 @@ class _Density:
         self.sums: dict[int, NDArray] = {}
 
     def middle(self, j: int) -> float:
-        """Half the sum of all cursors, and of what the feedback takes away."""
-        return float(self.flat[j % FINE :: FINE].sum() - self.taps.sum()) / 2
+        """Half the sum of all cursors, those of neighbours too, less what the feedback takes away."""
+        return float(sum(x[j % FINE :: FINE].sum() for x in (self.flat, *self.others)) - self.taps.sum()) / 2
 
     def below(self, j: int) -> NDArray:
         """Probability of less than each level, shape (2 LEVELS + 1,)."""
@@ -249,10 +271,11 @@ class _Density:
             before, after = _cursors(self.flat, j)
             after = after.copy()
             after[: len(self.taps)] -= self.taps
-            found = np.zeros(2 * LEVELS + 1)
-            found[LEVELS] = 1.0
-            for h in np.concatenate([before, after, *(x[j % FINE :: FINE] for x in self.others)]):
-                found = _split(found, abs(h) / 2 / self.step)
+            cursors = np.abs(np.concatenate([before, after, *(x[j % FINE :: FINE] for x in self.others)]))
+            found = np.ones(1)
+            for h in np.sort(cursors):  # small ones first, while there are few levels
+                found = _split(found, h / 2 / self.step)
+            found = np.pad(found, LEVELS)[len(found) // 2 :][: 2 * LEVELS + 1]
             if self.noise:
                 k = np.arange(-LEVELS, LEVELS + 1) * self.step / self.noise
                 bell = np.exp(-(k**2) / 2)
@@ -276,14 +299,18 @@ class _Density:
 
 
 def _split(density: NDArray, by: float) -> NDArray:
-    """Half of it moved up and half down by so many levels, between two of them in parts that keep the mean."""
+    """Half of it moved up and half down by so many levels, between two of them in parts that keep the mean.
+
+    Examples
+    --------
+    >>> _split(np.ones(1), 1.25).tolist()
+    [0.125, 0.375, 0.0, 0.375, 0.125]
+    """
     whole, part = int(by), by - int(by)
-    wide = np.pad(density, whole + 1)
-    n = len(density)
-    up = (1 - part) * wide[1 : 1 + n] + part * wide[:n]
-    start = 2 * whole + 1
-    down = (1 - part) * wide[start : start + n] + part * wide[start + 1 : start + 1 + n]
-    return (up + down) / 2
+    n, wide = len(density), np.zeros(len(density) + 2 * whole + 2)
+    for at, share in ((0, part), (1, 1 - part), (2 * whole + 1, 1 - part), (2 * whole + 2, part)):
+        wide[at : at + n] += share / 2 * density
+    return wide
 
 
 def _middle_of_the_widest(opening: NDArray) -> int:
@@ -297,14 +324,22 @@ def _middle_of_the_widest(opening: NDArray) -> int:
     return int(first + last) // 2
 
 
-def _jittered(rates: NDArray, spread: float) -> NDArray:
-    """Averaged over instants that are spread so many of them around each, one bit as the next."""
-    if not spread:
-        return rates
-    reach = int(np.ceil(TAILS * spread))
-    bell = np.exp(-((np.arange(-reach, reach + 1) / spread) ** 2) / 2)
-    wide = np.pad(rates, reach, mode="edge")
-    return np.convolve(wide, bell / bell.sum(), "valid")
+def _jittered(rates: NDArray, spread: float, amplitude: float, apart: float) -> NDArray:
+    """Averaged over instants that are spread so many of them around each, swing by so many, and are so many apart."""
+    from scipy.special import ndtr
+
+    parts = (
+        (TAILS * spread, lambda x: ndtr(x / spread)),
+        (amplitude, lambda x: np.arcsin(np.clip(x / amplitude, -1, 1)) / np.pi + 0.5),
+        (apart / 2, lambda x: np.clip(x + apart / 2 + 0.5, 0, 1) / 2),  # of what is left of the middle
+    )
+    for farthest, below in parts:
+        if farthest:
+            reach = int(np.ceil(farthest)) + 1
+            left = np.diff(below(np.arange(-reach, 1) - 0.5))  # tails keep their digits there
+            weights = np.concatenate([left, [1 - 2 * left.sum()], left[::-1]])
+            rates = np.convolve(np.pad(rates, reach, constant_values=0.5), weights, "valid")  # there are other bits
+    return rates
 
 
 def _span(rates: NDArray, ber: float) -> float:

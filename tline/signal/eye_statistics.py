@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.signal.all_patterns import StatisticalEye
 from tline.signal.eye_diagram import Eye
 from tline.units import to_si
 from tline.words.wording import shown
@@ -44,8 +45,12 @@ class Mask(NamedTuple):
         w, h = self.width / 2, self.height / 2
         return np.array([(-w, 0), (-w / 2, h), (w / 2, h), (w, 0), (w / 2, -h), (-w / 2, -h), (-w, 0)])
 
+    def edge(self, t: NDArray) -> NDArray:
+        """Its upper edge over the threshold at times from the sampling instant, 0 beside it."""
+        return np.clip(2 - 4 * np.abs(t) / self.width, 0.0, 1.0) * self.height / 2
 
-def mask_of(width: float | str, height: float | str, seen: Eye, unit: str | None = None) -> Mask:
+
+def mask_of(width: float | str, height: float | str, seen: Eye | StatisticalEye, unit: str | None = None) -> Mask:
     """A mask for an eye.
 
     Parameters
@@ -54,7 +59,7 @@ def mask_of(width: float | str, height: float | str, seen: Eye, unit: str | None
         Above zero, at most a bit; s.
     height : float or str
         Above zero, in the probe's quantity.
-    seen : Eye
+    seen : Eye or StatisticalEye
     unit : str, optional
         Of the height; that of a plain number if not given.
 
@@ -132,5 +137,23 @@ def mask_hits(seen: Eye, mask: Mask) -> int:
     u = np.append(seen.u.ravel(), np.full(len(t) - n * fine, seen.threshold))
     bit = np.floor((t - seen.instant) / seen.period + 0.5)
     within = t - seen.instant - bit * seen.period
-    edge = np.clip(2 - 4 * np.abs(within) / mask.width, 0.0, 1.0) * mask.height / 2
-    return len(np.unique(bit[np.abs(u - seen.threshold) < edge] % n))
+    return len(np.unique(bit[np.abs(u - seen.threshold) < mask.edge(within)] % n))
+
+
+def mask_margin(seen: StatisticalEye, mask: Mask) -> float:
+    """How far the contours of a statistical eye stay outside of a mask at least, below zero where they enter it.
+
+    Parameters
+    ----------
+    seen : StatisticalEye
+    mask : Mask
+
+    Returns
+    -------
+    float
+        In the probe's quantity.
+    """
+    t = np.append(seen.t, np.array([-1, 1]) * mask.width / 4)  # its corners
+    within = np.abs(t) <= mask.width / 2
+    above = np.minimum(seen.ones - seen.threshold, seen.threshold - seen.zeros)
+    return float((np.interp(t, seen.t, above) - mask.edge(t))[within].min())

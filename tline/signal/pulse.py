@@ -1,5 +1,6 @@
 """What one bit leaves at a probe of a linear channel, and filters at either end of it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,6 +41,8 @@ class PulseResponse:
         Words and units.
     title : str
         Of the scene.
+    unmeasured : float
+        What frequencies above those of a measured channel may change, by an estimate.
     """
 
     period: float
@@ -49,6 +52,7 @@ class PulseResponse:
     probe: str = ""
     medium: Medium = ELECTRICAL
     title: str = ""
+    unmeasured: float = 0.0
 
     def with_ffe(self, taps: NDArray | list[float]) -> "PulseResponse":
         """Behind a feed-forward equaliser at the sender, which sends each bit once for each tap, a bit apart.
@@ -68,7 +72,8 @@ class PulseResponse:
         u = np.zeros((len(self.u) + len(c) - 1, FINE))
         for k, tap in enumerate(c):
             u[k : k + len(self.u)] += tap * self.u
-        return replace(self, u=u, base=self.base * float(c.sum()), missing=self.missing * float(c.sum()))
+        total, unmeasured = float(c.sum()), self.unmeasured * float(np.abs(c).sum())
+        return replace(self, u=u, base=self.base * total, missing=self.missing * total, unmeasured=unmeasured)
 
     def with_ctle(self, gain: float, zero: float, *poles: float) -> "PulseResponse":
         """Behind a continuous-time linear equaliser, (g + jf/fz)/((1 + jf/f1)(1 + jf/f2)).
@@ -158,12 +163,22 @@ def pulse_response(
     points = [[0.0, 0.0], [edge, one - zero], [T, one - zero], [T + edge, 0.0]]
     for name, each in table["sources"].items():
         each["value"] = {"shape": "piecewise linear", "points": points} if name == driver else 0.0
+    table |= {"start": "rest", "probes": {probe: table["probes"][probe]}, "measures": {}}
+
+    def seen(n: int) -> NDArray:
+        run = simulate(scene.with_changes(**table | {"t_end": n * T}), tol=tol, progress=progress)
+        return run.probes[probe].at(T * np.arange(n * FINE) / FINE).u.reshape(n, FINE)
+
+    u, missing = until_settled(seen, gain * (one - zero))
+    return PulseResponse(T, u, gain * zero, missing, probe, MEDIA[scene.medium], scene.title)
+
+
+def until_settled(seen: Callable[[int], NDArray], total: float) -> tuple[NDArray, float]:
+    """What is seen of so many bits, shape (n, 64), that later cursors add up to little, and to what."""
     u, missing = np.empty((0, FINE)), 0.0
     for n in BITS:
-        table |= {"t_end": n * T, "start": "rest", "probes": {probe: table["probes"][probe]}, "measures": {}}
-        seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
-        u = seen.at(T * np.arange(n * FINE) / FINE).u.reshape(n, FINE)
-        missing = gain * (one - zero) - float(u.sum(0).mean())
+        u = seen(n)
+        missing = total - float(u.sum(0).mean())
         if abs(missing) <= MISSING * np.abs(u).max():
             break
-    return PulseResponse(T, u, gain * zero, missing, probe, MEDIA[scene.medium], scene.title)
+    return u, missing

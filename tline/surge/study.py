@@ -161,10 +161,10 @@ class SurgeStudy(Presentation):
         if suffix == ".csv":
             write_table(path, *self.table())
             return
-        from tline.surge.study_page import page
+        from tline.surge.study_page import study_page
 
         with replacing(path) as temporary:
-            temporary.write_text(page(self), encoding="utf-8")
+            temporary.write_text(study_page(self), encoding="utf-8")
 
 
 def surge_study(

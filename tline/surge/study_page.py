@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
 from tline.pictures.bounds import one_liquid, scale
 from tline.pictures.map import Surge, draw_surges
+from tline.pictures.page import drawn, page, table
 from tline.pictures.path import axis, route
 from tline.pictures.style import COLOURS, DASHES, INK, figure, name_nodes, styled
-from tline.presentation import as_image
 from tline.scene.heights import weight_at
 from tline.surge.scenarios import AS_READ
 
@@ -23,20 +22,12 @@ if TYPE_CHECKING:
     from tline.surge.study import Outcome, SurgeStudy
 
 WORST = 10  # nodes in tables
-STYLE = """body{font:15px/1.45 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}
-table{border-collapse:collapse;font-size:13px;margin:.6rem 0}th,td{padding:.2rem .6rem;border-bottom:1px solid #ddd;
-text-align:right;vertical-align:top}th:first-child,td:first-child,td:last-child,th:last-child{text-align:left}
-td:first-child{white-space:nowrap}tr.no{background:#fbe9e0}.two{display:flex;gap:3rem;flex-wrap:wrap}img{max-width:100%;height:auto}
-code{font-size:12px}@media print{body{margin:0;max-width:none;font-size:11px}table{font-size:9px}
-tr,figure,img{break-inside:avoid}h2{break-after:avoid}}"""
 Nodes = Mapping[str, Mapping[str, Any]]  # what each saw in the scenario that was worst for it, with its name
 
 
-def page(study: "SurgeStudy") -> str:
+def study_page(study: "SurgeStudy") -> str:
     """All of it, as HTML."""
-    title = escape(study.plan.title or "A study of surges")
-    head = f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
-    return "\n".join([head, f"<h1>{title}</h1>", *_parts(study), "</html>"])
+    return page(study.plan.title or "A study of surges", _parts(study))
 
 
 def _parts(study: "SurgeStudy") -> Iterator[str]:
@@ -49,11 +40,11 @@ def _parts(study: "SurgeStudy") -> Iterator[str]:
         if found:
             yield f"<h2>The network {'' if variant == AS_READ else 'with '}{escape(variant)}</h2>"
             yield _worst_nodes(study, found)
-            yield _drawn(worst_map, study, variant)
+            yield drawn(worst_map, study, variant)
             for path in study.plan.paths:
-                yield _drawn(worst_profile, study, variant, path)
+                yield drawn(worst_profile, study, variant, path)
     marks = ["" if outcome.signed else ' class="no"' for outcome in study.outcomes]
-    yield "<h2>Scenarios</h2>" + _table(head, rows, marks)
+    yield "<h2>Scenarios</h2>" + table(head, rows, marks)
     yield "<h2>To run them again</h2><p>Each scenario is a scene in the study's folder, which "
     yield "<code>tline run FILE --envelope nodes.csv</code> runs just so:</p><ul>"
     yield from (
@@ -61,12 +52,6 @@ def _parts(study: "SurgeStudy") -> Iterator[str]:
     )
     notes = dict.fromkeys(note for outcome in study.outcomes for note in outcome.told.get("notes", ()))
     yield "</ul><h2>Notes</h2><ul>" + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], marks: Sequence[str] = ()) -> str:
-    cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
-    lines = [f"<tr{mark}>{row}</tr>" for mark, row in zip(marks or [""] * len(rows), cells, strict=True)]
-    return f"<table><tr>{''.join(f'<th>{escape(cell)}</th>' for cell in head)}</tr>{''.join(lines)}</table>"
 
 
 def _comparison(study: "SurgeStudy") -> str:
@@ -77,7 +62,7 @@ def _comparison(study: "SurgeStudy") -> str:
         cell = " / ".join(study.moved(outcome, "rise", "fall")) or "failed"
         rows.setdefault(f"{told.event} {told.element}".rstrip(), {})[told.variant] = cell
     names = [*study.plan.variants]
-    return _table(
+    return table(
         [f"rise / fall [{study.unit[1]}]", *names],
         [[event, *(row.get(name, "") for name in names)] for event, row in rows.items()],
     )
@@ -99,7 +84,7 @@ def _worst_nodes(study: "SurgeStudy", found: Sequence["Outcome"]) -> str:
             ]
             for node in worst
         ]
-        parts.append(_table([f"{word} pressures", f"before [{unit}]", f"{word}", "after [s]", "in"], rows))
+        parts.append(table([f"{word} pressures", f"before [{unit}]", f"{word}", "after [s]", "in"], rows))
     return f'<div class="two">{"".join(parts)}</div>'
 
 
@@ -160,10 +145,3 @@ def worst_profile(study: "SurgeStudy", variant: str, path: Sequence[str]) -> "Fi
     name_nodes(axes, {mark / metre: name for mark, name in way.labels.items()})
     picture.legend(loc="outside lower center", ncols=4)
     return picture
-
-
-def _drawn(draw: Any, *given: Any) -> str:
-    try:
-        return f"<figure>{as_image(draw(*given))}</figure>"
-    except InputError as error:  # such as a network too large to be laid out without positions
-        return f"<p>{escape(str(error))}</p>"

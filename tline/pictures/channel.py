@@ -1,0 +1,86 @@
+"""Pictures of a measured channel, and its report."""
+
+import platform
+from collections.abc import Iterator, Mapping
+from html import escape
+from importlib.metadata import version
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tline.pictures.page import drawn, page, table
+from tline.pictures.signals import plot_reflections, plot_statistical_eye
+from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, styled
+from tline.signal.all_patterns import StatisticalEye
+from tline.signal.channel import LEAST, Channel
+from tline.signal.tdr import Reflections
+from tline.units import handy
+
+POINTS = 1000  # of the model's curve
+PROGRAMS = "tline", "numpy", "scipy", "matplotlib"
+WORDS = {
+    "insertion": "insertion loss", "return": "return loss", "crosstalk": "crosstalk into the receiver",
+    "conversion": "conversion into common modes",
+}  # fmt: skip
+
+
+@styled
+def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
+    """What passes and what comes back, dB over frequency, samples and model; below crosstalk and conversion, if any."""
+    hertz, unit = handy(float(seen.measured.f[-1]), "Hz")
+    f, curves = seen.measured.f / hertz, seen.curves
+    below = [what for what in ("crosstalk", "conversion") if what in curves]
+    figure, (upper, *rest) = cells_of(ax, 8.0, 4.6 + 2.0 * len(below), 1 + len(below), title=seen.title, sharex=True)
+    at = np.linspace(f[0], f[-1], POINTS)
+    model = np.abs(seen.found.model.matrices(2 * np.pi * at * hertz))
+    for k, (to, of) in enumerate(((1, 0), (0, 0), (1, 1))):
+        name = f"{seen.names[of]} → {seen.names[to]}" if to != of else f"back to {seen.names[of]}"
+        upper.plot(f, seen.decibels(to, of), ".", color=FAINT, markersize=5, label=None if k else "samples")
+        look = {"color": COLOURS[k], "linestyle": DASHES[k], "linewidth": 1.2, "label": f"model, {name}"}
+        upper.plot(at, 20 * np.log10(np.maximum(model[:, to, of], LEAST)), **look)
+    for axes, what in zip(rest, below, strict=bool(ax is None)):
+        for k, (name, values) in enumerate(curves[what].items()):
+            axes.plot(f, values, color=COLOURS[k % len(COLOURS)], linestyle=DASHES[k % len(DASHES)], label=name)
+        axes.set_title(WORDS[what], loc="left")
+    for axes in (upper, *rest):
+        axes.set_ylabel("|S| [dB]")
+        axes.grid(True)
+        axes.margins(x=0)
+        axes.legend(loc="best", fontsize="small", ncols=2)
+    [upper, *rest][-1].set_xlabel(f"frequency [{unit}]")
+    return figure
+
+
+def report(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inputs: Mapping[str, str]) -> str:
+    """The whole report, as HTML."""
+    return page(f"Channel {seen.title}".rstrip(), _parts(seen, profile, eye, inputs))
+
+
+def _parts(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inputs: Mapping[str, str]) -> Iterator[str]:
+    f = seen.measured.f
+    yield f"<p>{escape(next(iter(seen.text_lines())))}.</p>"
+    yield "<h2>Losses</h2>" + table(*_losses(seen, None if eye is None else 0.5 / eye.period))
+    yield drawn(plot_channel, seen)
+    yield "<h2>Impedance profile</h2>" + drawn(plot_reflections, profile)
+    if eye is not None:
+        yield "<h2>Eye of all bit patterns</h2><p>" + "<br>".join(map(escape, eye.text_lines())) + "</p>"
+        yield drawn(plot_statistical_eye, eye)
+    found, verdict = seen.found, seen.verdict
+    yield f"<h2>Passivity</h2><p>{escape('; '.join(map(str.strip, verdict.text_lines())))}</p>"
+    told = f"{found.order} poles, {found.verdict.status.value} passive, at most {found.error:.2g} from the samples"
+    yield f"<p>The model: {told}, of which being passive cost {found.cost:.2g}: {escape(found.why)}.</p>"
+    rows = [["samples", f"{len(f)}, {f[0]:.6g} to {f[-1]:.6g} Hz"], ["references", f"{seen.measured.z0.tolist()} ohm"]]
+    yield "<h2>Inputs</h2>" + table(["what", "value"], [*rows, *([name, value] for name, value in inputs.items())])
+    programs = [["Python", platform.python_version()], *([name, version(name)] for name in PROGRAMS)]
+    yield "<h2>Versions</h2>" + table(["program", "version"], programs)
+
+
+def _losses(seen: Channel, nyquist: float | None) -> tuple[list[str], list[list[str]]]:
+    """Heading and rows: each curve at its worst, and at half the rate of bits."""
+    f, head, rows = seen.measured.f, ["what", "between", "worst [dB]", "at [GHz]"], []
+    rate = [nyquist] if nyquist is not None and f[0] <= nyquist <= f[-1] else []
+    for what, name, value, at in seen.worst:
+        there = [f"{np.interp(half, f, seen.curves[what][name]):.3g}" for half in rate]
+        rows.append([WORDS[what], name, f"{value:.3g}", f"{at / 1e9:.4g}", *there])
+    return head + [f"at {half / 1e9:.4g} GHz [dB]" for half in rate], rows

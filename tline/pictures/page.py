@@ -1,0 +1,37 @@
+"""Reports as pages of HTML that stand alone: headings, tables and pictures; they print well."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any
+
+from tline.errors import InputError
+from tline.presentation import as_image
+
+STYLE = """body{font:15px/1.45 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}
+table{border-collapse:collapse;font-size:13px;margin:.6rem 0}th,td{padding:.2rem .6rem;border-bottom:1px solid #ddd;
+text-align:right;vertical-align:top}th:first-child,td:first-child,td:last-child,th:last-child{text-align:left}
+td:first-child{white-space:nowrap}tr.no{background:#fbe9e0}.two{display:flex;gap:3rem;flex-wrap:wrap}img{max-width:100%;height:auto}
+code{font-size:12px}@media print{body{margin:0;max-width:none;font-size:11px}table{font-size:9px}
+tr,figure,img{break-inside:avoid}h2{break-after:avoid}}"""
+
+
+def page(title: str, parts: Iterable[str]) -> str:
+    """All of a page from its parts, HTML already."""
+    title = escape(title)
+    head = f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
+    return "\n".join([head, f"<h1>{title}</h1>", *parts, "</html>"])
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], marks: Sequence[str] = ()) -> str:
+    """Cells of text below their headings; marks are attributes of the rows."""
+    cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
+    lines = [f"<tr{mark}>{row}</tr>" for mark, row in zip(marks or [""] * len(cells), cells, strict=True)]
+    return f"<table><tr>{''.join(f'<th>{escape(cell)}</th>' for cell in head)}</tr>{''.join(lines)}</table>"
+
+
+def drawn(draw: Any, *given: Any) -> str:
+    """A picture, or why there is none."""
+    try:
+        return f"<figure>{as_image(draw(*given))}</figure>"
+    except InputError as error:  # such as a network too large to be laid out without positions
+        return f"<p>{escape(str(error))}</p>"
