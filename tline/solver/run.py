@@ -229,12 +229,18 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
 
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:
-    """Events that begin a piece where elements stand, and move nothing: at kinks, and at t = 0 from rest."""
+    """Events that begin a piece at a group and move nothing: at kinks, and where elements stand at t = 0 from rest."""
     begin = [0.0] if assembly.follows_edges and not assembly.description.steady else []
     for g, group in enumerate(assembly.groups):
-        for element in group.elements:
-            yield from (Event(t, g) for t in begin)
-            yield from (Event(float(t), g) for t in kinks.get(element.where, NOWHERE) / assembly.resolution.h)
+        elements = [element.where for element in group.elements]
+        yield from (Event(t, g) for t in begin * len(elements))
+        for where in (*elements, *(at_node(node.name) for node in group.nodes)):
+            yield from (Event(float(t), g) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+
+
+def at_node(name: str) -> str:
+    """The key of kinks at a node."""
+    return f"nodes.{name}"
 
 
 def _slams(assembly: Assembly) -> dict[str, float]:

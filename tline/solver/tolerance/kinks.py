@@ -1,5 +1,7 @@
 """When laws of elements kink, as a run saw it, for the next run to have its slabs cut in pieces there.
 
+Friction is such a law, |y|·y where the flow turns. Inside a line what follows smooths that, at its ends nothing does.
+
 A law is smooth between some points of its graph. With e the effort across the element and i the flow, the wave e + ρ i
 into it rises along the graph, and passes each point once. A piece without a kink inside is as accurate as its order; so
 the instant is sought on the piece before or behind, continued into the one that has it.
@@ -18,7 +20,7 @@ from tline.solver.description.given import Bend
 from tline.solver.description.resolution import Resolution
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
-from tline.solver.run import NO_KINKS, Kinks
+from tline.solver.run import NO_KINKS, Kinks, at_node
 
 MOST = 2000  # instants of an element; where there are more, none is followed
 MOST_HALVED = 50_000  # the same of middles of pieces
@@ -26,6 +28,7 @@ STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 SETTLED = 1e-13  # pieces; a step that short is the last, for each is some 1e4 times shorter than the one before
 OVER = 1.5  # pieces, to which a neighbour is continued
 ROUNDED = 1e-12  # of the largest wave; so little has no sign
+STILL = 1e-9  # of the largest wave: so little a flow does not turn
 
 
 class PiecewiseQuantity(NamedTuple):
@@ -46,6 +49,14 @@ class Cuts:
 
     def __init__(self, description: Description):
         self.elements, self.kinked, self._middles = description.elements, kinking(description), NO_KINKS
+        held = {node for element in self.kinked for node in element.nodes}  # kinks there are known
+        self._ends = [
+            (name, node)
+            for name, line in description.lines.items()
+            if line.losses is not None and line.losses.flow_law is not None
+            for node in enumerate(line.nodes)
+            if node[1] not in held
+        ]
         self.governed = any(element.governor is not None for element in self.elements)
         self.places = [element.where for element in self.elements]
 
@@ -53,11 +64,15 @@ class Cuts:
         """Where pieces of the last run are halved if its slabs are."""
         return halved(last, self.elements, self._middles)
 
-    def ahead(self, last: Result, parts: "Halved", chosen: Resolution) -> Kinks:
-        """Where those of the next run are cut: where laws kinked in the last one, and where pieces are halved."""
+    def ahead(self, last: Result, parts: "Halved", chosen: Resolution, turns: bool) -> Kinks:
+        """Where those of the next run are cut: where laws kinked in the last one, and where pieces are halved.
+
+        With `turns` also where flow turned at ends of recorded lines with friction.
+        """
         if chosen.h < last.resolution.h:
             self._middles = parts.steep if chosen.s > last.resolution.s else parts.every
-        return together(kinks_of(last, self.kinked), self._middles)
+        kinks = together(kinks_of(last, self.kinked), self._middles)
+        return {**kinks, **turns_of(last, self._ends)} if turns else kinks
 
 
 def kinking(description: Description) -> list[PlacedLaw]:
@@ -76,6 +91,22 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
         all_ = np.unique(np.concatenate([np.empty(0), *instants]))
         if 0 < len(all_) <= MOST:
             found[element.where] = all_
+    return found
+
+
+def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kinks:
+    """Instants at which the flow turned at some ends of lines, each given by its line, number and node, s; by node."""
+    found = {}
+    for line, (end, node) in ends:
+        if line not in result.lines:
+            continue
+        record = result.lines[line]
+        a, b = (_in_pieces(wave) for wave in ((record.a2, record.b2) if end else (record.a1, record.b1)))
+        flow = a.values - b.values
+        flow[np.abs(flow) <= STILL * np.abs(a.values).max()] = 0.0
+        instants = _crossings(a._replace(values=flow, before=a.before - b.before), result)
+        if len(instants):
+            found[at_node(node)] = np.union1d(found.get(at_node(node), np.empty(0)), instants)
     return found
 
 

@@ -114,7 +114,9 @@ class Orders(Grids):
         helped, differ = (ladder.helps or layered) and not cuts.governed, parts.differ or cuts.governed
         chosen = self.grids.send((helped, layered, ladder.told.met, differ))
         layers = FOLLOWED * self.search.tol if follow else 0.0
-        return self.search.run(chosen._replace(layers=layers), cuts.ahead(last, parts, chosen), cuts.places)
+        return self.search.run(
+            chosen._replace(layers=layers), cuts.ahead(last, parts, chosen, ladder.compared > 0), cuts.places
+        )
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met, as far as is known how fast runs converge.
