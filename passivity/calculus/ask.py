@@ -27,7 +27,7 @@ from passivity.exact.positive_real import check
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
-from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
+from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, assumed, random_values
@@ -44,6 +44,10 @@ def is_positive_real(
     what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None, *, budget: float = 1
 ) -> Conclusion:
     """Is a function analytic in Re s > 0 with Re Z >= 0 there, as the impedance of a passive one-port is?
+
+    Of a text: by rules, which turn facts about the parts into facts about the whole; by a search for a point where the
+    property fails, shown in balls; by balls on the axis, if all is rational in s and delays. Functions are principal
+    branches. What is not real for real s > 0 does not have the property.
 
     Parameters
     ----------
@@ -64,6 +68,11 @@ def is_positive_real(
     ------
     ExpressionError
         For anything else, and for what `passivity.calculus.read.read` refuses.
+
+    References
+    ----------
+    O. Brune, "Synthesis of a finite two-terminal network whose driving-point impedance is a prescribed function of
+    frequency", J. Math. Phys. 10 (1931), 191-236: sums, inverses and compositions of positive real functions.
 
     Examples
     --------
@@ -96,45 +105,6 @@ def is_bounded_real(
     """
     with granted(budget):
         return ask(what, Kind.BR, assume, values)
-
-
-def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> Conclusion:
-    """Is an expression analytic in Re s > 0 with Re Z >= 0 there, or |H| <= 1?
-
-    First rules on the expression itself, which turn facts about the parts into facts about the whole; then a search for
-    a point where the property fails, shown in balls; then balls on the axis, if all is rational in s and delays.
-    Functions are principal branches. A function that is not real for real s > 0 has neither property.
-
-    Parameters
-    ----------
-    text : str
-        What `passivity.expression.parse.parse` reads.
-    kind : Kind
-        The property.
-    parameters : mapping of str to number or text, optional
-        A value for every name in the expression but ``s``, and for no other.
-
-    Raises
-    ------
-    ExpressionError
-        What `parse` refuses; a missing or unused parameter; a division by zero; what is too large.
-
-    References
-    ----------
-    O. Brune, "Synthesis of a finite two-terminal network whose driving-point impedance is a prescribed function of
-    frequency", J. Math. Phys. 10 (1931), 191-236: sums, inverses and compositions of positive real functions.
-
-    Examples
-    --------
-    >>> verdict = check_expression("sqrt((R + s*L)/(s*C))*tanh(sqrt((R + s*L)*s*C))", Kind.PR, {"R": 1, "L": 2, "C": 3})
-    >>> verdict.status
-    <Status.PROVED: 'proved'>
-    >>> verdict = check_expression("exp(2*s)/2", Kind.BR)
-    >>> verdict.status, abs(verdict.witness.value) > 1
-    (<Status.REFUTED: 'refuted'>, True)
-    """
-    _, values = with_values(text, parameters or {})
-    return of_text(text, kind, (), values)
 
 
 def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
