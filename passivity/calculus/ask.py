@@ -18,6 +18,7 @@ from passivity.calculus.leaf import Waves, function_of
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.read import read, statements
+from passivity.calculus.rewrite import Line
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
 from passivity.calculus.witness import Question, Witness
@@ -182,14 +183,14 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
     missing: list[str] = []
     if found := _at_once(made, question, prover):
         return found[0]
-    search = Search(question, unused)
+    search, active = Search(question, unused), prover.active()
     ways = (
         lambda: _refuted(made, search.glance()),
         lambda: _in_waves(made, kind, question, search),
-        lambda: _refuted(made, search.behind(prover.active())),
+        lambda: _refuted(made, search.behind(active)),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
-        lambda: _in_balls(made, kind, question, search, prover),
+        lambda: _in_balls(made, kind, question, search, prover, active),
         lambda: _refuted(made, search.hunt()),
         lambda: _proved(made, question, prover, DEPTHS[-1:]),
     )
@@ -244,10 +245,14 @@ def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) ->
     return [made(Status.REFUTED, why, witness=search.around(pole.place), pole=pole)]
 
 
-def _in_balls(made: partial, kind: Kind, question: Question, search: Search, prover: Prover) -> list[Conclusion]:
+def _in_balls(
+    made: partial, kind: Kind, question: Question, search: Search, prover: Prover, active: list[tuple[int, int, Line]]
+) -> list[Conclusion]:
     """By balls about the load of the line farthest from the input that rules do not find passive, else about all."""
-    for _, _, (_, _, load) in prover.active()[:1]:
-        if if_affordable(_EACH // 4, prover.strictly, Kind.PR, load) and (found := _at_once(made, question, prover)):
+    for _, _, (_, _, load) in active[:1]:
+        if if_affordable(_EACH * 3 // 4, prover.strictly, Kind.PR, load) and (
+            found := _at_once(made, question, prover)
+        ):
             return found
     try:
         return _proved(made, question, prover, DEPTHS[:1]) if prover.strictly(kind, question.value) else []

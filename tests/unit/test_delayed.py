@@ -258,12 +258,24 @@ def test_balls(kind, text):
     assert not rule_balls(graph, value[1], [], found | {"cuts": found["cuts"][:-1]})
 
 
+CASCADE = "let q0 = 100 + 1/s; " + "".join(
+    f"let q{k + 1} = (q{k} + {z}*tanh({t}*s/10))/(1 + q{k}*tanh({t}*s/10)/{z}); "
+    for k, (z, t) in enumerate([(75, 1), (75, 2), (75, 7), (50, 7), (40, 3), (300, 2)])
+)
+
+
 @pytest.mark.parametrize(
     ("text", "least"),
-    [("line(50, 7/10*s, 100 + 1/s) - 5", 15), ("1/s + 2 - exp(-s)", 1), ("1/(1/s + 2 - exp(-s))", 0), (g1("1", 2), 0)],
+    [
+        ("line(50, 7/10*s, 100 + 1/s) - 5", 15),
+        ("1/s + 2 - exp(-s)", 1),
+        ("1/(1/s + 2 - exp(-s))", 0),
+        (g1("1", 2), 0),
+        (f"{CASCADE}q6 - 5", 3),
+    ],
 )
 def test_balls_that_touch_at_0(text, least):
-    """A pole at s = 0, or a zero: |X(0)| = 1, and |X| < 1 on the rest of the axis."""
+    """A pole at s = 0, or a zero: |X(0)| = 1, and |X| < 1 on the rest of the axis, by some lines also far out."""
     graph = Graph()
     value = read(graph, text)
     data = prove_in_balls(Kind.PR, graph, value)
