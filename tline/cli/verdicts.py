@@ -127,7 +127,9 @@ def _certificate(verdict: "Conclusion") -> Callable[[str], str | None]:
 
 def verified(path: str) -> Output:
     """Check a file with a proof or a witness."""
+    from passivity.calculus.proof import proved_by
     from passivity.evidence import check_evidence
+    from passivity.verifier import FORMAT
 
     try:
         evidence = json.loads(_read(path))
@@ -136,7 +138,9 @@ def verified(path: str) -> Output:
     if not isinstance(evidence, dict) or "format" not in evidence:
         raise InputError(path, "neither a proof nor a witness", "a file written by --certificate")
     wrong = check_evidence(evidence)
-    what = evidence.get("statement") or f"the witness against {evidence.get('text')}"
+    what = f"the witness against {evidence.get('text')}"
+    if evidence["format"] == FORMAT:
+        what = evidence.get("statement") if wrong else proved_by(evidence)
     line = f"does not hold: {wrong}" if wrong else f"holds: {what}"
     return answer("refuted" if wrong else "proved", [line], {"holds": wrong is None, "wrong": wrong, "statement": what})
 
