@@ -1,4 +1,3 @@
-from passivity.calculus.ask import check_expression as check_expression
 from passivity.calculus.ask import is_bounded_real as is_bounded_real
 from passivity.calculus.ask import is_positive_real as is_positive_real
 from passivity.calculus.conclusion import Conclusion as Conclusion
@@ -13,9 +12,7 @@ from passivity.errors import ExpressionError as ExpressionError
 from passivity.evidence import verify as verify
 from passivity.exact.margin import margins as margins
 from passivity.exact.positive_real import check_bounded_real as check_bounded_real
-from passivity.exact.positive_real import check_bounded_real_matrix as check_bounded_real_matrix
 from passivity.exact.positive_real import check_positive_real as check_positive_real
-from passivity.exact.positive_real import check_positive_real_matrix as check_positive_real_matrix
 from passivity.exact.robustness import Robustness as Robustness
 from passivity.exact.robustness import robustness as robustness
 from passivity.exact.verdict import Certificate as Certificate
@@ -38,7 +35,6 @@ from passivity.sampled.fit import fit as fit
 from passivity.sampled.measured import DelayedModel as DelayedModel
 from passivity.sampled.measured import fit_behind_delay as fit_behind_delay
 from passivity.sampled.measured import fit_scattering as fit_scattering
-from passivity.sampled.model import MatrixModel as MatrixModel
 from passivity.sampled.model import PoleResidueModel as PoleResidueModel
 from passivity.sampled.read import read_csv as read_csv
 from passivity.sampled.read import read_touchstone as read_touchstone

@@ -22,10 +22,10 @@ def verify(evidence: Evidence) -> bool:
 
     Examples
     --------
-    >>> from passivity import Kind, RationalFunction, check_expression, check_positive_real
+    >>> from passivity import RationalFunction, check_positive_real, is_positive_real
     >>> verify(check_positive_real(RationalFunction.from_expression("(s^2 + s + 1)/(s^2 + s + 4)")).certificate)
     True
-    >>> verify(check_expression("1 + exp(-s)", Kind.PR).proof)
+    >>> verify(is_positive_real("1 + exp(-s)").proof)
     True
     """
     return verify_proof(evidence) if isinstance(evidence, dict) else verify_exact(evidence)

@@ -18,6 +18,7 @@ from passivity.calculus.leaf import Waves, function_of
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.read import read, statements
+from passivity.calculus.rewrite import Line
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
 from passivity.calculus.witness import Question, Witness
@@ -27,7 +28,7 @@ from passivity.exact.positive_real import check
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
-from passivity.rational.evaluate import Exact, exact, is_rational, of_tree, with_values
+from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, assumed, random_values
@@ -44,6 +45,10 @@ def is_positive_real(
     what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None, *, budget: float = 1
 ) -> Conclusion:
     """Is a function analytic in Re s > 0 with Re Z >= 0 there, as the impedance of a passive one-port is?
+
+    Of a text: by rules, which turn facts about the parts into facts about the whole; by a search for a point where the
+    property fails, shown in balls; by balls on the axis, if all is rational in s and delays. Functions are principal
+    branches. What is not real for real s > 0 does not have the property.
 
     Parameters
     ----------
@@ -64,6 +69,11 @@ def is_positive_real(
     ------
     ExpressionError
         For anything else, and for what `passivity.calculus.read.read` refuses.
+
+    References
+    ----------
+    O. Brune, "Synthesis of a finite two-terminal network whose driving-point impedance is a prescribed function of
+    frequency", J. Math. Phys. 10 (1931), 191-236: sums, inverses and compositions of positive real functions.
 
     Examples
     --------
@@ -96,45 +106,6 @@ def is_bounded_real(
     """
     with granted(budget):
         return ask(what, Kind.BR, assume, values)
-
-
-def check_expression(text: str, kind: Kind, parameters: Mapping[str, Exact] | None = None) -> Conclusion:
-    """Is an expression analytic in Re s > 0 with Re Z >= 0 there, or |H| <= 1?
-
-    First rules on the expression itself, which turn facts about the parts into facts about the whole; then a search for
-    a point where the property fails, shown in balls; then balls on the axis, if all is rational in s and delays.
-    Functions are principal branches. A function that is not real for real s > 0 has neither property.
-
-    Parameters
-    ----------
-    text : str
-        What `passivity.expression.parse.parse` reads.
-    kind : Kind
-        The property.
-    parameters : mapping of str to number or text, optional
-        A value for every name in the expression but ``s``, and for no other.
-
-    Raises
-    ------
-    ExpressionError
-        What `parse` refuses; a missing or unused parameter; a division by zero; what is too large.
-
-    References
-    ----------
-    O. Brune, "Synthesis of a finite two-terminal network whose driving-point impedance is a prescribed function of
-    frequency", J. Math. Phys. 10 (1931), 191-236: sums, inverses and compositions of positive real functions.
-
-    Examples
-    --------
-    >>> verdict = check_expression("sqrt((R + s*L)/(s*C))*tanh(sqrt((R + s*L)*s*C))", Kind.PR, {"R": 1, "L": 2, "C": 3})
-    >>> verdict.status
-    <Status.PROVED: 'proved'>
-    >>> verdict = check_expression("exp(2*s)/2", Kind.BR)
-    >>> verdict.status, abs(verdict.witness.value) > 1
-    (<Status.REFUTED: 'refuted'>, True)
-    """
-    _, values = with_values(text, parameters or {})
-    return of_text(text, kind, (), values)
 
 
 def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
@@ -212,14 +183,14 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
     missing: list[str] = []
     if found := _at_once(made, question, prover):
         return found[0]
-    search = Search(question, unused)
+    search, active = Search(question, unused), prover.active()
     ways = (
         lambda: _refuted(made, search.glance()),
         lambda: _in_waves(made, kind, question, search),
-        lambda: _refuted(made, search.behind(prover.active())),
+        lambda: _refuted(made, search.behind(active)),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
         lambda: _by_a_pole(made, kind, question, search),
-        lambda: _in_balls(made, kind, question, search, prover),
+        lambda: _in_balls(made, kind, question, search, prover, active),
         lambda: _refuted(made, search.hunt()),
         lambda: _proved(made, question, prover, DEPTHS[-1:]),
     )
@@ -274,10 +245,14 @@ def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) ->
     return [made(Status.REFUTED, why, witness=search.around(pole.place), pole=pole)]
 
 
-def _in_balls(made: partial, kind: Kind, question: Question, search: Search, prover: Prover) -> list[Conclusion]:
+def _in_balls(
+    made: partial, kind: Kind, question: Question, search: Search, prover: Prover, active: list[tuple[int, int, Line]]
+) -> list[Conclusion]:
     """By balls about the load of the line farthest from the input that rules do not find passive, else about all."""
-    for _, _, (_, _, load) in prover.active()[:1]:
-        if if_affordable(_EACH // 4, prover.strictly, Kind.PR, load) and (found := _at_once(made, question, prover)):
+    for _, _, (_, _, load) in active[:1]:
+        if if_affordable(_EACH * 3 // 4, prover.strictly, Kind.PR, load) and (
+            found := _at_once(made, question, prover)
+        ):
             return found
     try:
         return _proved(made, question, prover, DEPTHS[:1]) if prover.strictly(kind, question.value) else []

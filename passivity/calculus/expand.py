@@ -6,6 +6,7 @@ made of exponentials is an atom of its own. Equal quotients are equal functions;
 
 from collections.abc import Iterable
 from fractions import Fraction
+from functools import reduce
 from math import gcd
 from typing import NamedTuple
 
@@ -121,13 +122,14 @@ class Expansion:
             if kind == "sum":
                 found = self._sum(self.of(part) for part in parts)
             elif kind == "mul":
-                found = Pair(self.one, self.one)
+                factors: list[Pair] = []
                 for m, e in parts:
                     x = self._node(m) if e > 0 else self._node(m).inverse()
                     if abs(e) * max(self._highest(f) for f in x) > MAX_DEGREE:
                         raise ExpansionError(f"the expanded function has a degree over {MAX_DEGREE}")
                     for _ in range(abs(e)):
-                        found = self.product(found, x)
+                        _multiply(factors, x)
+                found = reduce(self.product, factors, Pair(self.one, self.one))
             elif kind == "line":
                 found = self._line(self.of(parts[0]), self.of(parts[2]), self.wave(parts[1], 2))
             else:
@@ -240,6 +242,18 @@ class Expansion:
                 term *= x ** int(e)
             total += term
         return total
+
+
+def _multiply(factors: list[Pair], x: Pair) -> None:
+    """Add one more factor, whose numerator or denominator goes if it stands in another one, too."""
+    for k, y in enumerate(factors):
+        for a, b in ((x, y), (y, x)):
+            if len(a.q) == len(b.p) > 1:
+                c, d = a.q.leading_coefficient(), b.p.leading_coefficient()
+                if a.q * d == b.p * c:
+                    factors[k] = Pair(a.p * d, b.q * c)
+                    return
+    factors.append(x)
 
 
 def _depth(graph: Graph, root: int) -> int:

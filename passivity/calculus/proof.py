@@ -11,6 +11,7 @@ from passivity.calculus.graph import Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
 from passivity.calculus.witness import Question
 from passivity.delayed.boxes import ALL_RULES
+from passivity.errors import shorten
 from passivity.expression.number import written
 from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
@@ -106,6 +107,23 @@ def lines(proof: Proof) -> Iterator[str]:
             yield f"{texts.of(n)}: {in_words(fact)}   [{'inverse' if data == [-1] else rule}]"
 
 
+def proved_by(proof: Proof) -> str:
+    """What a proof is about, from its nodes and its claim: the statement in a file is what its writer says.
+
+    Examples
+    --------
+    >>> from passivity.calculus.ask import is_positive_real
+    >>> proved_by(is_positive_real("1/(R + 1/Z2)", ["R > 0", "Z2 positive real"]).proof)
+    '1/(R + 1/Z2) is positive real, R being a constant >= 0, Z2 being positive real'
+    """
+    texts, (c, n) = Texts(proof["nodes"]), proof["root"]
+    text = texts.scaled_text(c, n)
+    if "#" in text:
+        text = texts.written_out(n) if c == "1" else f"{c} times {texts.written_out(n)}"
+    names = (f", {name} being {in_words(fact)}" for name, fact in proof["names"].items())
+    return f"{shorten(text, LONGEST)} is {in_words(proof['claim'])}{''.join(names)}"
+
+
 class Texts:
     """Nodes of a proof as expressions; what is long or used again stands for itself as #number."""
 
@@ -116,24 +134,26 @@ class Texts:
     def of(self, n: int) -> str:
         """A node in text."""
         if n not in self._known:
-            text = self._written(n)
+            text = self.written_out(n)
             self._known[n] = text if len(text) <= LONGEST else f"#{n}"
         return self._known[n]
 
-    def _written(self, n: int) -> str:
+    def written_out(self, n: int) -> str:
+        """A node in text, its parts as `of` has them."""
         kind, *parts = self.nodes[n]
         if kind in ("one", "s", "name"):
             return {"one": "1", "s": "s"}.get(kind) or parts[0]
         if kind == "sum":
-            return " + ".join(self._scaled(c, m) for c, m in parts).replace("+ -", "- ")
+            return " + ".join(self.scaled_text(c, m) for c, m in parts).replace("+ -", "- ")
         if kind == "mul":
             above = [self._power(m, e) for m, e in parts if e > 0]
             below = [self._power(m, -e) for m, e in parts if e < 0]
             under = f"/({'*'.join(below)})" if len(below) > 1 else f"/{below[0]}" if below else ""
             return ("*".join(above) or "1") + under
-        return f"{kind}({', '.join(self._scaled(c, m) for c, m in parts)})"
+        return f"{kind}({', '.join(self.scaled_text(c, m) for c, m in parts)})"
 
-    def _scaled(self, c: str, m: int) -> str:
+    def scaled_text(self, c: str, m: int) -> str:
+        """A multiple of a node in text."""
         if m == 0:
             return c
         text = self.of(m)

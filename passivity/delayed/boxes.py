@@ -3,7 +3,8 @@
 Z = a0 s + 1/(a1 s + 1/(... + 1/(ak s + Z1))), where Z1 has the value A > 0 for s to infinity without its delays. Then
 X = (Z1 - A)/(Z1 + A) = n/d is analytic with |X| < 1 in Re s > 0, and so Z is positive real, if |n| < |d|
 
-  - far out, |s| >= R, where the delays stand for any number in the unit disc,
+  - far out, |s| >= R, where the delays stand for any numbers in the unit disc; where all are multiples of one, for
+    powers of one number z, and the least |D| - |N| of the leading parts is found on |z| = 1,
   - on the pieces of the axis up to R, each in a ball; at 0 |n| = |d| will do, as where Z has a pole or a zero there, if
     |d|^2 - |n|^2, which is even in w, has a second derivative above 0 on the first piece,
 
@@ -26,7 +27,16 @@ from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.fact import CLAIMS, Fact
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.values import in_ball, needed
-from passivity.delayed.roots import BITS, QuasiPolynomial, cuts_of_axis, least_radius, on_axis, pieces, winding
+from passivity.delayed.roots import (
+    BITS,
+    QuasiPolynomial,
+    cuts_of_axis,
+    least_difference,
+    least_radius,
+    on_axis,
+    pieces,
+    winding,
+)
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.status import Kind
@@ -58,7 +68,8 @@ def prove_in_balls(kind: Kind, graph: Graph, value: Value) -> dict[str, Any]:
     """
     with ctx.workprec(BITS):
         x = reflection(kind, graph, value)
-        radius = least_radius(lambda r: _is_small_far_out(x.n, x.d, r))
+        room = least_difference(x.n, x.d)
+        radius = least_radius(lambda r: _is_small_far_out(x.n, x.d, r, room))
         if radius is None:
             raise UnresolvedError("no room left far out: |H| comes to 1, or Re Z to 0, for s to infinity")
         cuts = cuts_of_axis(_Axis(x.n, x.d).is_clear, radius, partial(_room, x.n, x.d))
@@ -73,7 +84,9 @@ def holds(kind: Kind, graph: Graph, value: Value, radius: Fraction, cuts: list[F
     try:
         with ctx.workprec(2 * BITS):
             x = reflection(kind, graph, value)
-            small = _is_small_far_out(x.n, x.d, radius) and all(map(_Axis(x.n, x.d).is_clear, pieces(cuts)))
+            small = _is_small_far_out(x.n, x.d, radius, least_difference(x.n, x.d)) and all(
+                map(_Axis(x.n, x.d).is_clear, pieces(cuts))
+            )
             if not small or winding(x.d, radius, cuts):
                 return False
         with ctx.workprec(_DIGITS):
@@ -101,9 +114,12 @@ def rule_balls(nodes: Nodes, n: int, known: list[Any], data: dict[str, Any]) -> 
 ALL_RULES = RULES | {"balls": rule_balls}
 
 
-def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction) -> bool:
+def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction, room: arb | None) -> bool:
     leading, rest = d.far(radius, d.degree)
     other, more = n.far(radius, d.degree)
+    if room is not None:  # what is less than the highest power is less than the difference of the leading parts
+        beside = sum((abs(c) for f in (n, d) if f.degree == d.degree for c in f.leading()[1:]), arb(0))
+        return bool(more + rest - beside < room)
     return n.degree <= d.degree and bool(abs(other) + more < abs(leading) - rest)
 
 
@@ -242,7 +258,11 @@ def _quasi(meaning: list[tuple[arb, arb]], f: fmpz_mpoly) -> QuasiPolynomial:
             coefficient *= factor ** int(e)
         powers = parts.setdefault(key, {})
         powers[int(x[0])] = powers.get(int(x[0]), arb(0)) + coefficient
+    orders = tuple(map(sum, parts)) if sum(bool(t > 0) for t, _ in meaning) < 2 else ()
     delays = {key: sum((t * e for e, (t, _) in zip(key, meaning, strict=True)), arb(0)) for key in parts}
     return QuasiPolynomial(
-        tuple((delays[key], arb_poly([p.get(k, 0) for k in range(max(p, default=-1) + 1)])) for key, p in parts.items())
+        tuple(
+            (delays[key], arb_poly([p.get(k, 0) for k in range(max(p, default=-1) + 1)])) for key, p in parts.items()
+        ),
+        orders,
     )

@@ -30,6 +30,7 @@ class QuasiPolynomial:
     """The sum of exp(-T s) p(s), as pairs (T, p); the T are distinct, the least is 0, T = 0 comes first."""
 
     terms: tuple[tuple[arb, arb_poly], ...]
+    orders: tuple[int, ...] = ()  # k of exp(-k T s) in each, where all are powers of one
 
     def __call__(self, s: acb) -> acb:
         """A ball with the values in a ball."""
@@ -44,6 +45,13 @@ class QuasiPolynomial:
     def degree(self) -> int:
         """The highest power of s."""
         return max(p.degree() for _, p in self.terms)
+
+    def leading(self) -> list[arb]:
+        """Coefficients of the highest power of s, by powers of the one exponential."""
+        found = [arb(0)] * (1 + max(self.orders))
+        for k, (_, p) in zip(self.orders, self.terms, strict=True):
+            found[k] = p[self.degree]
+        return found
 
     def far(self, radius: Fraction, degree: int) -> tuple[arb, arb]:
         """Coefficient of s^degree at T = 0, and a bound of all else in f/s^degree for |s| >= radius, Re s >= 0."""
@@ -125,18 +133,63 @@ def _zeros_right(f: QuasiPolynomial) -> int:
 
 
 def winding(f: QuasiPolynomial, radius: Fraction, cuts: list[Fraction]) -> int:
-    """Turns of f around the half disc of a radius, f having no zeros far out nor on the pieces of the axis."""
+    """Turns of f around the half disc of a radius, f having no zeros far out nor on the pieces of the axis.
+
+    Far out f/s^degree is near its leading part, which may turn with the one exponential, and nowhere vanishes.
+    """
     turned = arb(0)
     values = [f(_J * of_fraction(w)) for w in cuts]
     for before, after in pairwise(values):
         turned += (after / before).arg()
     degree = f.degree
     leading, _ = f.far(radius, degree)
+    beside = arb(0)
+    if f.orders:
+        part, unit = (
+            arb_poly(f.leading()),
+            next((t / k for k, (t, _) in zip(f.orders, f.terms, strict=True) if k), arb(0)),
+        )
+        z = (-_J * of_fraction(radius) * unit).exp()
+        ways = cuts_of_axis(lambda t: not part(t / _J * z).contains(0), Fraction(1), _lost)
+        steps = [part(z * of_fraction(t)) for t in ways]
+        beside = sum(((after / before).arg() for before, after in pairwise(steps)), arb(0))
+        leading = steps[-1]
     end = values[-1] / (_J * of_fraction(radius)) ** degree / leading
-    whole = (degree * arb.pi() + 2 * end.arg() - 2 * turned) / (2 * arb.pi())
+    whole = (degree * arb.pi() + 2 * (end.arg() + beside) - 2 * turned) / (2 * arb.pi())
     if (count := whole.unique_fmpz()) is None:
         raise UndecidedError("the winding number is not resolved")
     return int(count)
+
+
+def _lost(low: Fraction, high: Fraction) -> UndecidedError:
+    return UndecidedError("far out the leading part is not seen to be other than 0")
+
+
+def least_difference(n: QuasiPolynomial, d: QuasiPolynomial) -> arb | None:
+    """A bound below |D| - |N| for |z| <= 1, of the leading parts as polynomials in z, D without zeros there.
+
+    None if balls tell of none. |N/D| and 1/|D| are largest on the circle, where real coefficients need half of it.
+    """
+    if not (n.orders and d.orders) or n.degree > d.degree:
+        return None
+    top, whole = (arb_poly(f.leading()) if f.degree == d.degree else arb_poly([]) for f in (n, d))
+    bounds = []
+
+    def is_clear(t: acb) -> bool:
+        z = (t * arb.pi()).exp()
+        room = abs(whole(z)) - abs(top(z))
+        spend(2_000 * (len(whole) + len(top)), "the values far out")
+        good = bool(room > 0) and bool(2 * room.lower() > room.upper())
+        bounds.extend([room.lower()] * good)
+        return good
+
+    try:
+        cuts = cuts_of_axis(is_clear, Fraction(1), _lost)
+    except UndecidedError:
+        return None
+    values = [whole((_J * of_fraction(t) * arb.pi()).exp()) for t in cuts]
+    turned = sum(((after / before).arg() for before, after in pairwise(values)), arb(0))
+    return min(bounds) if abs(turned) < 1 else None
 
 
 def pieces(cuts: list[Fraction]) -> Iterator[acb]:

@@ -86,9 +86,6 @@ def check_bounded_real(h: Network | str) -> Verdict:
     return check(h, Kind.BR)
 
 
-check_positive_real_matrix, check_bounded_real_matrix = check_positive_real, check_bounded_real
-
-
 def check(network: Network | str, kind: Kind) -> Verdict:
     """The verdict of one of the two functions above."""
     if isinstance(network, str):

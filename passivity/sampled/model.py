@@ -191,9 +191,6 @@ class PoleResidueModel(Presentation):
         )
 
 
-MatrixModel = PoleResidueModel  # of several ports
-
-
 def count(poles: NDArray[np.complex128]) -> int:
     """Number of poles, both of a pair counted."""
     return int((1 + (poles.imag > 0)).sum())

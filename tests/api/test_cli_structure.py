@@ -33,6 +33,14 @@ def test_a_forged_proof_is_refused(tmp_path):
     assert (told.exit_code, told.output.startswith("does not hold: the end")) == (1, True)
 
 
+def test_what_a_file_says_of_itself_is_not_believed(tmp_path):
+    file = tmp_path / "proof.json"
+    run("1 + Z2", "--param", "Z2 pr", "--certificate", str(file))
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"statement": "Z2 - 1 is positive real"}))
+    told = run("--verify", str(file))
+    assert (told.exit_code, told.output) == (0, "holds: 1 + Z2 is positive real, Z2 being positive real\n")
+
+
 def test_the_chain_for_any_load_is_printed_step_by_step():
     told = run("Z2", "--kind", "chain", "--param", "Z2 positive real", "--param", "z0 > 0", "--param", "T >= 0")
     assert told.exit_code == 0

@@ -5,7 +5,7 @@ import pytest
 
 import passivity
 from passivity import Kind, RationalFunction, Status
-from passivity.sampled.model import MatrixModel
+from passivity.sampled.model import PoleResidueModel
 from passivity.status import Decided
 from tline.solver.description.passive import CircuitVerdict
 
@@ -15,14 +15,14 @@ VERDICTS = [
     passivity.check_positive_real(FUNCTION("1/(1+s)")),
     passivity.check_positive_real(FUNCTION("-1")),
     passivity.check_bounded_real(FUNCTION("2")),
-    passivity.check_expression("exp(-s)", Kind.BR),
+    passivity.is_bounded_real("exp(-s)"),
     passivity.check_symbolic("R + s*L", Kind.PR, ["R > 0", "L > 0"]),
     passivity.check_line_two_port(50, 1),
     passivity.is_positive_real("Z2 + s", ["Z2 positive real"]),
     passivity.derive("25", "50", "1"),
-    passivity.check_bounded_real_matrix(passivity.transformer_scattering(2)),
+    passivity.check_bounded_real(passivity.transformer_scattering(2)),
     passivity.check_samples(passivity.SampledResponse([1.0, 2.0], [0.5, 0.25], "S")),
-    passivity.nearest(MatrixModel(np.zeros(0), np.zeros((0, 1, 1)), np.array([[2.0]]))),
+    passivity.nearest(PoleResidueModel(np.zeros(0), np.zeros((0, 1, 1)), np.array([[2.0]]))),
     CHAIN,
     CircuitVerdict(["loads.a", "loads.b"], ["a"], Status.UNDECIDED, "too many ports"),
 ]

@@ -7,7 +7,7 @@ import mpmath
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passivity.calculus.ask import check_expression
+from passivity.calculus.ask import ask
 from passivity.calculus.proof import verify_proof
 from passivity.status import Kind, Status
 
@@ -67,7 +67,7 @@ def excess(kind, found):
 @settings(max_examples=10, deadline=None)
 @given(impedances)
 def test_networks_are_proved(text):
-    verdict = check_expression(text, Kind.PR)
+    verdict = ask(text, Kind.PR)
     assert verdict.status is Status.PROVED
     assert verdict.rational is not None or verify_proof(verdict.proof)
 
@@ -75,7 +75,7 @@ def test_networks_are_proved(text):
 @settings(max_examples=7, deadline=None)
 @given(wild, st.sampled_from(Kind))
 def test_verdicts_agree_with_values(text, kind):
-    verdict = check_expression(text, kind)
+    verdict = ask(text, kind)
     assert verdict.status in STATUS
     if verdict.status is Status.PROVED:
         for s in POINTS:
@@ -99,16 +99,16 @@ def test_lines_with_loads_in_four_writings(load, z0, delay):
         f"({load}*cosh({x}) + {z0}*sinh({x}))/(cosh({x}) + {load}/{z0}*sinh({x}))",
         f"{z0}*(1 + exp(-2*{x})*{h2})/(1 - exp(-2*{x})*{h2})",
     ]
-    assert {check_expression(text, Kind.PR).status for text in writings} == {Status.PROVED}
+    assert {ask(text, Kind.PR).status for text in writings} == {Status.PROVED}
     z = writings[0]
-    assert check_expression(f"({z} - {z0})/({z} + {z0})", Kind.BR).status is Status.PROVED
+    assert ask(f"({z} - {z0})/({z} + {z0})", Kind.BR).status is Status.PROVED
 
 
 @settings(max_examples=4, deadline=None)
 @given(positive, positive, positive, positive, loads, positive)
 def test_lossy_lines_with_loads(r, x, g, c, load, length):
     a, b = f"sqrt(({r} + {x}*s)/({g} + {c}*s))", f"{length}*sqrt(({r} + {x}*s)*({g} + {c}*s))"
-    verdict = check_expression(f"{a}*({load} + {a}*tanh({b}))/({a} + {load}*tanh({b}))", Kind.PR)
+    verdict = ask(f"{a}*({load} + {a}*tanh({b}))/({a} + {load}*tanh({b}))", Kind.PR)
     assert verdict.status is Status.PROVED
     assert verify_proof(verdict.proof)
 
@@ -120,6 +120,6 @@ def test_scales_do_not_matter(k, delay, decade):
     unit = Fraction(10) ** decade
     text = f"({k})/100/(1 + s*({unit}))*exp(-({delay * unit})*s)"
     for expression, kind in ((text, Kind.BR), (f"(1 - {text})/(1 + {text})", Kind.PR)):
-        verdict = check_expression(expression, kind)
+        verdict = ask(expression, kind)
         assert verdict.status is (Status.PROVED if abs(k) <= 100 else Status.REFUTED)
         assert verdict.proof is None or verify_proof(verdict.proof)

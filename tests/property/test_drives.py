@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from drives import Belt, CoupledDrives, Pulley, Spool, Torque, simulate
 from drives.energy import open_torques, powers, storage
-from passivity import StateSpace, Status, check_positive_real, check_positive_real_matrix, verify
+from passivity import StateSpace, Status, check_positive_real, verify
 from passivity.rational.function import RationalFunction
 
 sizes = st.floats(-3, 3).map(lambda x: float(f"{10**x:.6g}"))
@@ -82,7 +82,7 @@ def test_ports_from_torque_to_speed_are_passive(drives):
     )
     b = [[-row[0], row[1]] for row in b]
     ports = StateSpace.from_entries(a, b, c, [[0, 0], [0, 0]])
-    verdict = check_positive_real_matrix(ports)
+    verdict = check_positive_real(ports)
     assert verdict.status is Status.PROVED
     h = drives.transfer("w1", "T1")
     one = RationalFunction.from_coefficients([-x for x in h.numerator], h.denominator)

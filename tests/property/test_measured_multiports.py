@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from touchstone_files import FILTER, frequencies, stretch, write_ports
 
-from passivity import MatrixModel, SampledResponse, Status, fit_scattering
+from passivity import PoleResidueModel, SampledResponse, Status, fit_scattering
 from tline.scene.scene import Scene
 from tline.scene.touchstone import MeasuredMultiport
 from tline.solver.loop.march import Kernel
@@ -23,7 +23,7 @@ def random_samples(seed: int, ports: int, pairs: int) -> SampledResponse:
     rng, f = np.random.default_rng(seed), frequencies(2e9, 60)
     poles = (-rng.uniform(0.1, 0.5, pairs) + 1j * rng.uniform(0.1, 1, pairs)) * 2e9 * np.pi
     R = rng.normal(size=(2, pairs, ports, ports)) * 1e9
-    S = MatrixModel(poles, R[0] + 1j * R[1], rng.normal(size=(ports, ports))).at(2 * np.pi * f)
+    S = PoleResidueModel(poles, R[0] + 1j * R[1], rng.normal(size=(ports, ports))).at(2 * np.pi * f)
     return SampledResponse(f, S / np.linalg.norm(S, 2, axis=(1, 2)).max(), "S")
 
 

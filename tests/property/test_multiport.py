@@ -7,10 +7,10 @@ from flint import fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passivity import RationalFunction, Status, check_positive_real
+from passivity import RationalFunction, Status
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
-from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix, refuted_or_undecided
+from passivity.exact.positive_real import check_bounded_real, check_positive_real, refuted_or_undecided
 from passivity.floats.axis import analyse
 from passivity.floats.system import FloatSystem
 from passivity.rational.elements import impedances, scattering
@@ -103,7 +103,7 @@ def power(matrix, kind, witness):
 
 def is_proved(network, kind=Kind.PR):
     """The answer, once its evidence has been looked at."""
-    verdict = (check_positive_real_matrix if kind is Kind.PR else check_bounded_real_matrix)(network)
+    verdict = (check_positive_real if kind is Kind.PR else check_bounded_real)(network)
     if verdict.status is Status.PROVED:
         assert verify(verdict.certificate)
         return True

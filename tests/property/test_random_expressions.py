@@ -6,7 +6,7 @@ from random import Random
 import pytest
 from click.testing import CliRunner
 
-from passivity import ExpressionError, StateSpace, check_bounded_real_matrix, check_positive_real_matrix
+from passivity import ExpressionError, StateSpace, check_bounded_real, check_positive_real
 from tests.random_expressions import question, state_space
 from tline.cli.main import main
 
@@ -26,5 +26,5 @@ def test_every_state_space_has_an_answer(seed):
         system = StateSpace.from_entries(*entries)
     except ExpressionError:
         return
-    assert check_positive_real_matrix(system).why
-    assert check_bounded_real_matrix(system).why
+    assert check_positive_real(system).why
+    assert check_bounded_real(system).why

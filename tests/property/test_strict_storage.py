@@ -10,12 +10,12 @@ from passivity import (
     SampledResponse,
     StateSpace,
     Status,
-    check_bounded_real_matrix,
+    check_bounded_real,
     fit_scattering,
     verify,
 )
 from passivity.floats.storage import proves, strict_storage
-from passivity.sampled.model import MatrixModel
+from passivity.sampled.model import PoleResidueModel
 
 
 def random_model(seed, ports, pairs, size):
@@ -25,7 +25,7 @@ def random_model(seed, ports, pairs, size):
     R = (rng.normal(size=(2, pairs, ports, ports)) * -poles.real[:, None, None] / ports) @ np.diag(
         rng.uniform(0.1, 1, ports)
     )
-    model = MatrixModel(poles, R[0] + 1j * R[1], rng.normal(size=(ports, ports)) / 10)
+    model = PoleResidueModel(poles, R[0] + 1j * R[1], rng.normal(size=(ports, ports)) / 10)
     w = np.concatenate([[0.0], poles.imag, np.linspace(0, 20, 4000)])
     return model.over(float(np.linalg.norm(model.at(w), 2, axis=(1, 2)).max()) / size)
 
@@ -39,7 +39,7 @@ def system_of(model):
 def test_what_is_proved_is_passive(seed, ports, pairs, size):
     model = random_model(seed, ports, pairs, size)
     matrix = RationalMatrix(tuple(tuple(model.entry(i, k).rational() for k in range(ports)) for i in range(ports)))
-    exact = check_bounded_real_matrix(matrix).status
+    exact = check_bounded_real(matrix).status
     storage = strict_storage(system_of(model))
     if size < 0.99 and exact is Status.PROVED:
         assert storage is not None

@@ -13,7 +13,7 @@ import mpmath
 import pytest
 from rightmost_roots import rightmost_roots
 
-from passivity.calculus.ask import check_expression
+from passivity.calculus.ask import ask
 from passivity.calculus.proof import verify_proof
 from passivity.delayed.roots import roots_right
 from passivity.errors import ExpressionError
@@ -51,7 +51,7 @@ def test_the_collection_is_complete():
 
 @pytest.mark.parametrize("case", DECIDED, ids=name)
 def test_verdict_and_evidence(case):
-    verdict = check_expression(case["expression"], Kind[case["kind"]])
+    verdict = ask(case["expression"], Kind[case["kind"]])
     assert verdict.status is (Status.PROVED if case["verdict"] else Status.REFUTED)
     if verdict.status is Status.PROVED:
         evidence = [None if verdict.rational is None else verify(verdict.rational.certificate)]
@@ -69,7 +69,7 @@ def test_the_recorded_witness_is_one(case):
 
 @pytest.mark.parametrize("case", REFUTED, ids=name)
 def test_the_value_at_the_witness(case):
-    witness = check_expression(case["expression"], Kind[case["kind"]]).witness
+    witness = ask(case["expression"], Kind[case["kind"]]).witness
     with mpmath.workdps(60):
         exact = value(case["expression"], witness.re, witness.im)
         for ball, part in ((witness.value.real, exact.real), (witness.value.imag, exact.imag)):
@@ -78,7 +78,7 @@ def test_the_value_at_the_witness(case):
 
 @pytest.mark.parametrize("case", [case for case in DECIDED if case["verdict"]], ids=name)
 def test_the_margin_is_attained_and_bounded(case):
-    verdict = check_expression(case["expression"], Kind[case["kind"]])
+    verdict = ask(case["expression"], Kind[case["kind"]])
     if verdict.rational is not None:
         return
     margin, frequency = verdict.margin, Fraction(verdict.margin.frequency)
@@ -93,7 +93,7 @@ def test_the_margin_is_attained_and_bounded(case):
 def test_an_infinite_admittance_is_refused():
     (case,) = [case for case in CASES if case["verdict"] == "undefined"]
     with pytest.raises(ExpressionError, match="division by zero"):
-        check_expression(case["expression"], Kind.PR)
+        ask(case["expression"], Kind.PR)
 
 
 @pytest.mark.parametrize("case", COUNTED, ids=name)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from passivity import Status
-from passivity.exact.positive_real import check_positive_real_matrix, refuted_or_undecided
+from passivity.exact.positive_real import check_positive_real, refuted_or_undecided
 from passivity.floats.axis import analyse
 from passivity.floats.system import FloatSystem
 from passivity.polynomial.roots import violations
@@ -250,7 +250,7 @@ def many_resonances(rng, number, spoiled):
 def test_250_states_are_refuted_exactly():
     """One resonance of 125 makes energy; what the witness says is the sum over all of them, in fractions."""
     parts, system = many_resonances(np.random.default_rng(0), 125, -200)
-    verdict = check_positive_real_matrix(StateSpace.from_entries(*system))
+    verdict = check_positive_real(StateSpace.from_entries(*system))
     assert verdict.status is Status.REFUTED
     assert "exactly so at the witness" in verdict.why
     w = verdict.witness
@@ -266,7 +266,7 @@ def test_250_states_are_refuted_exactly():
 
 def test_250_states_that_look_passive_stay_undecided():
     _, system = many_resonances(np.random.default_rng(0), 125, 200)
-    verdict = check_positive_real_matrix(StateSpace.from_entries(*system))
+    verdict = check_positive_real(StateSpace.from_entries(*system))
     assert verdict.status is Status.UNDECIDED
     assert verdict.analysis.agree
     assert verdict.analysis.value == pytest.approx(1e-3, rel=1e-6)  # at infinity, and at zero

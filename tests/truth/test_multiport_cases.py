@@ -17,7 +17,7 @@ from passivity import verify as verify_one_port
 from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
-from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix
+from passivity.exact.positive_real import check_bounded_real, check_positive_real
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
@@ -38,7 +38,7 @@ def network(case):
 
 
 def check(case):
-    return (check_bounded_real_matrix if case["kind"] == "BR-matrix" else check_positive_real_matrix)(network(case))
+    return (check_bounded_real if case["kind"] == "BR-matrix" else check_positive_real)(network(case))
 
 
 def real_value(case, re, im):

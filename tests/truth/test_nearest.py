@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from passivity import MatrixModel, SampledResponse, Status, nearest, read_touchstone
+from passivity import PoleResidueModel, SampledResponse, Status, nearest, read_touchstone
 from passivity.sampled.enforce import SPARE
 from tline.cli.passivity import passivity
 
@@ -23,7 +23,7 @@ def test_each_singular_value_is_cut_off_at_1(ports):
     """D + R/(s + 1) with one sample at each end: each end is moved to the nearest matrix of norm 1 on its own."""
     ends = np.linspace(1.2, 0.3, ports), np.linspace(0.1, 1.4, ports)
     u, v, high = turned(ends[1], ports)
-    model = MatrixModel(np.array([-1.0]), (u @ np.diag(ends[0] - ends[1]) @ v.T)[None], high)
+    model = PoleResidueModel(np.array([-1.0]), (u @ np.diag(ends[0] - ends[1]) @ v.T)[None], high)
     w = np.array([0, FAR])
     from passivity import enforce
 
@@ -38,7 +38,7 @@ def test_each_singular_value_is_cut_off_at_1(ports):
 def test_an_eigenvalue_of_impedances_is_lifted_to_zero():
     """Two resistive ports coupled too much: the nearest semidefinite matrix has the negative eigenvalue at zero."""
     z = np.array([[1.0, 2.0], [2.0, 1.0]])
-    found = nearest(MatrixModel(np.zeros(0), np.zeros((0, 2, 2)), z, 0.0, "Z"))
+    found = nearest(PoleResidueModel(np.zeros(0), np.zeros((0, 2, 2)), z, 0.0, "Z"))
     assert found.status is Status.PROVED
     assert found.model.constant == pytest.approx(np.full((2, 2), 1.5), abs=1e-4)
     assert found.worst[0][0] == pytest.approx(-1)

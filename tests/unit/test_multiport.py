@@ -13,7 +13,7 @@ from passivity import ExpressionError, RationalFunction, Status
 from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
-from passivity.exact.positive_real import check_bounded_real_matrix, check_positive_real_matrix
+from passivity.exact.positive_real import check_bounded_real, check_positive_real
 from passivity.exact.report import as_dict, in_words
 from passivity.exact.storage import is_semidefinite, negative_direction
 from passivity.exact.verdict import Certificate, Margins, StorageCertificate
@@ -154,9 +154,9 @@ def test_bad_state_spaces(matrices, message):
 
 def test_time_constants_may_be_far_apart():
     system = StateSpace.from_entries([["-1e400", 0], [0, "-1e-400"]], [[1], [1]], [[1, 1]], [[0]])
-    assert check_positive_real_matrix(system).status is Status.PROVED
+    assert check_positive_real(system).status is Status.PROVED
     system = StateSpace.from_entries([["-1e400", 0], [0, "1e-400"]], [[1], [1]], [[1, 1]], [[0]])
-    verdict = check_positive_real_matrix(system)
+    verdict = check_positive_real(system)
     assert verdict.status is Status.REFUTED
     assert verdict.why == "Z + Z^H has a negative eigenvalue for ω < 1"
 
@@ -168,29 +168,29 @@ def test_transfer_matrix_and_what_it_hides():
     a, b, c, d = (np.array(x.tolist(), dtype=float) for x in (system.a, system.b, system.c, system.d))
     s = 0.3 + 2j
     assert np.allclose(system.transfer(s), d + c @ np.linalg.solve(s * np.eye(3) - a, b))
-    assert check_positive_real_matrix(system).hidden == fmpz_poly([-2, 1])
+    assert check_positive_real(system).hidden == fmpz_poly([-2, 1])
     basis, part = system.reached()
     assert (basis.ncols(), part.states) == (2, 2)
     assert system.a * basis == basis * part.a
 
 
 def test_hidden_factors_of_a_matrix():
-    verdict = check_positive_real_matrix(RationalMatrix.from_rows([[([1, -1], [1, -1]), 0], [0, ([1, 2], [1, 2])]]))
+    verdict = check_positive_real(RationalMatrix.from_rows([[([1, -1], [1, -1]), 0], [0, ([1, 2], [1, 2])]]))
     assert verdict.status is Status.PROVED
     assert verdict.hidden == fmpz_poly([-1, 1])
 
 
 def test_no_states_and_no_losses():
     static = StateSpace.from_entries([], [], [[], []], [[1, 3], [-3, 0]])
-    assert check_positive_real_matrix(static).status is Status.PROVED
-    assert isinstance(check_positive_real_matrix(StateSpace.from_entries([], [], [[]], [[0]])).function, StateSpace)
-    assert check_positive_real_matrix(StateSpace.from_entries([], [], [[]], [[-1]])).status is Status.REFUTED
+    assert check_positive_real(static).status is Status.PROVED
+    assert isinstance(check_positive_real(StateSpace.from_entries([], [], [[]], [[0]])).function, StateSpace)
+    assert check_positive_real(StateSpace.from_entries([], [], [[]], [[-1]])).status is Status.REFUTED
 
 
 def test_a_lossless_energy_that_is_not_positive_is_refuted():
     """P = diag(1, -1): the second resonator has a negative element."""
     a = [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 2], [0, 0, -2, 0]]
-    verdict = check_positive_real_matrix(StateSpace.from_entries(a, [[1], [0], [1], [0]], [[1, 0, -1, 0]], [[0]]))
+    verdict = check_positive_real(StateSpace.from_entries(a, [[1], [0], [1], [0]], [[1, 0, -1, 0]], [[0]]))
     assert verdict.status is Status.REFUTED
     s = complex(verdict.witness.re, verdict.witness.im)
     assert (s / (s * s + 1) - s / (s * s + 4)).real < 0
@@ -212,7 +212,7 @@ def test_a_lossless_energy_that_is_not_positive_is_refuted():
     ],
 )
 def test_reasons(rows, why):
-    verdict = check_positive_real_matrix(RationalMatrix.from_rows(rows))
+    verdict = check_positive_real(RationalMatrix.from_rows(rows))
     assert verdict.status is Status.REFUTED
     assert verdict.why == why
 
@@ -234,10 +234,10 @@ def test_ideal_elements():
     assert u[0] == pytest.approx(1.5 * u[1])
     assert y[1] == pytest.approx(-1.5 * y[0])
     for element in (transformer, scattering(GYRATOR, 50), CIRCULATOR):
-        verdict = check_bounded_real_matrix(element)
+        verdict = check_bounded_real(element)
         assert verdict.lossless
         assert verify(verdict.certificate)
-    assert check_positive_real_matrix(GYRATOR).lossless
+    assert check_positive_real(GYRATOR).lossless
     with pytest.raises(ExpressionError, match="I - S: has no inverse"):
         impedances(transformer)
     with pytest.raises(ExpressionError, match=r"Z \+ z0 I: has no inverse"):
@@ -246,7 +246,7 @@ def test_ideal_elements():
 
 def test_what_is_no_network_is_refused():
     with pytest.raises(ExpressionError, match=r"function: not a rational function or matrix.* got int"):
-        check_positive_real_matrix(3)
+        check_positive_real(3)
 
 
 @pytest.mark.parametrize("reference", [0, -1, "x"])
@@ -259,7 +259,7 @@ def test_bad_references(reference):
 
 
 def minor_certificate():
-    certificate = check_positive_real_matrix(RationalMatrix.from_rows(PI)).certificate
+    certificate = check_positive_real(RationalMatrix.from_rows(PI)).certificate
     assert isinstance(certificate, Certificate)
     return certificate
 
@@ -293,9 +293,7 @@ def test_verify_sees_through_false_certificates():
 
 
 def test_verify_sees_through_false_energies():
-    true = check_positive_real_matrix(
-        StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]])
-    ).certificate
+    true = check_positive_real(StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]])).certificate
     assert isinstance(true, StorageCertificate)
     assert verify(true)
     damped = StateSpace.from_entries([[1, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]])
@@ -312,7 +310,7 @@ def test_verify_sees_through_false_energies():
 
 def test_a_transfer_matrix_that_is_not_the_state_spaces_is_seen():
     system = StateSpace.from_entries([[-1, 1], [0, -2]], [[1], [1]], [[1, 0]], [[1]])
-    certificate = check_positive_real_matrix(system).certificate
+    certificate = check_positive_real(system).certificate
     assert verify(certificate)
     system.__dict__["transfer"] = RationalMatrix.from_rows([["1 + 1/(s + 1)"]])
     assert not verify(certificate)
@@ -365,7 +363,7 @@ def test_systems_of_others():
 def test_reports_are_plain():
     import json
 
-    verdict = check_positive_real_matrix(RationalMatrix.from_rows(PI))
+    verdict = check_positive_real(RationalMatrix.from_rows(PI))
     told = as_dict(verdict, verdict.margins)
     assert told["certificate"]["verified"]
     found = told["margins"]["input"]
@@ -373,9 +371,9 @@ def test_reports_are_plain():
     limit = margin(RationalMatrix.from_rows([["2 + 1/(s + 1)"]]), Kind.PR)
     assert as_dict(verdict, Margins(limit))["margins"]["input"]["frequency"] == "inf"
     assert json.loads(json.dumps(told)) == told
-    lossless = check_positive_real_matrix(StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]]))
+    lossless = check_positive_real(StateSpace.from_entries([[0, -1], [3, 0]], [[1], [0]], [[1, 0]], [[0]]))
     assert as_dict(lossless, Margins())["certificate"]["storage"] == [["1", "0"], ["0", "1/3"]]
-    refuted = check_positive_real_matrix(RationalMatrix.from_rows([["1", "3"], ["3", "1"]]))
+    refuted = check_positive_real(RationalMatrix.from_rows([["1", "3"], ["3", "1"]]))
     assert Fraction(as_dict(refuted, Margins())["witness"]["value"]) < 0
 
 
@@ -383,7 +381,7 @@ def test_too_much_is_undecided_and_said_so_at_once():
     many = [[(1 + i * k, [1] * 40 + [i + k + 2]) for k in range(12)] for i in range(12)]
     wide = RationalMatrix.from_rows([[([x], q) for x, q in row] for row in many])
     start = time.process_time()
-    verdict = check_positive_real_matrix(wide)
+    verdict = check_positive_real(wide)
     assert time.process_time() - start < 2
     assert verdict.status is Status.UNDECIDED
     assert "would be decided" in verdict.why

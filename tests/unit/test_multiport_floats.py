@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from passivity import Status
-from passivity.exact.positive_real import check_positive_real_matrix, refuted_or_undecided
+from passivity.exact.positive_real import check_positive_real, refuted_or_undecided
 from passivity.exact.report import as_dict
 from passivity.exact.verdict import Margins, Verdict, Witness
 from passivity.floats.axis import AxisAnalysis, analyse, crossings
@@ -25,9 +25,9 @@ def test_scales_do_not_matter():
     """The same circuit in seconds and in nanoseconds."""
     slow = RationalMatrix.from_rows([["1 + s", "s"], ["s", "2 + s"]])
     fast = RationalMatrix.from_rows([["1 + 1n*s", "1n*s"], ["1n*s", "2 + 1n*s"]])
-    assert check_positive_real_matrix(slow).status is check_positive_real_matrix(fast).status is Status.PROVED
+    assert check_positive_real(slow).status is check_positive_real(fast).status is Status.PROVED
     broken = RationalMatrix.from_rows([["1 + 1n*s", "1n*s"], ["1n*s", "2 + 999999999/1000000000*1n*s"]])
-    witness = check_positive_real_matrix(broken).witness
+    witness = check_positive_real(broken).witness
     assert witness.re > 0
     assert witness.value < 0
 
@@ -88,7 +88,7 @@ def test_an_exact_value_that_takes_too_long_is_not_begun():
     rng = np.random.default_rng(0)
     n = 90
     a = [[Fraction(int(rng.integers(1, 99)), 3**6000 if i == k else 1) for k in range(n)] for i in range(n)]
-    verdict = check_positive_real_matrix(StateSpace.from_entries(a, [[1]] * n, [[1] * n], [[1]]))
+    verdict = check_positive_real(StateSpace.from_entries(a, [[1]] * n, [[1] * n], [[1]]))
     assert verdict.status is Status.UNDECIDED
     assert verdict.analysis.bands or verdict.analysis.rightmost > 0
     assert "one exact value for 90 states" in verdict.why

@@ -4,7 +4,8 @@ from fractions import Fraction
 
 import pytest
 
-from passivity import Kind, RationalFunction, Status, check_expression, check_line
+from passivity import Kind, RationalFunction, Status, check_line
+from passivity.calculus.ask import ask
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read
 from passivity.delayed.poles import find_pole
@@ -26,7 +27,7 @@ from passivity.delayed.poles import find_pole
     ],
 )
 def test_an_unstable_pole_outside_the_exponentials_refutes(text, kind):
-    verdict = check_expression(text, kind)
+    verdict = ask(text, kind)
     assert verdict.status is Status.REFUTED
     assert verdict.pole or verdict.witness
     assert verdict.why
@@ -44,11 +45,11 @@ def test_a_pole_that_the_exponentials_cancel_is_none(kind, at, form):
 
 def test_a_removable_pole_is_not_a_reason():
     """|(exp(-s) - exp(-2))/(s - 2)| <= 1 as a mean of exp(-x) over the way from 2 to s."""
-    assert check_expression("exp(-s)/(s-2) - exp(-2)/(s-2)", Kind.BR).status is not Status.REFUTED
+    assert ask("exp(-s)/(s-2) - exp(-2)/(s-2)", Kind.BR).status is not Status.REFUTED
 
 
 def test_poles_of_sums_are_found_too():
-    assert check_expression("exp(-3*s)/(1000*(s - 2 + exp(-10*s)/1000))", Kind.BR).status is Status.REFUTED
+    assert ask("exp(-3*s)/(1000*(s - 2 + exp(-10*s)/1000))", Kind.BR).status is Status.REFUTED
 
 
 @pytest.mark.parametrize("delay", ["3 ns", "2M", "1e30"])

@@ -69,8 +69,9 @@ def values(given: tuple[str, ...]) -> dict[str, str]:
 
 def expression(text: str, asked: Asked) -> Output:
     """Decide a text, or the file of one, by the route it needs."""
-    from passivity import Kind, check_expression, check_symbolic
+    from passivity import Kind, check_symbolic
     from passivity.calculus.ask import of_text
+    from passivity.rational.evaluate import with_values
 
     kind = Kind.BR if asked.kind == "br" else Kind.PR
     asked.refuse("expressions", "error", "nearest")
@@ -87,7 +88,7 @@ def expression(text: str, asked: Asked) -> Output:
         asked.refuse("parameters without values", "z0", "delay", "within")
         found = check_symbolic(text, kind, assumed, known)
         return answer(found.status, found.text_lines(), found.to_dict())
-    verdict = check_expression(text, kind, known)
+    verdict = of_text(text, kind, (), with_values(text, known)[1])
     if verdict.rational is not None:
         found = _one_port(verdict.rational.function, asked)
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
@@ -126,7 +127,9 @@ def _certificate(verdict: "Conclusion") -> Callable[[str], str | None]:
 
 def verified(path: str) -> Output:
     """Check a file with a proof or a witness."""
+    from passivity.calculus.proof import proved_by
     from passivity.evidence import check_evidence
+    from passivity.verifier import FORMAT
 
     try:
         evidence = json.loads(_read(path))
@@ -135,7 +138,9 @@ def verified(path: str) -> Output:
     if not isinstance(evidence, dict) or "format" not in evidence:
         raise InputError(path, "neither a proof nor a witness", "a file written by --certificate")
     wrong = check_evidence(evidence)
-    what = evidence.get("statement") or f"the witness against {evidence.get('text')}"
+    what = f"the witness against {evidence.get('text')}"
+    if evidence["format"] == FORMAT:
+        what = evidence.get("statement") if wrong else proved_by(evidence)
     line = f"does not hold: {wrong}" if wrong else f"holds: {what}"
     return answer("refuted" if wrong else "proved", [line], {"holds": wrong is None, "wrong": wrong, "statement": what})
 

@@ -163,7 +163,7 @@ def passive_circuits(scene: Scene, active: set[str]) -> list[CircuitVerdict]:
 
 
 def _decided(scene: Scene, nodes: Sequence[str], elements: Sequence[ExactElement]) -> CircuitVerdict:
-    from passivity import check_bounded_real_matrix
+    from passivity import check_bounded_real
     from passivity.budget import VERDICT, UndecidedError, budget
 
     where = [element.where for element in elements]
@@ -183,7 +183,7 @@ def _decided(scene: Scene, nodes: Sequence[str], elements: Sequence[ExactElement
                 return CircuitVerdict(
                     where, nodes, Status.UNDECIDED, "no scattering matrix follows from its elements", ports
                 )
-            verdict = check_bounded_real_matrix(matrix)
+            verdict = check_bounded_real(matrix)
     except UndecidedError as error:
         return CircuitVerdict(where, nodes, Status.UNDECIDED, str(error), ports)
     status, why = verdict.status, verdict.why
