@@ -8,11 +8,11 @@ from method_of_steps import ByHand, Motion, integrate
 import tline as tl
 
 HEAD, TAIL, FLOW, DROP, SPEED, INERTIA, RUNAWAY = 22e5, 1e5, 2.0, 20e5, 500 / 60, 60e3, 1.8
-PENSTOCK, OUTLET = pipe(600, 1.0, 1100), pipe(100, 1.2, 1000)
+PENSTOCK, OUTLET = pipe(550, 1.0, 1100), pipe(500, 1.2, 1000)
 AT, LEFT = 0.5, 0.4
 LINES = {
-    "penstock": {"nodes": ["lake", "in"], "length": 600, "diameter": 1.0, "wave_speed": 1100, "density": 1000},
-    "outlet": {"nodes": ["out", "river"], "length": 100, "diameter": 1.2, "wave_speed": 1000, "density": 1000},
+    "penstock": {"nodes": ["lake", "in"], "length": 550, "diameter": 1.0, "wave_speed": 1100, "density": 1000},
+    "outlet": {"nodes": ["out", "river"], "length": 500, "diameter": 1.2, "wave_speed": 1000, "density": 1000},
 }
 TURBINE = {
     "kind": "turbine", "nodes": ["in", "out"], "rated_flow": FLOW, "rated_drop": DROP, "rated_speed": SPEED,
@@ -23,7 +23,7 @@ TURBINE = {
 def scene(**more) -> tl.Scene:
     return tl.Scene(
         medium="hydraulic",
-        t_end=12.0,
+        t_end=6.0,
         start="steady",
         lines=LINES,
         links={"turbine": TURBINE | more},
@@ -64,8 +64,9 @@ def by_hand(droop: float = np.inf, reset: float = 6.0, stroke: float = 10.0) -> 
     before = np.concatenate([u, u + along * [-1, 1, -1, 1]])
     mode = (-1,) if wanted([1.0, 0.8], at([1.0, 0.8], before[4:])[1]) * stroke < -1 else (0,)
     return integrate(
-        circuit, [PENSTOCK, OUTLET], 11.5, scale=[1.0, 1.0], state=[1.0, 0.8], steady=before, edges=edges, mode=mode
-    )
+        circuit, [PENSTOCK, OUTLET], 5.5, scale=[1.0, 1.0], state=[1.0, 0.8], steady=before, edges=edges, mode=mode,
+        rtol=1e-9,
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("governor", [{}, {"droop": 2.0}, {"droop": 0.4, "stroke_time": 15.0}])
@@ -92,7 +93,7 @@ def test_without_a_rejection_it_stands_still():
 
 def test_energy_is_only_taken():
     """All that the water loses in it goes to the rotor or is lost: at any order and slab."""
-    for order, slab in ((1, 0.1), (3, 0.1), (5, 0.07)):
+    for order, slab in ((1, 0.1), (3, 0.25), (5, 0.17)):
         result = tl.simulate(
             scene(droop=0.4).with_changes(solver={"order": order, "slab": slab}), ledger=True, envelope=True
         )

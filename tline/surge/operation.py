@@ -20,7 +20,7 @@ from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated
 from tline.surge.control import acting, read_control, triggered
 from tline.surge.event import OPERATIONS, Event, each_of, read_event
-from tline.surge.operate import Network, operated, read_network
+from tline.surge.operate import Network, gate_of, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
 from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst
@@ -316,9 +316,9 @@ def plan(
 
     def build(done: Iterable[Event]) -> Planned:
         done = list(done)
-        changed, notes = operated(scene, done, **rotor)
-        probes = {node: {"at": node} for node in _probed(changed, done, wanted)} or changed.table()["probes"]
-        return changed.with_changes(probes=probes, **more), tuple(notes)
+        probes = {node: {"at": node} for node in _probed(scene, done, wanted)}
+        changed, notes = operated(scene, done, **rotor, more=more | ({"probes": probes} if probes else {}))
+        return changed, tuple(notes)
 
     if waiting:
         left = budget or Budget(SECONDS)
@@ -377,12 +377,21 @@ def _texts(where: str, given: Texts) -> tuple[str, ...]:
 def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
     """Nodes to probe: those that are wanted, or those at which something is operated."""
     nodes = {node for line in scene.lines.values() for node in line.nodes}
+    found: list[str] = []
+    for event in events:
+        link, load, pipe = (part.get(event.name) for part in (scene.links, scene.loads, scene.lines))
+        if pipe:
+            nodes.add(gate_of(event.name))
+        found += (
+            link.nodes
+            if link
+            else [load.at]
+            if load
+            else [gate_of(event.name), pipe.nodes[1]]
+            if pipe
+            else [event.name]
+        )
     for node in wanted:
         if node not in nodes:
             raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
-    found: list[str] = []
-    for event in events:
-        link = scene.links.get(event.name) or scene.links.get(f"{event.name}:gate")
-        load = scene.loads.get(event.name)
-        found += link.nodes if link else [load.at] if load else [event.name]
     return wanted or [node for node in dict.fromkeys(found) if node in nodes][:SHOWN]
