@@ -121,6 +121,12 @@ class _Operated:
         pump = self._running(event)
         self.tables["links"][event.name]["speed"] = event.control(just_before(pump.speed), 0.0)
 
+    def speed(self, event: Event) -> None:
+        """Bring a pump to another speed, or along a course of speeds."""
+        pump = self._link(event, Pump, "a pump")
+        self._once(event)
+        self.tables["links"][event.name]["speed"] = event.control(just_before(pump.speed), event.speed or 0.0)
+
     def close(self, event: Event) -> None:
         """Shut a valve, or one that is put at the end of a pipe."""
         self._turn(event, 0.0)

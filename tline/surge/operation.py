@@ -150,6 +150,7 @@ def operate(
     trip: Texts = (),
     start: Texts = (),
     stop: Texts = (),
+    speed: Texts = (),
     close: Texts = (),
     open: Texts = (),
     burst: Texts = (),
@@ -187,6 +188,8 @@ def operate(
         Pumps that stand, and that their motors start; +DURATION does so evenly. After a trip the power returns.
     stop : str, "PUMP@TIME+DURATION"
         Pumps whose speed falls to nothing, linearly.
+    speed : str, "PUMP:SHARE@TIME+DURATION"
+        Pumps that go to a share of the rated speed, linearly; PUMP@TIME:FILE.csv follows a file of speeds.
     close : str, "LINK@TIME+DURATION"
         Valves to shut, or pipes that get a gate valve; with :20%+8s a second stage from there, with :FILE.csv along a
         file of openings.
@@ -259,7 +262,16 @@ def operate(
     ('c', 8.8, 10.0, [])
     """
     budget = Budget(as_seconds(seconds))
-    given = {"trip": trip, "start": start, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
+    given = {
+        "trip": trip,
+        "start": start,
+        "stop": stop,
+        "speed": speed,
+        "close": close,
+        "open": open,
+        "burst": burst,
+        "demand": demand,
+    }
     scene, read, controls = read_network(
         network, wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks
     )
