@@ -22,10 +22,9 @@ EXAMPLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding=
 def example(model: str) -> str:
     """The example of a model, checked: read as part of a scene, without a mistake."""
     texts = {name: (medium, text) for medium, known in EXAMPLES.items() for name, text in known.items()}
-    texts |= {
-        name: (own.medium, f"{LINK if issubclass(own, Between) else LOAD}\n{own.example}")
-        for name, own in ELEMENTS.items()
-    }
+    between = {name for name, own in ELEMENTS.items() if issubclass(own, Between)}
+    heads = {name: LINK if name in between else LOAD for name in ELEMENTS}
+    texts |= {name: (own.medium, f"{heads[name]}\n{own.example}") for name, own in ELEMENTS.items()}
     medium, text = texts[model if model in texts else model.removesuffix("Link")]
     if model not in texts:
         text = re.sub(r"\[loads\.\w+\].*\nat = .*", LINK, text, count=1)

@@ -55,7 +55,7 @@ def operated(
     work = _Operated(scene, inertia, rated_speed)
     for event in as_one_each(events):
         getattr(work, event.kind)(event)
-    return Scene(scene.folder, **work.tables | more), work.notes
+    return Scene(scene.folder, **{**work.tables, **more}), work.notes
 
 
 class _Operated:

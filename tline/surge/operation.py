@@ -391,18 +391,10 @@ def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Seq
     nodes = {node for line in scene.lines.values() for node in line.nodes}
     found: list[str] = []
     for event in events:
-        link, load, pipe = (part.get(event.name) for part in (scene.links, scene.loads, scene.lines))
-        if pipe:
-            nodes.add(gate_of(event.name))
-        found += (
-            link.nodes
-            if link
-            else [load.at]
-            if load
-            else [gate_of(event.name), pipe.nodes[1]]
-            if pipe
-            else [event.name]
-        )
+        link, load, pipe = scene.links.get(event.name), scene.loads.get(event.name), scene.lines.get(event.name)
+        here = link.nodes if link else [load.at] if load else [event.name]
+        found += [gate_of(event.name), pipe.nodes[1]] if pipe else here
+        nodes |= {gate_of(event.name)} if pipe else set()
     for node in wanted:
         if node not in nodes:
             raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")

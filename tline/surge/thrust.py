@@ -47,10 +47,11 @@ def thrusts(result: Result) -> Mapping[str, Thrust]:
     found = {}
     for node, here in ends.items():
         ways = [_way(scene, name, end) for name, end in here] if len(here) > 1 else [np.array([1.0, 0.0, 0.0])]
-        if node in untold or any(way is None for way in ways):
+        known = [way for way in ways if way is not None]
+        if node in untold or len(known) < len(here):
             continue
         pushes = [_push(result, name, end, weight.get(node, 0.0), t) for name, end in here]
-        size = np.linalg.norm(np.sum([np.outer(p, way) for p, way in zip(pushes, ways, strict=True)], axis=0), axis=1)
+        size = np.linalg.norm(np.array(pushes).T @ np.array(known), axis=1)
         k = int(np.argmax(size[1:]))
         found[node] = Thrust(float(size[0]), float(size[1 + k]), float(result.t[k]))
     return found
