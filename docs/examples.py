@@ -6,6 +6,7 @@ import tempfile
 import tomllib
 from pathlib import Path
 
+from tline.scene.element import Between
 from tline.scene.elements import ELEMENTS
 from tline.scene.file import scene_from
 
@@ -13,6 +14,7 @@ LINES = {
     "hydraulic": {"pipe": {"nodes": ["near", "far"], "z0": 1e7, "delay": 1}},
     "electrical": {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
 }
+LOAD, LINK = '[loads.x]\nat = "far"', '[links.x]\nnodes = ["near", "far"]'
 MEASURED = [Path(__file__).parents[1] / "scenes" / name for name in ("antenna.s1p", "filter.s2p", "memory.ibs")]
 EXAMPLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
@@ -20,10 +22,12 @@ EXAMPLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding=
 def example(model: str) -> str:
     """The example of a model, checked: read as part of a scene, without a mistake."""
     texts = {name: (medium, text) for medium, known in EXAMPLES.items() for name, text in known.items()}
-    texts |= {name: (own.medium, f'[loads.x]\nat = "far"\n{own.example}') for name, own in ELEMENTS.items()}
+    between = {name for name, own in ELEMENTS.items() if issubclass(own, Between)}
+    heads = {name: LINK if name in between else LOAD for name in ELEMENTS}
+    texts |= {name: (own.medium, f"{heads[name]}\n{own.example}") for name, own in ELEMENTS.items()}
     medium, text = texts[model if model in texts else model.removesuffix("Link")]
     if model not in texts:
-        text = re.sub(r"\[loads\.\w+\].*\nat = .*", r'[links.x]\nnodes = ["near", "far"]', text, count=1)
+        text = re.sub(r"\[loads\.\w+\].*\nat = .*", LINK, text, count=1)
     scene = {
         "medium": medium,
         "t_end": "20 ns",

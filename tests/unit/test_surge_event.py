@@ -19,6 +19,14 @@ def test_a_course_follows_its_file(tmp_path):
     assert read_event("close", f"V1@1s:{file}").control(0.5, 0.0)["points"][:2] == [[1.0, 0.5], [1.0, 1.0]]
 
 
+def test_a_pump_goes_to_a_speed_or_along_a_course(tmp_path):
+    file = tmp_path / "speed.csv"
+    file.write_text("0,1\n2,1.1\n9,0.6\n")
+    ramp = read_event("speed", "P1:80%@1s+4s").control(1.0, 0.8)
+    assert ramp == {"shape": "ramp", "duration": 4.0, "from": 1.0, "to": 0.8, "at": 1.0}
+    assert read_event("speed", f"P1@1s:{file}").control(1.0, 0.0)["points"] == [[1.0, 1.0], [3.0, 1.1], [10.0, 0.6]]
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -40,6 +48,8 @@ def test_a_closure_that_is_none(text, said):
         ("close", "V1@2s+1", "close: a number without a unit, expected one with a unit, such as '1 s'"),
         ("burst", "J:20@1s", "burst: a number without a unit, expected one with a unit, such as '20 m"),
         ("stop", "P@1s:20%+8s", "stop: stages and courses are for close and open"),
+        ("speed", "P@1s", "speed: not one speed to go to, or a course, expected PUMP:SHARE@TIME"),
+        ("speed", "P:3@1s", "speed: out of range, expected 0 to 2 times the rated speed"),
     ],
 )
 def test_words_that_would_be_misread(kind, text, said):

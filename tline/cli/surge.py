@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
 OPERATE = "tline.surge.operation:operate"
-OPERATIONS = ("trip", "start", "stop", "close", "open", "burst", "demand")
+OPERATIONS = ("trip", "start", "stop", "speed", "close", "open", "burst", "demand")
 READING = ("wave_speed", "material", "hour", "moving_tanks")
 OPERATING = (*OPERATIONS, "when", "inertia", "rated_speed", *READING)
 KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inertia"}  # what an option says is no guess

@@ -2,7 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 from math import inf, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -159,9 +158,11 @@ def _check_heads(heads: Mapping[str, float], path: str) -> None:
 
 
 def _check_magnitudes(network: WaterNetwork, path: str) -> None:
-    for kind, table in asdict(network).items():
-        for name, values in table.items() if isinstance(table, dict) else ():
-            for key, value in (values | values.get("friction", {})).items():
+    for kind, table in vars(network).items():
+        for name, element in table.items() if isinstance(table, dict) else ():
+            values = vars(element)
+            friction = vars(values["friction"]) if "friction" in values else {}
+            for key, value in (values | friction).items():
                 largest = HIGHEST if key in ("elevation", "head", "drop") else LARGEST
                 if isinstance(value, float) and not abs(value) <= largest:
                     problem = f"its {key} is beyond all numbers of a water network"

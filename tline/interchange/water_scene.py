@@ -70,14 +70,14 @@ ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: what EPANET's own s
 
 def differences(network: WaterNetwork, scene: Scene) -> Iterator[str]:
     """Notes on what of the scene's steady state differs from the network's."""
-    weight = network.density * GRAVITY
+    weight, nodes = network.density * GRAVITY, network.nodes
     try:
         effort, _ = steady_state(describe(scene))
     except InputError as error:
         yield f"the scene has no steady state of its own: {error}"
         return
-    off = {name: effort[name] / weight - node.head for name, node in network.nodes.items() if name in effort}
-    bad = {name: by for name, by in off.items() if abs(by) > ACCURATE + RELATIVE * abs(network.nodes[name].head)}
+    off = {name: effort[name] / weight - node.head for name, node in nodes.items() if name in effort}
+    bad = {name: by for name, by in off.items() if abs(by) > ACCURATE + RELATIVE * abs(nodes[name].head)}
     if bad:
         worst = sorted(bad, key=lambda name: -abs(bad[name]))
         listed = ", ".join(f"'{name}' by {bad[name]:+.3g} m" for name in worst[:LISTED])

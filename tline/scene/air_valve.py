@@ -9,6 +9,7 @@ from tline.errors import InputError
 from tline.scene.element import AtNode
 from tline.scene.law import ElementLaw, LawKind, OfLiquids, Shown
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
+from tline.scene.rating import WATER
 from tline.scene.vessel import ATMOSPHERE, Absolute
 
 GAS_CONSTANT = 287.05  # of air, J/(kg K)
@@ -16,27 +17,27 @@ Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
 
 
 class Air(LawKind):
-    """Constants: effort beyond, pressure outside, areas of inlet, outlet and smaller outlet times speed, and pressure
-    over that outside from which the smaller one is open. States are two volumes: of the air that is there, and that it
-    would have outside."""
+    """Constants: effort beyond, pressure outside, areas of inlet, outlet and smaller outlet times speed, pressure over
+    that outside from which the smaller one is open, rate at which the outlet shuts, and its capacity for liquid. States
+    are two volumes, of the air that is there and that it would have outside, and how far a slow outlet is open."""
 
     name, unit = "air", "stores.air.air"
-    states = 2
+    states = 3
     fills = breaks = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         if effort < c[0]:
             raise InputError("", "no state at rest: it draws air")
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
 
 
 class AirValve(AtNode, OfLiquids):
     """An air valve: air comes in below the outside pressure and leaves above it; without air the valve is shut.
 
     Without an outlet it is a vacuum breaker. With a third stage (non-slam) air leaves through a smaller orifice where
-    its pressure is above one that switches, within half of that. The air keeps its temperature, so that p·V is in
-    proportion to its mass; it passes orifices without heat and chokes
-    in them. Liquid never passes.
+    its pressure is above one that switches, within half of that. With a closing time the outlet shuts evenly from when
+    air first leaves it, and lets liquid out as far as it is open when the air is gone; else liquid never passes. The
+    air keeps its temperature, so that p·V is in proportion to its mass; it passes orifices without heat and chokes.
 
     References
     ----------
@@ -52,6 +53,12 @@ class AirValve(AtNode, OfLiquids):
         default=None, description="above the pressure outside, from which the third stage shuts the outlet"
     )
     switched_diameter: Diameter | None = Field(default=None, description="of the orifice through which air leaves then")
+    closing_time: Annotated[Quantity, Role("time", "s", above=0)] | None = Field(
+        default=None, description="in which the outlet shuts; without it as soon as the air is gone"
+    )
+    density: Annotated[Quantity, Role("density", "kg/m^3", above=0)] = Field(
+        default=Quantity(WATER, "kg/m^3"), description="of the liquid that then leaves"
+    )
     discharge_coefficient: Annotated[Quantity, Role("coefficient", "", above=0, at_most=1)] = Field(
         default=Quantity(0.6, ""), description="of both"
     )
@@ -74,4 +81,6 @@ class AirValve(AtNode, OfLiquids):
         both = self.outlet_diameter, self.switched_diameter or self.outlet_diameter
         areas = [float(self.discharge_coefficient * pi / 4 * d**2 * speed) for d in (self.inlet_diameter, *both)]
         switch = inf if self.switch_pressure is None else float(self.switch_pressure / self.atmosphere)
-        return ElementLaw("air", (float(self.back_pressure), float(self.atmosphere), *areas, switch))
+        rate = 0.0 if self.closing_time is None else float(1 / self.closing_time)
+        liquid = areas[1] / speed * sqrt(2 / self.density)
+        return ElementLaw("air", (float(self.back_pressure), float(self.atmosphere), *areas, switch, rate, liquid))

@@ -1,6 +1,6 @@
 """What all elements of a scene share, and where they stand: at a node, between two, or either."""
 
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import (
@@ -9,8 +9,12 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    SerializerFunctionWrapHandler,
     ValidationError,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapSerializer,
+    WrapValidator,
     field_validator,
     model_validator,
 )
@@ -144,6 +148,24 @@ def nodes_of(most: int, words: str) -> BeforeValidator:
 def pair(words: str) -> BeforeValidator:
     """Refuse what is no pair, in these words."""
     return sequence_of((2,), "not a point", f"a pair [{words}]")
+
+
+def named(what: str, names: Iterable[str], shown_as: Any) -> WrapValidator:
+    """Take one of some names in place of a list, and refuse other texts; the schema shows what may be given."""
+
+    def known(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
+        if isinstance(value, str) and value not in names:
+            raise InputError("", f"not a kind of {what}", f"{' or '.join(map(repr, names))}, or points", shown(value))
+        return value if isinstance(value, str) else points(value)
+
+    return WrapValidator(known, json_schema_input_type=shown_as)
+
+
+def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
+    return value if isinstance(value, str) else points(value)
+
+
+NAMED = WrapSerializer(_as_typed)  # of what may be such a name
 
 
 class OneMedium(Element):

@@ -58,6 +58,10 @@ class LawKind:
         """State in equilibrium with an effort at its node, and a control signal."""
         return ()
 
+    def begun(self, c: Constants, drop: float, flow: float) -> Constants:
+        """The constants, with those that follow from the drop and the flow before the run."""
+        return c
+
     def capacity(self, c: Constants, effort: float) -> float:
         """What flows in for a small rise of the effort, over that rise; zero of what holds nothing."""
         return 0.0

@@ -72,8 +72,8 @@ ELECTRICAL = Medium(
     {},
 )
 MEDIA = {medium.name: medium for medium in (HYDRAULIC, ELECTRICAL)}
-SYSTEMS = {"si": (), "us": ("psi", "gpm", "ft", "ft/s", "ft^3", "hp", "ft lbf")}
-OTHERS = "m", "m/s", "m^3", "W", "N m", "Hz"  # SI units of what is neither effort nor flow
+SYSTEMS = {"si": (), "us": ("psi", "gpm", "ft", "ft/s", "ft^3", "hp", "ft lbf", "lbf")}
+OTHERS = "m", "m/s", "m^3", "W", "N m", "N", "Hz"  # SI units of what is neither effort nor flow
 
 
 def readable(scene: Scene) -> Medium:

@@ -9,20 +9,25 @@ from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Between, pair
+from tline.scene.element import NAMED, Between, named, pair
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
-from tline.scene.pump_curves import PumpPieces, backward, in_four_quadrants, parabola, smooth
+from tline.scene.pump_curves import TABLES, PumpPieces, Suter, backward, in_four_quadrants, parabola, smooth
 from tline.scene.quantity import Pressure, Quantity, Role
 from tline.scene.waveform import PiecewiseLinear
 from tline.words.wording import shown
 
-MOST_OF_A_PARABOLA = 3  # points
+MOST_OF_A_PARABOLA, LEAST_OF_SUTER = 3, 9  # points
 EFFICIENCY = 0.75  # of which nothing is said
 LAST_OF_ONE = 2.0  # flow without rise over that of the single point of a curve
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
 Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
+
+
+Ratio = Annotated[Quantity, Role("ratio", "")]
+Pairs = list[Annotated[tuple[Ratio, Ratio], pair("head, torque over those of the rated point")]]
+Quadrants = Annotated[Pairs, named("pump", TABLES, Pairs | Literal["radial"]), NAMED]
 
 
 class Pumping(LawKind):
@@ -78,9 +83,10 @@ class Pump(Between, OfLiquids):
         description="of the rotor: power of the water over that of the shaft, for curves of four points or more, "
         "and at the rated point for quadrants; the rotor of a parabola b, c loses what c takes",
     )
-    quadrants: Literal["radial"] | None = Field(
+    quadrants: Quadrants | None = Field(
         default=None,
-        description="characteristics in four quadrants: those of a radial pump, with the rated point as the curve",
+        description="characteristics in four quadrants, with the rated point as the curve: 'radial', those of a radial "
+        "pump, or Suter's points [WH, WB] at equal steps of the angle pi + arctan(flow/speed) from 0 to 2 pi",
     )
     speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
     trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")
@@ -129,7 +135,7 @@ class Pump(Between, OfLiquids):
         if self.quadrants is not None:
             if len(points) != 1 or points[0][0] == 0 or points[0][1] <= 0:
                 raise InputError("curve", "is not a rated point", "one with flow and rise above zero", shown(points))
-            return in_four_quadrants(self.quadrants, *points[0], float(self.efficiency or EFFICIENCY))
+            return in_four_quadrants(self._suter(), *points[0], float(self.efficiency or EFFICIENCY))
         if len(points) > MOST_OF_A_PARABOLA:
             _check_falls(points)
             forward = smooth(points, float(self.efficiency or EFFICIENCY))
@@ -139,6 +145,16 @@ class Pump(Between, OfLiquids):
             raise InputError("efficiency", problem, "none", f"{self.efficiency:g}")
         form = _parabola(points)
         return parabola(*form), parabola(*form, sign=-1.0)
+
+    def _suter(self) -> Suter:
+        assert self.quadrants is not None
+        if isinstance(self.quadrants, str):
+            return TABLES[self.quadrants]
+        head, torque = zip(*((float(h), float(b)) for h, b in self.quadrants), strict=True)
+        if len(head) < LEAST_OF_SUTER or len(head) % 4 != 1 or (head[0], torque[0]) != (head[-1], torque[-1]):
+            expected = "9, 13, 17, ... points around the whole turn, of which the last is the first"
+            raise InputError("quadrants", "not Suter's tables", expected, f"{len(head)} points")
+        return Suter(head, torque)
 
     @property
     def largest_power(self) -> float:

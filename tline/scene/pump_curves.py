@@ -141,7 +141,7 @@ RADIAL = Suter(
 TABLES = {"radial": RADIAL}
 
 
-def in_four_quadrants(kind: str, flow: float, rise: float, efficiency: float) -> tuple[PumpPieces, PumpPieces]:
+def in_four_quadrants(table: Suter, flow: float, rise: float, efficiency: float) -> tuple[PumpPieces, PumpPieces]:
     """Pieces of a pump for a rotor that turns forward, and backward, by its rated point in m³/s and Pa.
 
     Between two angles of the table F and G are straight lines over the angle, met at both and in the middle.
@@ -153,11 +153,10 @@ def in_four_quadrants(kind: str, flow: float, rise: float, efficiency: float) ->
 
     Examples
     --------
-    >>> forward, backward = in_four_quadrants("radial", 0.02, 5e5, 0.8)
+    >>> forward, backward = in_four_quadrants(RADIAL, 0.02, 5e5, 0.8)
     >>> round(forward.at_rest), round(backward.at_rest)  # Pa, by a closed valve
     (644000, 317000)
     """
-    table = TABLES[kind]
     steps = len(table.head) - 1
     quarter = steps // 4
     turning = range(quarter, 3 * quarter + 1), [*range(quarter, 0, -1), *range(steps, 3 * quarter - 1, -1)]

@@ -64,6 +64,8 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, Element) and not isinstance(value, kind):
         known = type(value).__name__
         raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
+    if type(value) is Pipe:
+        return value  # it was read before, and nothing in it depends on where it stands
     return validator(kind).validate_python(value, context=info.context)
 
 
@@ -206,7 +208,15 @@ class Scene(Element):
 
     def table(self) -> dict[str, Any]:
         """The scene as it stands in a file, but for user-defined elements, which are given as they are."""
-        table = super().table()
+        return self._as_file({})
+
+    def with_lines(self) -> dict[str, Any]:
+        """The same, but pipes are as they are, which `Scene` takes without reading them again."""
+        return self._as_file({"lines": dict(self.lines)} if self.medium == "hydraulic" and not self._parts else {})
+
+    def _as_file(self, known: dict[str, Any]) -> dict[str, Any]:
+        """The table with some sections that are known, and user-defined elements as they are."""
+        table = self.model_dump(by_alias=True, exclude_unset=True, exclude={*known}) | known
         for (part, name), element in user_elements(self).items():
             table[part][name] = element
         return table
@@ -275,7 +285,7 @@ class Scene(Element):
 
     def with_changes(self, **tables: Any) -> "Scene":
         """The scene with other tables in place of some, and files looked for where they were."""
-        return Scene(self._folder, **self.table() | tables)
+        return Scene(self._folder, **self.with_lines() | tables)
 
     @property
     def folder(self) -> Folder:

@@ -3,28 +3,19 @@
 from collections.abc import Sequence
 from itertools import pairwise
 from math import inf, log10, sqrt
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import (
-    Field,
-    PrivateAttr,
-    SerializerFunctionWrapHandler,
-    ValidatorFunctionWrapHandler,
-    WrapSerializer,
-    WrapValidator,
-    model_validator,
-)
+from pydantic import Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Between, Element, Placed, pair
+from tline.scene.element import NAMED, AtNode, Between, Element, Placed, named, pair
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.law import ANY_DROP, Bend, ElementLaw, Governor, LawKind, OfLiquids
 from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
-from tline.words.wording import shown
 
 Kind = Literal["gate", "globe", "ball", "butterfly"]
 QUARTER = 90.0  # degrees from open to shut
@@ -78,22 +69,8 @@ def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
 Share = Annotated[Quantity, Role("share", "", at_least=0, at_most=1)]
 
 
-def _named_or_points(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
-    if not isinstance(value, str):
-        return points(value)
-    if value not in ADDED:
-        raise InputError("", "not a kind of valve", f"{' or '.join(map(repr, ADDED))}, or points", shown(value))
-    return value
-
-
-def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
-    return value if isinstance(value, str) else points(value)
-
-
 Points = list[Annotated[tuple[Share, Share], pair("opening, share of the capacity")]]
-Characteristic = Annotated[
-    Points, WrapValidator(_named_or_points, json_schema_input_type=Points | Kind), WrapSerializer(_as_typed)
-]
+Characteristic = Annotated[Points, named("valve", ADDED, Points | Kind), NAMED]
 
 
 def rooted(drop: NDArray, capacity: float) -> NDArray:

@@ -93,7 +93,7 @@ def laid(scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches
 
     It runs on slabs of this width, s, and no stretch is shorter.
     """
-    tables: dict[str, Any] = scene.table()
+    tables: dict[str, Any] = scene.with_lines()
     for node in nodes:
         loads = tables.setdefault("loads", {})
         for name in [name for name, load in loads.items() if load["at"] == node and load["kind"] == "closed"]:
@@ -104,7 +104,7 @@ def laid(scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches
     for name in delays.keys() - with_cavities(scene.lines).keys():
         number = min(round(delays[name] / reach), MOST_PLACES) - 1
         if number > 0:
-            tables["lines"][name]["cavities"] = {"places": number}
+            tables["lines"][name] = scene.lines[name].table() | {"cavities": {"places": number}}
     return Scene(scene.folder, **tables | {"solver": {"rounded": True, "slab": slab}})
 
 

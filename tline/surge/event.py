@@ -18,12 +18,14 @@ OPERATIONS = {
     "trip": "PUMP@TIME",
     "start": "PUMP@TIME+DURATION",
     "stop": "PUMP@TIME+DURATION",
+    "speed": "PUMP:SHARE@TIME+DURATION",
     "close": "LINK@TIME+DURATION",
     "open": "LINK@TIME+DURATION",
     "burst": "NODE:FLOW@TIME+DURATION",
     "demand": "NODE:+FLOW@TIME+DURATION",
 }
 FLOWING, TURNED = {"burst", "demand"}, {"close", "open"}
+FASTEST = 2.0  # speed of a pump over the rated one
 
 
 class Event(NamedTuple):
@@ -33,10 +35,11 @@ class Event(NamedTuple):
     name: str  # of a link, a pipe or a node
     at: float  # at, duration: when it begins, and how long it takes; s
     duration: float = 0.0
-    flow: float = 0.0  # of a burst, or the change of a demand, m³/s; else 0
+    flow: float = 0.0  # of a burst, or the change of a demand, m³/s
+    speed: float | None = None  # that a pump goes to, over the rated one
     # share of the way that is left when a second stage begins, and how long that takes, s; or none
     stage: tuple[float, ...] = ()
-    # times after the beginning, s, and openings there, where a file says them; else none
+    # times after the beginning, s, and openings or speeds there, where a file says them; else none
     course: tuple[tuple[float, float], ...] = ()
 
     def control(self, before: float, after: float) -> dict[str, Any]:
@@ -57,7 +60,7 @@ def read_event(kind: str, text: str) -> Event:
     """The event that a text says, of a kind of OPERATIONS: name, flow with a unit if it takes one, time, duration.
 
     A valve may have a second stage, ``V1@1s+2s:20%+8s``, when 20 % of its way are left, or follow a CSV file of times
-    after the beginning and openings, ``V1@1s:shut.csv``.
+    after the beginning and openings, ``V1@1s:shut.csv``; and so may the speed of a pump.
 
     Examples
     --------
@@ -67,28 +70,41 @@ def read_event(kind: str, text: str) -> Event:
     0.02
     >>> read_event("close", "V1@1s+2s:20%+8s").stage
     (0.2, 8.0)
+    >>> read_event("speed", "P1:80%@1s+5s").speed
+    0.8
     """
     where, expected = kind, OPERATIONS[kind]
     target, at, when = text.rpartition("@")
-    name, flow = target.strip(), 0.0
-    if kind in FLOWING:
+    name, flow, speed = target.strip(), 0.0, None
+    if kind in FLOWING or (kind == "speed" and ":" in target):
         name, colon, typed = (part.strip() for part in target.rpartition(":"))
-        if at and colon and name:
+        if at and colon and name and kind == "speed":
+            speed = _speed(typed)
+        elif at and colon and name:
             flow = with_unit(typed.removeprefix("+"), "m^3/s", where)
     if not at or not name or (kind in FLOWING and not flow) or (kind == "burst" and flow < 0):
         raise InputError(where, "not an operation", f"{expected}, such as {_example(kind)}", f"'{text}'")
     when, colon, law = when.partition(":")
-    if colon and kind not in TURNED:
-        raise InputError(where, "stages and courses are for close and open", expected, f"'{text}'")
+    if colon and kind not in {*TURNED, "speed"}:
+        raise InputError(where, "stages and courses are for close and open, and for speed", expected, f"'{text}'")
     begin, plus, takes = when.partition("+")
-    event = Event(kind, name, with_unit(begin, "s", where), with_unit(takes, "s", where) if plus else 0.0, flow)
+    event = Event(kind, name, with_unit(begin, "s", where), with_unit(takes, "s", where) if plus else 0.0, flow, speed)
     if colon:
         event = _with_law(event, law.strip(), where, text)
+    if kind == "speed" and (speed is None) == (not event.course):
+        raise InputError(where, "not one speed to go to, or a course", expected, f"'{text}'")
     if event.at < 0 or event.duration < 0:
         raise InputError(where, "out of range", "times of zero and more", f"'{text}'")
     if kind == "trip" and event.duration:
         raise InputError(where, "a trip takes no time of its own", expected, f"'{text}'")
     return event
+
+
+def _speed(typed: str) -> float:
+    value = Quantity(typed, "", "speed")
+    if not 0 <= value <= FASTEST:
+        raise InputError("speed", "out of range", f"0 to {FASTEST:g} times the rated speed", f"'{typed}'")
+    return float(value)
 
 
 def with_unit(typed: str, unit: str, where: str) -> float:
@@ -111,10 +127,13 @@ def _with_law(event: Event, law: str, where: str, text: str) -> Event:
     """The event with a second stage, or with the course that a file says."""
     if law.lower().endswith(".csv"):
         times, openings = read_table(Path(law), where)
-        bad = next((x for x in openings if not 0 <= x <= 1), None)
+        most = FASTEST if event.kind == "speed" else 1.0
+        bad = next((x for x in openings if not 0 <= x <= most), None)
         if event.duration or times[0] < 0 or bad is not None:
             got = f"'{text}'" if event.duration else f"{times[0]:g} s" if times[0] < 0 else f"{bad:g}"
-            raise InputError(where, "no course of an opening", "TIME:FILE.csv, of times >= 0 and openings 0 to 1", got)
+            raise InputError(
+                where, f"no course of {event.kind}", f"TIME:FILE.csv, of times >= 0 and values 0 to {most:g}", got
+            )
         return event._replace(course=tuple(zip(times, openings, strict=True)))
     share, plus, takes = (part.strip() for part in law.partition("+"))
     if not plus or not event.duration:
@@ -132,7 +151,7 @@ def _with_law(event: Event, law: str, where: str, text: str) -> Event:
 def _example(kind: str) -> str:
     if kind in FLOWING:
         return "J73:20L/s@2s" if kind == "burst" else "J9:+5L/s@0s"
-    return {"trip": "P1@1s", "start": "P1@1s", "stop": "P1@1s+5s"}.get(kind, "V1@1s+5s")
+    return {"trip": "P1@1s", "speed": "P1:80%@1s+5s", "start": "P1@1s", "stop": "P1@1s+5s"}.get(kind, "V1@1s+5s")
 
 
 def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterator[Event]:

@@ -33,6 +33,7 @@ LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by 
 ROUNDING = 1e-9
 SURPLUS = 1.2  # torque of a motor that starts, over the most that its pump takes at rated speed
 VALVE = "a valve, or a pipe"
+NOTHING: Mapping[str, Any] = {}
 
 
 def operated(
@@ -41,10 +42,12 @@ def operated(
     *,
     inertia: float | str | None = None,
     rated_speed: float | str | None = None,
+    more: Mapping[str, Any] = NOTHING,
 ) -> tuple[Scene, list[str]]:
     """The scene with events, none twice for an element but for demands, and notes on what was guessed.
 
     Inertia, kg m², and rated speed, 1/s, are those of pumps that trip, unless the scene has them; else what is usual.
+    Tables of `more` take the place of what is there.
     """
     if scene.medium != "hydraulic" or scene.start != "steady":
         got = f"medium = '{scene.medium}', start = '{scene.start}'"
@@ -52,14 +55,14 @@ def operated(
     work = _Operated(scene, inertia, rated_speed)
     for event in as_one_each(events):
         getattr(work, event.kind)(event)
-    return Scene(scene.folder, **work.tables), work.notes
+    return Scene(scene.folder, **{**work.tables, **more}), work.notes
 
 
 class _Operated:
     """Tables of a scene that events change; each kind of event has the method of its name."""
 
     def __init__(self, scene: Scene, inertia: float | str | None, rated_speed: float | str | None):
-        self.scene, self.tables, self.notes = scene, scene.table(), list[str]()
+        self.scene, self.tables, self.notes = scene, scene.with_lines(), list[str]()
         self._rotor = {"inertia": inertia, "rated_speed": rated_speed}
         for (key, value), unit in zip(self._rotor.items(), ("kg m^2", "Hz"), strict=True):
             if value is not None and not Quantity(value, unit, key) > 0:
@@ -117,6 +120,12 @@ class _Operated:
         """Take a pump's speed down to nothing."""
         pump = self._running(event)
         self.tables["links"][event.name]["speed"] = event.control(just_before(pump.speed), 0.0)
+
+    def speed(self, event: Event) -> None:
+        """Bring a pump to another speed, or along a course of speeds."""
+        pump = self._link(event, Pump, "a pump")
+        self._once(event)
+        self.tables["links"][event.name]["speed"] = event.control(just_before(pump.speed), event.speed or 0.0)
 
     def close(self, event: Event) -> None:
         """Shut a valve, or one that is put at the end of a pipe."""
@@ -176,12 +185,12 @@ class _Operated:
 
     def _put_valve(self, name: str, opening: Table) -> None:
         """A gate valve at the second end of a pipe."""
-        pipe, node = self.scene.lines[name], f"{name}:gate"
+        pipe, node = self.scene.lines[name], gate_of(name)
         diameter, density = (getattr(pipe.parameters, key, None) for key in ("diameter", "density"))
         if diameter is None or density is None or node in self.tables["nodes"]:
             raise InputError(f"line '{name}'", "no valve fits it", "its diameter and density, and no node of its name")
-        end, table = pipe.nodes[1], self.tables["lines"][name]
-        table["nodes"] = [pipe.nodes[0], node]
+        end = pipe.nodes[1]
+        self.tables["lines"][name] = pipe.table() | {"nodes": [pipe.nodes[0], node]}
         for probe in self.tables["probes"].values():
             if probe.get("line") == name and probe["at"] == end:
                 del probe["line"]  # which ends at the valve now
@@ -254,6 +263,11 @@ class _Operated:
     def _gauge(self, node: str) -> float:
         """Gauge pressure at a node before anything is operated, Pa."""
         return self._before.effort[node] - self._description.nodes[node].height.above_level
+
+
+def gate_of(pipe: str) -> str:
+    """Node in front of the valve that is put at the second end of a pipe, and its name."""
+    return f"{pipe}:gate"
 
 
 RATED_SPEED = 1450 / 60  # Hz, of a motor with four poles at 50 Hz

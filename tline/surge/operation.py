@@ -20,7 +20,7 @@ from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated
 from tline.surge.control import acting, read_control, triggered
 from tline.surge.event import OPERATIONS, Event, each_of, read_event
-from tline.surge.operate import Network, operated, read_network
+from tline.surge.operate import Network, gate_of, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
 from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst
@@ -150,6 +150,7 @@ def operate(
     trip: Texts = (),
     start: Texts = (),
     stop: Texts = (),
+    speed: Texts = (),
     close: Texts = (),
     open: Texts = (),
     burst: Texts = (),
@@ -187,6 +188,8 @@ def operate(
         Pumps that stand, and that their motors start; +DURATION does so evenly. After a trip the power returns.
     stop : str, "PUMP@TIME+DURATION"
         Pumps whose speed falls to nothing, linearly.
+    speed : str, "PUMP:SHARE@TIME+DURATION"
+        Pumps that go to a share of the rated speed, linearly; PUMP@TIME:FILE.csv follows a file of speeds.
     close : str, "LINK@TIME+DURATION"
         Valves to shut, or pipes that get a gate valve; with :20%+8s a second stage from there, with :FILE.csv along a
         file of openings.
@@ -259,7 +262,16 @@ def operate(
     ('c', 8.8, 10.0, [])
     """
     budget = Budget(as_seconds(seconds))
-    given = {"trip": trip, "start": start, "stop": stop, "close": close, "open": open, "burst": burst, "demand": demand}
+    given = {
+        "trip": trip,
+        "start": start,
+        "stop": stop,
+        "speed": speed,
+        "close": close,
+        "open": open,
+        "burst": burst,
+        "demand": demand,
+    }
     scene, read, controls = read_network(
         network, wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks
     )
@@ -316,9 +328,9 @@ def plan(
 
     def build(done: Iterable[Event]) -> Planned:
         done = list(done)
-        changed, notes = operated(scene, done, **rotor)
-        probes = {node: {"at": node} for node in _probed(changed, done, wanted)} or changed.table()["probes"]
-        return changed.with_changes(probes=probes, **more), tuple(notes)
+        probes = {node: {"at": node} for node in _probed(scene, done, wanted)}
+        changed, notes = operated(scene, done, **rotor, more=more | ({"probes": probes} if probes else {}))
+        return changed, tuple(notes)
 
     if waiting:
         left = budget or Budget(SECONDS)
@@ -377,12 +389,13 @@ def _texts(where: str, given: Texts) -> tuple[str, ...]:
 def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
     """Nodes to probe: those that are wanted, or those at which something is operated."""
     nodes = {node for line in scene.lines.values() for node in line.nodes}
+    found: list[str] = []
+    for event in events:
+        link, load, pipe = scene.links.get(event.name), scene.loads.get(event.name), scene.lines.get(event.name)
+        here = link.nodes if link else [load.at] if load else [event.name]
+        found += [gate_of(event.name), pipe.nodes[1]] if pipe else here
+        nodes |= {gate_of(event.name)} if pipe else set()
     for node in wanted:
         if node not in nodes:
             raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
-    found: list[str] = []
-    for event in events:
-        link = scene.links.get(event.name) or scene.links.get(f"{event.name}:gate")
-        load = scene.loads.get(event.name)
-        found += link.nodes if link else [load.at] if load else [event.name]
     return wanted or [node for node in dict.fromkeys(found) if node in nodes][:SHOWN]

@@ -13,6 +13,7 @@ from tline.scene.line import Pipe
 from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
+from tline.surge.thrust import thrusts
 from tline.surge.worst import extremes
 
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
@@ -104,17 +105,21 @@ def save_tables(result: Result, path: str | Path) -> None:
 
 
 def _nodes(result: Result) -> Table:
-    (size, unit), (metre, length) = (result.medium.unit(each, written=True) for each in ("effort", "m"))
+    units = (result.medium.unit(each, written=True) for each in ("effort", "m", "N"))
+    (size, unit), (metre, length), (newton, force) = units
     low, high = ([f"{word} [{unit}]", f"{word} at [s]", f"{word} ± [{unit}]"] for word in ("lowest", "highest"))
     head = ["node", "x", "y", f"elevation [{length}]", f"before [{unit}]", *low, *high]
-    rows = []
+    head += [f"force before [{force}]", f"force highest [{force}]", "force highest at [s]"]
+    rows, forces = [], thrusts(result)
     for one in extremes(result):
         site = result.scene.nodes.get(one.node)
         x, y = (site.position if site else None) or ("", "")
         height = "" if site is None or site.elevation is None else site.elevation / metre
         low = one.lowest / size, one.lowest_at, one.lowest_error / size
         high = one.highest / size, one.highest_at, one.highest_error / size
-        rows.append([one.node, x, y, height, one.before / size, *low, *high])
+        push = forces.get(one.node)
+        pushed = ("", "", "") if push is None else (push.before / newton, push.highest / newton, push.at)
+        rows.append([one.node, x, y, height, one.before / size, *low, *high, *pushed])
     return Table("nodes", head, rows)
 
 

@@ -1,6 +1,7 @@
 """The worst of a run at nodes: how far pressures rose and fell, when, and what that asks of the pipes."""
 
 from collections.abc import Sequence
+from math import isnan
 from typing import NamedTuple
 
 import numpy as np
@@ -74,7 +75,7 @@ def extremes(result: Result) -> list[Extreme]:
 
 def boils(node: Extreme) -> bool:
     """Whether water of 20 °C may boil there, as far as errors tell."""
-    return node.lowest - np.nan_to_num(node.lowest_error) < BOILS
+    return node.lowest - (0.0 if isnan(node.lowest_error) else node.lowest_error) < BOILS
 
 
 def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") -> Worst:

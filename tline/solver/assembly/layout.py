@@ -26,7 +26,7 @@ from tline.solver.description.nodes import NONE, Node
 from tline.solver.description.resolution import Resolution, cell_in
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import Blocks, Laws
-from tline.solver.steady.steady_state import Before, above_level, rest
+from tline.solver.steady.steady_state import above_level, rest
 from tline.words.progress import Progress
 
 LONGEST = 512  # slabs; more at once save nothing
@@ -219,7 +219,7 @@ def _grid(description: Description, chosen: Resolution) -> SlabGrid:
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:
     lines, z0 = grid.lines, grid.z0
-    effort, y, through, openings, _ = _before_start(description)
+    effort, y, through, openings, _ = above_level(description) if description.steady else rest(description)
     u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
     bar.update()
     begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True)) if chosen.sections else NONE
@@ -263,13 +263,6 @@ def _thevenin(u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, exc
     at = np.repeat(np.arange(len(junctions.degree)), junctions.degree)
     from_lines = np.bincount(at, weight * arriving[junctions.ends], len(junctions.degree))
     return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
-
-
-def _before_start(description: Description) -> Before:
-    """Efforts of nodes, and flows at the ends of lines, before t = 0."""
-    if Before not in description.known:
-        description.known[Before] = above_level(description) if description.steady else rest(description)
-    return description.known[Before]
 
 
 def _delays(lines: dict[str, Line], h: float) -> tuple[NDArray, NDArray, list[float]]:

@@ -29,7 +29,7 @@ from tline.solver.description.passive import active_parts, impedances
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
-FEW = 1000  # lines of a scene that keeps it
+FEW = 50_000  # lines of a scene that keeps it
 LawsByPlace = dict[tuple[str, str], ElementLaw]
 MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest delay, with which fronts are followed
 

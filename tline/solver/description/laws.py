@@ -98,9 +98,12 @@ def started(
         for k, now in enumerate((*there, through.get(element.where, 0.0)) if at >= 0 else ()):
             if np.isnan(constants[at + 2 * k + 1]):
                 constants[at + 2 * k + 1] = now
-    laws = opened(laws, elements, openings)._replace(constants=constants)
     across = [effort.get(e.from_node or "", 0.0) - effort.get(e.to_node or "", 0.0) for e in elements]
     flows = [through.get(e.where, 0.0) for e in elements]
+    for element, at, drop, flow in zip(elements, laws.at, across, flows, strict=True):
+        own = slice(at, at + len(element.law.constants))
+        constants[own] = element.kind.begun(constants[own], drop, flow)
+    laws = opened(laws, elements, openings)._replace(constants=constants)
     return laws._replace(before=np.array(across) + laws.source_impedance * np.array(flows))
 
 

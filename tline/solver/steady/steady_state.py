@@ -65,7 +65,9 @@ def above_level(description: Description) -> Before:
     """Efforts that count from the level, flows through elements, and openings that hold still, before t = 0."""
     if description.mixing:
         description.refuse_coupled("a steady state in stretches")
-    return still(description.elements, lambda openings: _under(description, openings))
+    if Before not in description.known:
+        description.known[Before] = still(description.elements, lambda openings: _under(description, openings))
+    return description.known[Before]
 
 
 class _Parts(NamedTuple):

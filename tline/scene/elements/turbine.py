@@ -1,0 +1,103 @@
+"""Turbines with a rotor, a governor, and a load that may be lost."""
+
+from math import pi, sqrt
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field, model_validator
+
+from tline.errors import InputError
+from tline.scene.element import Between
+from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
+from tline.scene.quantity import Quantity, Role
+from tline.scene.waveform import PiecewiseLinear
+
+Share = Annotated[Quantity, Role("share", "", above=0, at_most=1)]
+Time = Annotated[Quantity, Role("time", "s", above=0)]
+
+
+class Driven(LawKind):
+    """Constants as `tline.solver.kernel.stores.turbine` has them, the last of which is the torque before the run."""
+
+    name, unit = "turbine", "stores.turbine.turbine"
+    control = "load"
+    states = 2
+    steady = "quadratic"
+
+    def at_rest(self, c, effort, control):  # noqa: D102
+        return 1.0, c[3]
+
+    def bends(self, c, rho):  # noqa: D102
+        yield Bend(c[0])
+
+    def begun(self, c, drop, flow):  # noqa: D102
+        return *c[:-1], max(flow, 0.0) * (c[5] * sqrt(max(drop, 0.0) / c[6]) - 1.0)
+
+
+class Turbine(Between, OfLiquids):
+    """An impulse turbine from the first node to the second, with its rotor, its load and a governor.
+
+    The flow is opening·C·sqrt(drop), at any speed. The torque falls with the speed along a line, to nothing at the
+    runaway. Before the run it turns at its rated speed and has the load that its opening gives; what is lost of that
+    drives the rotor. Where `droop` is given the gates move by droop·x' = -n' + (1 - n)/reset_time, n the speed over the
+    rated one, no faster than in the stroke time; else they stand. A machine whose flow depends on its speed is a `pump`
+    with `quadrants`.
+
+    References
+    ----------
+    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993); M. H. Chaudhry: Applied Hydraulic Transients,
+    3rd edition (2014), on dashpot governors.
+    """
+
+    kind: Literal["turbine"] = "turbine"
+    rated_flow: Annotated[Quantity, Role("flow", "m^3/s", above=0)] = Field(
+        description="with its gates wide open, under the rated drop"
+    )
+    rated_drop: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(description="drop of the pressure there")
+    rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] = Field(description="turns per second")
+    inertia: Annotated[Quantity, Role("inertia", "kg m^2", above=0)] = Field(
+        description="of all that turns, with the generator"
+    )
+    efficiency: Share = Field(default=Quantity(0.88, ""), description="at the rated point")
+    runaway: Annotated[Quantity, Role("ratio", "", above=1)] = Field(
+        default=Quantity(1.8, ""), description="speed without a load under the rated drop, over the rated speed"
+    )
+    opening: Share = Field(default=Quantity(1, ""), description="of its gates before the run")
+    rejects: Annotated[Quantity, Role("time", "s", at_least=0)] | None = Field(
+        default=None, description="when the load is lost"
+    )
+    load_left: Annotated[Quantity, Role("share", "", at_least=0)] = Field(
+        default=Quantity(0, ""), description="share of the load that is left then"
+    )
+    droop: Annotated[Quantity, Role("ratio", "", above=0)] | None = Field(
+        default=None, description="temporary droop of the governor; without it the gates stand"
+    )
+    reset_time: Time = Field(default=Quantity("6 s", "s"), description="of the governor's dashpot")
+    stroke_time: Time = Field(default=Quantity("10 s", "s"), description="the least time from open to shut")
+    shows = (Shown("speed", "Hz", lambda turbine, y, i: turbine.rated_speed * y),)
+    example: ClassVar[str] = """\
+kind = "turbine"
+rated_flow = "2 m^3/s"
+rated_drop = "20 bar"
+rated_speed = "500 rpm"
+inertia = "20000 kg m^2"
+droop = 0.4
+rejects = "1 s"
+"""
+
+    @model_validator(mode="after")
+    def _loses_once(self):
+        if self.rejects is None and self.load_left:
+            raise InputError("rejects", "is missing", "when the load changes to load_left")
+        return self
+
+    def law(self) -> ElementLaw:  # noqa: D102
+        capacity = float(self.opening * self.rated_flow / sqrt(self.rated_drop))
+        over = float(self.runaway) - 1
+        energy = float(self.inertia * (2 * pi * self.rated_speed) ** 2 * over / (self.efficiency * self.rated_drop))
+        gains = (0.0, 0.0) if self.droop is None else (1 / self.droop, 1 / (self.droop * self.reset_time))
+        machine = float(self.opening), energy, 1 + over, float(self.rated_drop)
+        governor = *map(float, gains), float(1 / self.stroke_time)
+        left = None
+        if self.rejects is not None:
+            left = PiecewiseLinear.model_validate({"points": [(self.rejects, 1.0), (self.rejects, self.load_left)]})
+        return ElementLaw("turbine", (0.0, capacity, 0.0, *machine, *governor, 0.0), left)
