@@ -27,6 +27,7 @@ DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
 DRIVING |= {f"{word}_ecl" for word in ("output", "3-state", "i/o")}
 KINDS = DRIVING | {"input", "input_ecl", "terminator"}
 LEFT_OUT = ("submodel", "add submodel", "driver schedule", "algorithmic model")
+LEAST = 1e-15  # F, of a die, for voltages are states of something
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
 TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp whose reference they lead to
 
@@ -176,6 +177,8 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     head, notes = own[0], [f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT]
     kind = head.find("Model_type")
     kind = kind[1][0].lower() if kind and kind[1] else ""
+    if kind in ("series", "series_switch"):
+        raise InputError("model", f"of type '{kind}', it joins two pins", "one of a single pin; links join nodes")
     if kind not in KINDS:
         raise InputError("model", "a type that is not known here", ", ".join(sorted(KINDS)), shown(kind))
     for each in own:
@@ -186,8 +189,11 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     if row is None:
         raise InputError("file", f"line {head.line}: the model has no C_comp", "C_comp and its capacitance")
     capacitance = at_corner(row[1], corner, row[0], "F")
-    if capacitance <= 0:
-        raise InputError("file", f"line {row[0]}: C_comp is not above zero", "a capacitance", " ".join(row[1]))
+    if capacitance < 0:
+        raise InputError("file", f"line {row[0]}: C_comp is below zero", "a capacitance", " ".join(row[1]))
+    if not capacitance:
+        capacitance = LEAST
+        notes.append(f"C_comp is 0, taken as {LEAST:g} F")
     volts = {each.keyword: at_corner(each.words, corner, each.line, "V") for each in own if _is_voltage(each)}
     supply = volts.get("voltage range", volts.get("pullup reference"))
     if supply is None:
