@@ -50,7 +50,7 @@ def test_in_the_scene(load, message):
     [
         ("I/O", "Magic", "loads.u1.model: a type that is not known here"),
         ("C_comp 1.3e-12", "C_comp x", "loads.u1.file: 'bad.ibs': line 20: not a number, expected such as 2.5pF"),
-        ("C_comp 1.3e-12", "C_comp NA", "loads.u1.file: 'bad.ibs': line 20: there is no typical value"),
+        ("C_comp 1.3e-12 1.1e-12 1.5e-12", "C_comp NA", "loads.u1.file: 'bad.ibs': line 20: there is no typical value"),
         ("[Voltage Range] 1.2", "[Nothing] 1.2", "loads.u1.file: 'bad.ibs': line 15: the model has no supply"),
         ("R_fixture = 50", "", "loads.u1.file: 'bad.ibs': line 154: a waveform without R_fixture"),
         ("L_pkg 0.9nH", "L_pkg -9nH", "loads.u1.file: 'bad.ibs': R, L or C of the package is negative"),

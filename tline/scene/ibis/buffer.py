@@ -1,6 +1,5 @@
 """A model of an IBIS file at one corner, as numbers: tables of voltage and current, capacitance, edges, package."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -9,16 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.ibis.keywords import CORNERS, Section, at_corner, number_of, sections_of, table_of
 from tline.scene.text_file import read_text
 from tline.words.wording import nearest, shown
 
-SCALES = {"T": 1e12, "G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "f": 1e-15, "": 1.0}
-NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)([TGMkmunpf]?)[A-Za-z]*", re.ASCII)
-KEYWORD = re.compile(r"\[([^\[\]]*)\](.*)")
-MISSING = "NA"  # in place of a number
-CORNERS = ("typ", "min", "max")
-MOST = {"V": 1e3, "A": 1e3, "s": 1.0, "ohm": 1e9, "F": 1e-3, "H": 1.0}  # that a pin may plausibly have, in size
-MOST_ROWS = 100_000  # below one keyword
 TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
 RLC = ("ohm", "H", "F")
 FIXTURE = {
@@ -29,101 +22,14 @@ LEFT_OUT_OF_WAVEFORMS = ("l_fixture", "r_dut", "l_dut", "c_dut")
 BEYOND = 10  # times the larger of supply and fixture that a waveform may plausibly reach
 WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
 OPEN = {"open_drain", "open_sink", "open_source"}
-ALWAYS = {"output", *OPEN}  # types that cannot be switched off
-LEFT_OUT = ("submodel", "add submodel", "driver schedule", "external model", "algorithmic model", "series current")
-
-
-class Section(NamedTuple):
-    """A keyword, the words behind it, and the lines below it: their numbers in the file and their words."""
-
-    keyword: str  # in small letters, words apart by one space
-    line: int
-    words: list[str]
-    rows: list[tuple[int, list[str]]]
-
-    def find(self, name: str) -> tuple[int, list[str]] | None:
-        """Line and words behind a name that begins a line, as `C_comp 1pF` or `R_load = 50`."""
-        for line, words in self.rows:
-            if words and words[0].lower() == name.lower():
-                return line, words[1:]
-        return None
-
-
-def sections_of(text: str) -> list[Section]:
-    """The keywords of a file in their order.
-
-    Examples
-    --------
-    >>> sections_of("[IBIS Ver] 5.0\\n[Model] DQ | of memory\\nModel_type I/O\\nC_comp = 1pF NA 2pF")[1].rows
-    [(3, ['Model_type', 'I/O']), (4, ['C_comp', '1pF', 'NA', '2pF'])]
-    """
-    found: list[Section] = []
-    comment = "|"
-    for number, raw in enumerate(text.splitlines(), 1):
-        line = raw.partition(comment)[0].strip()
-        if matched := KEYWORD.fullmatch(line):
-            keyword = " ".join(matched[1].replace("_", " ").lower().split())
-            if keyword == "comment char":
-                comment = raw.partition("]")[2].strip()[:1] or comment
-            found.append(Section(keyword, number, matched[2].split(), []))
-        elif line and found:
-            found[-1].rows.append((number, line.replace("=", " ").split()))
-            if len(found[-1].rows) > MOST_ROWS:
-                raise InputError(
-                    "file", f"line {number}: too many lines below [{found[-1].keyword}]", f"at most {MOST_ROWS:,}"
-                )
-    if not any(section.keyword == "ibis ver" for section in found):
-        raise InputError("file", "is no IBIS file", "one that begins with [IBIS Ver]")
-    return found
-
-
-def number_of(word: str, line: int, unit: str) -> float:
-    """A number in SI, with a letter for its scale and perhaps a unit.
-
-    Examples
-    --------
-    >>> number_of("2.5pF", 1, "F"), number_of("-40mA", 1, "A"), number_of("1.8V", 1, "V")
-    (2.5e-12, -0.04, 1.8)
-    """
-    matched = NUMBER.fullmatch(word)
-    if matched is None:
-        raise InputError("file", f"line {line}: not a number", "such as 2.5pF", shown(word))
-    value = float(matched[1]) * SCALES[matched[2]]
-    if abs(value) > MOST[unit]:
-        raise InputError("file", f"line {line}: not plausible", f"at most {MOST[unit]:g} {unit} in size", shown(word))
-    return value
-
-
-def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
-    """That of typical, smallest and largest value; the typical one where the other is not known.
-
-    Examples
-    --------
-    >>> at_corner(["1pF", "NA", "2pF"], "min", 1, "F"), at_corner(["1pF"], "max", 1, "F")
-    (1e-12, 1e-12)
-    """
-    values = [None if word.upper() == MISSING else number_of(word, line, unit) for word in words[: len(CORNERS)]]
-    if not values or values[0] is None:
-        raise InputError("file", f"line {line}: there is no typical value", "a number", " ".join(words) or "none")
-    chosen = values[CORNERS.index(corner)] if len(values) > CORNERS.index(corner) else None
-    return values[0] if chosen is None else chosen
-
-
-def table_of(
-    section: Section, corner: str, units: tuple[str, str], words: frozenset[str] = frozenset()
-) -> list[tuple[float, float]]:
-    """Rows of a table: its first column and the value at a corner; rows that name values are skipped."""
-    rows = []
-    for line, row in section.rows:
-        if row[0].lower() in words:
-            continue
-        rows.append((number_of(row[0], line, units[0]), at_corner(row[1:], corner, line, units[1])))
-    if len(rows) < 2:
-        raise InputError("file", f"line {section.line}: [{section.keyword}] has too few rows", "two or more")
-    return rows
-
-
+ALWAYS = {"output", "output_ecl", *OPEN}  # types that cannot be switched off
 DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
+DRIVING |= {f"{word}_ecl" for word in ("output", "3-state", "i/o")}
+KINDS = DRIVING | {"input", "input_ecl", "terminator"}
+LEFT_OUT = ("submodel", "add submodel", "driver schedule", "algorithmic model")
+LEAST = 1e-15  # F, of a die, for voltages are states of something
+MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
+TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp whose reference they lead to
 
 
 class CurrentTable(NamedTuple):
@@ -164,13 +70,14 @@ class Buffer(NamedTuple):
     ramps: dict[bool, float]  # time of a whole swing, of rises and falls
     waveforms: list[EdgeWaveform]
     package: tuple[float, float, float]  # R, L, C
+    damper: tuple[float, float]  # R and C in series from the die to earth, C = 0 for none
     notes: list[str]
 
 
 def read_buffer(path: Path, model: str | None, pin: str | None, component: str | None, corner: str) -> Buffer:
     """A model by its name, or that of a pin, at a corner."""
     sections = sections_of(read_text(path, "file", legacy=True))
-    package = _package(_component(sections, component), corner, pin)
+    package = _package(_component(sections, component), sections, corner, pin)
     name = model or _model_of(sections, component, pin)
     return _buffer(_own(sections, "model", name, "model"), corner, package)
 
@@ -220,8 +127,10 @@ def _model_of(sections: Sequence[Section], component: str | None, pin: str | Non
     return name
 
 
-def _package(own: Sequence[Section], corner: str, pin: str | None) -> tuple[float, float, float]:
-    """R, L and C of a pin, or of the package where they are not known of the pin."""
+def _package(
+    own: Sequence[Section], sections: Sequence[Section], corner: str, pin: str | None
+) -> tuple[float, float, float]:
+    """R, L and C of a pin, by its package model or else its row, or of the package where they are not known of it."""
     found = [0.0, 0.0, 0.0]
     for each in own:
         if each.keyword == "package":
@@ -234,9 +143,33 @@ def _package(own: Sequence[Section], corner: str, pin: str | None) -> tuple[floa
             at = columns.index(name) + 1 if name in columns else len(row)
             if at < len(row) and row[at].upper() != "NA":
                 found[k] = number_of(row[at], line, RLC[k])
+        for name in (each.words[0] for each in own if each.keyword == "package model" and each.words):
+            found = _of_package_model(_own(sections, "define package model", name, "file"), pin, found)
     if min(found) < 0:
         raise InputError("file", "R, L or C of the package is negative", "zero or more", f"{min(found):g}")
     return found[0], found[1], found[2]
+
+
+def _of_package_model(own: Sequence[Section], pin: str, found: list[float]) -> list[float]:
+    """R, L and C of a pin by the sections of its lead, or by the diagonals of matrices, in which rows begin."""
+    found, k, sparse = list(found), 0, False
+    for each in own:
+        if each.keyword == "pin numbers":
+            for line, row in each.rows:
+                if row[0] != pin:
+                    continue
+                found, length = [0.0, 0.0, 0.0], 0.0
+                for name, value in zip(map(str.lower, row[1:]), row[2:], strict=False):
+                    if name == "len":
+                        length = number_of(value, line, "") or 1.0
+                    elif name in ("r", "l", "c"):
+                        found["rlc".index(name)] += length * number_of(value, line, RLC["rlc".index(name)])
+        elif each.keyword in MATRICES:
+            k, sparse = MATRICES.index(each.keyword), "sparse" in " ".join(each.words).lower()
+        elif each.keyword == "row" and each.words[:1] == [pin] and each.rows:
+            line, row = each.rows[0]
+            found[k] = number_of(row[min(int(sparse), len(row) - 1)], line, RLC[k])
+    return found
 
 
 def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, float]) -> Buffer:
@@ -244,14 +177,23 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     head, notes = own[0], [f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT]
     kind = head.find("Model_type")
     kind = kind[1][0].lower() if kind and kind[1] else ""
-    if kind not in DRIVING | {"input"}:
-        raise InputError("model", "a type that is not known here", ", ".join(sorted(DRIVING | {"input"})), shown(kind))
+    if kind in ("series", "series_switch"):
+        raise InputError("model", f"of type '{kind}', it joins two pins", "one of a single pin; links join nodes")
+    if kind not in KINDS:
+        raise InputError("model", "a type that is not known here", ", ".join(sorted(KINDS)), shown(kind))
+    for each in own:
+        if each.keyword == "external model":
+            problem = f"line {each.line}: the model is a program of its own, an [External Model]"
+            raise InputError("file", problem, "tables of voltage and current")
     row = head.find("C_comp")
     if row is None:
         raise InputError("file", f"line {head.line}: the model has no C_comp", "C_comp and its capacitance")
     capacitance = at_corner(row[1], corner, row[0], "F")
-    if capacitance <= 0:
-        raise InputError("file", f"line {row[0]}: C_comp is not above zero", "a capacitance", " ".join(row[1]))
+    if capacitance < 0:
+        raise InputError("file", f"line {row[0]}: C_comp is below zero", "a capacitance", " ".join(row[1]))
+    if not capacitance:
+        capacitance = LEAST
+        notes.append(f"C_comp is 0, taken as {LEAST:g} F")
     volts = {each.keyword: at_corner(each.words, corner, each.line, "V") for each in own if _is_voltage(each)}
     supply = volts.get("voltage range", volts.get("pullup reference"))
     if supply is None:
@@ -262,27 +204,53 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
         "power clamp": volts.get("power clamp reference", supply),
         "gnd clamp": volts.get("gnd clamp reference", 0.0),
     }
+    if kind.endswith("_ecl"):  # its pull-down, too, counts from the upper supply, downwards
+        references["pulldown"] = references["pullup"]
     tables = {
-        each.keyword: _table(each, corner, references[each.keyword], notes) for each in own if each.keyword in TABLES
+        each.keyword: _table(each, corner, references[each.keyword], kind, notes)
+        for each in own
+        if each.keyword in TABLES
     }
+    single = {each.keyword: each for each in own if each.keyword in (*TERMINATING, "rac", "cac")}
+    for name, clamp in TERMINATING.items():
+        if name in single:
+            amps = np.array([0.0, 1 / _above_zero(single[name], corner, "ohm")])
+            down = name == "rpower"
+            tables[name] = CurrentTable(references[clamp], down, np.array([0.0, 1.0]), -amps if down else amps)
+    damper = (0.0, 0.0)
+    if "cac" in single:
+        R = _above_zero(single["rac"], corner, "ohm") if "rac" in single else 0.0
+        damper = R, _above_zero(single["cac"], corner, "F")
     ramps = next((_ramps(each, corner) for each in own if each.keyword == "ramp"), {})
     edges = ("rising waveform", "falling waveform")
     waveforms = [_waveform(each, corner, supply, notes) for each in own if each.keyword in edges]
     name = head.words[0] if head.words else ""
-    return Buffer(name, kind, capacitance, supply, tables, ramps, waveforms, package, list(dict.fromkeys(notes)))
+    return Buffer(
+        name, kind, capacitance, supply, tables, ramps, waveforms, package, damper, list(dict.fromkeys(notes))
+    )
+
+
+def _above_zero(section: Section, corner: str, unit: str) -> float:
+    """The value behind a keyword."""
+    value = at_corner(section.words, corner, section.line, unit)
+    if value <= 0:
+        raise InputError("file", f"line {section.line}: [{section.keyword}] is not above zero", f"a number of {unit}")
+    return value
 
 
 def _is_voltage(section: Section) -> bool:
     return section.keyword == "voltage range" or section.keyword in {f"{name} reference" for name in TABLES}
 
 
-def _table(section: Section, corner: str, reference: float, notes: list[str]) -> CurrentTable:
+def _table(section: Section, corner: str, reference: float, kind: str, notes: list[str]) -> CurrentTable:
     """A table whose current grows with the voltage toward its reference: the nearest such one."""
     rows = sorted(dict(table_of(section, corner, ("V", "A"))).items())
     volts, amps = np.array(rows).T
     if len(rows) < 2:
         raise InputError("file", f"line {section.line}: [{section.keyword}] has one voltage only", "two or more")
-    downwards = section.keyword in ("pullup", "power clamp")
+    downwards = section.keyword in ("pullup", "power clamp") or (
+        kind.endswith("_ecl") and section.keyword == "pulldown"
+    )
     sign = -1.0 if downwards else 1.0
     rising = sign * _monotone(sign * amps)
     off = float(np.abs(rising - amps).max())
@@ -316,7 +284,7 @@ def _ramps(section: Section, corner: str) -> dict[bool, float]:
     for name, rises in (("dV/dt_r", True), ("dV/dt_f", False)):
         if row := section.find(name):
             line, words = row
-            k = ("typ", "min", "max").index(corner)
+            k = CORNERS.index(corner)
             word = words[k] if k < len(words) and words[k].upper() != "NA" else words[0] if words else ""
             _, _, duration = word.partition("/")
             time = number_of(duration, line, "s")

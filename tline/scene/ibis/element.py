@@ -21,7 +21,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
 from tline.scene.element import AtNode, OneMedium
-from tline.scene.ibis.buffer import ALWAYS, Buffer, CurrentTable, EdgeWaveform, read_buffer
+from tline.scene.ibis.buffer import ALWAYS, DRIVING, Buffer, CurrentTable, EdgeWaveform, read_buffer
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.rational import Capacitor, Ratio, RationalImpedance, Series, exact
 from tline.scene.shape import Shape
@@ -29,6 +29,7 @@ from tline.scene.source import Source
 from tline.scene.text_file import beside
 from tline.words.wording import shown
 
+SWITCHED = "pullup", "pulldown"  # tables that are weighed over time; all others are always there
 STRAIGHT = 1e-2  # of a share: so far may straight lines between fewer instants be from it; cubics are a tenth of that
 
 
@@ -47,7 +48,7 @@ def edge_of(buffer: Buffer, rises: bool) -> Edge:
     Examples
     --------
     >>> table = CurrentTable(0.0, False, np.array([0.0, 1.0]), np.array([0.0, 0.02]))
-    >>> buffer = Buffer("x", "output", 1e-12, 1.0, {"pulldown": table}, {True: 1e-9}, [], (0, 0, 0), [])
+    >>> buffer = Buffer("x", "output", 1e-12, 1.0, {"pulldown": table}, {True: 1e-9}, [], (0, 0, 0), (0, 0), [])
     >>> edge = edge_of(buffer, True)
     >>> edge.t.tolist(), edge.up.tolist(), edge.down.tolist()
     ([0.0, 1e-09], [0.0, 1.0], [1.0, 0.0])
@@ -70,8 +71,8 @@ def _shares(buffer: Buffer, waveforms: list[EdgeWaveform], t: NDArray) -> tuple[
     u = np.array([np.interp(t, each.t, each.u) for each in waveforms])
     toward, R, C = np.array([(each.toward, each.resistance, each.capacitance) for each in waveforms]).T[:, :, None]
     flow = (toward - u) / R - (buffer.capacitance + C) * np.gradient(u, t, axis=1)
-    flow -= sum(_current(buffer.tables.get(name), u) for name in ("power clamp", "gnd clamp"))
-    up, down = (_current(buffer.tables.get(name), u) for name in ("pullup", "pulldown"))
+    flow -= sum(_current(table, u) for name, table in buffer.tables.items() if name not in SWITCHED)
+    up, down = (_current(buffer.tables.get(name), u) for name in SWITCHED)
     if len(waveforms) == 1 or not (up.any() and down.any()):  # q = 1 - p
         p = _quotient(((flow - down) * (up - down)).sum(axis=0), ((up - down) ** 2).sum(axis=0))
         return p, 1 - p
@@ -212,13 +213,13 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
             if self.bit is not None:
                 raise InputError("bit", "is the time of bits", "bits beside it")
             return {}
-        if kind == "input":
-            raise InputError("bits", "the model is of type 'input' and cannot drive", "none")
+        if kind not in DRIVING:
+            raise InputError("bits", f"the model is of type '{kind}' and cannot drive", "none")
         if not re.fullmatch(f"[01]{{1,{LONGEST}}}", self.bits):
             raise InputError("bits", "not a bit pattern", f"zeros and ones, at most {LONGEST:,}", shown(self.bits))
         if self.bit is None:
             raise InputError("bit", "is missing", "the time of a bit, such as '1 ns'")
-        if not {"pullup", "pulldown"} & buffer.tables.keys():
+        if not {*SWITCHED} & buffer.tables.keys():
             raise InputError("file", f"model '{buffer.name}' has no table to drive with", "[Pullup] or [Pulldown]")
         edges = {}
         for rises in sorted(
@@ -263,9 +264,16 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
             parts["links"][f"{name}, package"] = Series(**{"nodes": (self.at, die), **values})
         if C:
             parts["loads"][f"{name}, package"] = Capacitor(**{"at": self.at, "capacitance": C})
+        if self._buffer.damper[1]:
+            values = {
+                key: value
+                for key, value in zip(("resistance", "capacitance"), self._buffer.damper, strict=True)
+                if value
+            }
+            parts["loads"][f"{name}, damper"] = Series(**{"at": die, **values})
         scales = self._scales()
         for key, table in self._buffer.tables.items():
-            if key in ("pullup", "pulldown") and key not in scales:
+            if key in SWITCHED and key not in scales:
                 continue
             _place(parts, f"{name}, {key}", table, die, scales.get(key))
         moved = self.model_copy(update={"at": die})
