@@ -5,7 +5,7 @@ A law knows nothing of how its line is computed. Its parameters are numbers, or 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from dataclasses import astuple, dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from math import log
 from typing import Self
@@ -144,5 +144,6 @@ def side_by_side(laws: Iterable[FlowLaw | None]) -> list[tuple[NDArray, FlowLaw]
     found = []
     for kind, numbered in kinds.items():
         places, same = zip(*numbered, strict=True)
-        found.append((np.array(places), kind(*np.array([astuple(law) for law in same]).T)))
+        values = [[getattr(law, field.name) for law in same] for field in fields(kind)]
+        found.append((np.array(places), kind(*np.array(values))))
     return found
