@@ -73,7 +73,7 @@ NO_SKIN = {"lines.cable.skin": None}
 
 @pytest.mark.parametrize(("file", "without"), [("pipe_friction", {}), ("lossy_cable", NO_SKIN), ("lossy_cable", {})])
 def test_a_run_to_a_tolerance_with_losses_has_its_envelope(file, without):
-    """With loss elements, in segments, by convolution; the extremes are those of slabs at least as narrow."""
+    """In diamonds, in cells, by convolution; the extremes are those of slabs at least as narrow."""
     scene = read_scene(Path(__file__).parents[2] / "scenes" / f"{file}.toml").change(without)
     result = simulate(scene, tol=1e-3, envelope=True)
     assert result.envelope is not None

@@ -207,7 +207,7 @@ CORNERS = {
 
 
 @pytest.mark.parametrize("tol", [0.1, 0.04, 0.01, 2e-3])
-def test_two_runs_with_loss_elements_that_agree_by_accident_are_not_believed(tol):
+def test_two_runs_with_friction_that_agree_by_accident_are_not_believed(tol):
     """From slab to slab the differences here fall by 0.4, 0.6, 0.3, 0.2, 1.1 and 0.7."""
     scene = rubbing(CORNERS)
     result, fine = simulate(scene, tol=tol), run(describe(scene), Resolution(4, 2.0**-8))
@@ -221,7 +221,7 @@ def test_two_runs_with_loss_elements_that_agree_by_accident_are_not_believed(tol
             assert off <= told * np.abs(exact).max()
 
 
-def test_loss_elements_that_will_not_do_are_given_up_soon():
+def test_cells_that_will_not_do_are_given_up_soon():
     """Minutes of ever narrower slabs would not reach what is asked."""
     walls = {"wall_thickness": "2 mm", "creep": [{"compliance": "1e-10 1/Pa", "time": 0.3}]}  # no diamonds with these
     accuracy = simulate(rubbing(CORNERS, **walls), tol=1e-6).accuracy

@@ -147,7 +147,7 @@ def test_local_losses_are_taken_once_however_a_pipe_is_parted(parted, acting):
 
 
 def test_beside_friction_slab_ends_are_as_told():
-    """Diamonds against loss elements on slabs 32 times as narrow, which share neither lines nor nodes' slabs."""
+    """Diamonds against cells on slabs 32 times as narrow, which share neither friction nor nodes' slabs."""
     pipe = {"nodes": ["tank", "end"], "length": 1000, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
     scene = Scene(
         medium="hydraulic",

@@ -97,7 +97,7 @@ def test_random_waterworks(tmp_path: Path, seed: int) -> None:
 
 
 def test_a_run_from_the_new_steady_state_stays_there(tmp_path: Path) -> None:
-    """Loss elements have tables of the law, and the start has the same."""
+    """Lines and the start have the same law of friction."""
     path = tmp_path / "works.inp"
     for seed in range(3):
         path.write_text(waterworks(seed))

@@ -63,7 +63,12 @@ def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
 
 def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:
     """A circuit, as it is if the law is one that is no faster than the band, and its error."""
-    return (Foster(law.loss, law.storage, NONE, NONE), 0.0) if isinstance(law, ConstantLoss) else _fitted(law, fit)
+    return (_constant(law.loss, law.storage), 0.0) if isinstance(law, ConstantLoss) else _fitted(law, fit)
+
+
+@lru_cache
+def _constant(loss: float, storage: float) -> Foster:
+    return Foster(loss, storage, NONE, NONE)
 
 
 @lru_cache

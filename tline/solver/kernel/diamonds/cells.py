@@ -16,7 +16,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY, copy, times
-from tline.solver.kernel.diamonds.full import MIDDLE, flushed, lost
+from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import FAR
 
@@ -183,6 +183,44 @@ def due(run, row, count):
 
 
 @function
+def places_in_ring(begin, before_a, before_b, D):
+    """Places of a cell's first slabs of a and b, so many slabs before those that have left the ends."""
+    a, b = begin - before_a, begin - before_b + D
+    return a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
+
+
+@function
+def pass_constants(run, row, count):
+    """Do what `pass_line` does, of constants in cells of one slab: waves are their projections. Nothing remembers."""
+    diamonds, waves, line = run.network.diamonds, run.state.waves, run.network.diamonds.line[row]
+    begin, steady, exact = due(run, row, count), diamonds.steady[row], diamonds.exact
+    o, D, begun, end = (
+        run.network.offset[line],
+        run.network.delay[line],
+        steady[2] - steady[0],
+        0.5 + diamonds.over[row],
+    )
+    for later in range(2):
+        for i in range(D - later):
+            rest = D - 1 - later - i
+            a, b = places_in_ring(begin, i, rest, D)
+            here, there = waves[o + a], waves[o + b]
+            weight = 1.0 + (end if later + i == 0 else 0.0) + (end if later + rest == 0 else 0.0)
+            d, taken, size, done = here - there + begun, 0.0, max(abs(here), abs(there)), False
+            for turn in range(ROUNDS):
+                value, slope = lost(diamonds, row, d - taken)
+                step = ((value - steady[3]) * weight - taken) / (1.0 + weight * slope)
+                taken += step if turn < NEWTON else 0.5 * step
+                if abs(step) <= exact * size:
+                    done = True
+                    break
+            if not done:
+                return False
+            waves[o + a], waves[o + b] = flushed(here - taken), flushed(there + taken)
+    return True
+
+
+@function
 def as_one(run, row, side):
     """Take a wave in a cell for one part. Returns their number."""
     edges = run.work.diamonds.edges[side]
@@ -235,7 +273,7 @@ def pass_line(job, run, row, count, take, put):
     for later in range(2):
         for i in range(number - later):
             rest = number - 1 - later - i
-            a, b = (begin - i * k + ring) % ring, (begin - rest * k + D + ring) % ring
+            a, b = places_in_ring(begin, i * k, rest * k, D)
             column = 2 * i + later
             if later == 1:
                 recall(job, run, row, o, a, b, ring, column, take, put)
@@ -256,11 +294,16 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
 
     Returns as `pass_diamonds` does.
     """
+    diamonds, constant = run.network.diamonds, run.state.before.shape[1] == 1
     rows = run.network.blocks.far_cells if chosen == FAR else run.network.blocks.near_cells
     for index in range(rows.size):
         row = int(rows[index])
-        if not pass_line(run, run, row, count, take_wave, put_wave):
-            return run.network.diamonds.line[row]
+        if constant and diamonds.cell[row] == 1 and diamonds.memory.first[row] == diamonds.memory.first[row + 1]:
+            done = pass_constants(run, row, count)
+        else:
+            done = pass_line(run, run, row, count, take_wave, put_wave)
+        if not done:
+            return diamonds.line[row]
     return -1
 
 

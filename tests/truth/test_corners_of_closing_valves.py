@@ -1,4 +1,4 @@
-"""Corners that loss elements do not follow, against the recursion of a closing valve, bounce by bounce."""
+"""Corners of a valve that closes, at any place of a slab, against its recursion, bounce by bounce."""
 
 from pathlib import Path
 
