@@ -92,6 +92,10 @@ def test_reads_whatever_a_scene_is_in(monkeypatch):
     assert tl.read(scenes / "cable_rc.cir").medium == "electrical"
     with pytest.raises(tl.InputError, match=r"wave_speed: is for \.inp files"):
         tl.read(scenes / "loop.toml", wave_speed=1000)
+    monkeypatch.chdir(scenes.parent)
+    assert tl.read("water_pipe").title == tl.examples["water_pipe"].title
+    with pytest.raises(tl.InputError, match="waterpipe: neither a file nor a scene .*, expected 'water_pipe'"):
+        tl.simulate("waterpipe")
 
 
 def test_examples_are_a_mapping_of_scenes(tmp_path):

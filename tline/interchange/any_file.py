@@ -9,7 +9,8 @@ from tline.errors import InputError, LeftOutWarning
 from tline.scene.file import EPANET, SPICE, read_scene
 from tline.scene.scene import Scene
 from tline.scene.text_file import check_ordinary
-from tline.words.wording import shown
+from tline.shipped import examples
+from tline.words.wording import nearest, shown
 
 
 def read(
@@ -27,7 +28,8 @@ def read(
     Parameters
     ----------
     path : str or Path
-        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a water network of EPANET (.inp).
+        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a water network of EPANET (.inp). Where
+        there is no such file, the name of a scene of `tl.examples`.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool
@@ -51,8 +53,7 @@ def read(
 
     Examples
     --------
-    >>> import tline as tl
-    >>> read(tl.examples.path("cable_rc")).title
+    >>> read("cable_rc").title
     '50 Ω cable into 100 Ω ∥ 4 pF'
     """
     if not isinstance(path, str | Path):
@@ -61,11 +62,19 @@ def read(
     path = Path(path)
     if path.suffix.lower() not in (*SPICE, *EPANET):
         refuse_water(water)
+        if not path.suffix and not path.exists():
+            return _shipped(str(path))
         return read_scene(path, progress, confined=confined)
     scene, notes = read_foreign(path, **water)
     for note in notes:
         warnings.warn(note, LeftOutWarning, stacklevel=2)
     return scene
+
+
+def _shipped(name: str) -> Scene:
+    if name not in examples:
+        raise InputError(name, "neither a file nor a scene that comes with tline", nearest(name, examples.names))
+    return examples[name]
 
 
 def read_foreign(

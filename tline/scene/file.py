@@ -36,14 +36,12 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
 
 
 def as_scene(given: Scene | str | Path | Mapping[str, Any]) -> Scene:
-    """A scene as it is, the path of a file that `tline.read` reads, or its tables."""
+    """A scene as it is, what `tline.read` reads, or its tables."""
     match given:
         case Scene():
             return given
         case str() | Path():
-            if Path(given).suffix.lower() not in (*SPICE, *EPANET):
-                return read_scene(given)
-            import tline  # files of other programs are read by what stands above scenes
+            import tline  # files of other programs, and scenes by name, are read by what stands above scenes
 
             return tline.read(given)
         case Mapping():
