@@ -72,7 +72,7 @@ def frequency(
         raise InputError("--csv", "is about a source", "--save for S-parameters, or no --ports")
     s = 2j * np.pi * frequencies(scene, low, high, points)
     if ports:
-        return scattering_parameters(scene, [name.strip() for name in ports.split(",")], s, z0)
+        return scattering_parameters(scene, ports, s, z0)
     if scene.sources or source or "csv" in files or "plot" in files:
         return respond(scene, s, source)
     return Curves(scene, s, {}, "", "")

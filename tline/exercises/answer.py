@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-from tline.words.wording import nearest
+from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -156,7 +156,7 @@ def exercise(letter: str, drives: "CoupledDrives | None" = None) -> Answer:
     """
     key = str(letter).strip().lower()
     if key not in letters():
-        raise InputError("exercise", "no such letter", nearest(key, [*letters()]), f"'{letter:.40}'")
+        raise InputError("exercise", "no such letter", nearest(key, [*letters()]), shown(letter))
     if drives is not None and not key.startswith("4"):
         raise InputError("drives", f"exercise {key} has none", "a letter from 4a to 4h")
     told = _texts()[key]

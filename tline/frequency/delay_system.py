@@ -11,6 +11,7 @@ from tline.errors import InputError
 from tline.frequency.oscillations import Resonance, resonances
 from tline.frequency.response import Curves, frequencies, respond, source_named, unit_over
 from tline.presentation import Presentation
+from tline.scene.file import as_scene
 from tline.scene.load import Reservoir
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
@@ -35,7 +36,7 @@ class DelaySystem(Presentation):
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
         Linear lines between linear nodes.
     probe : str
         Name of the probe.
@@ -76,6 +77,7 @@ class DelaySystem(Presentation):
     quantity: Literal["u", "y", "a", "b"] = "u"
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "scene", as_scene(self.scene))
         if self.probe not in self.scene.probes:
             raise InputError("probe", "no such probe", nearest(self.probe, list(self.scene.probes)), f"'{self.probe}'")
         if self.quantity not in ("u", "y", "a", "b"):

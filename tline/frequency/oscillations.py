@@ -1,10 +1,12 @@
 """Natural oscillations of a scene: zeros of its characteristic function, located, not read off a curve."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.file import as_scene
 from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
@@ -54,7 +56,7 @@ class Resonance(NamedTuple):
         return f"{self.frequency:.6g} Hz, Q = {self.quality:.4g}, decays by a factor e in {self.decay_time:.4g} s"
 
 
-def resonances(scene: Scene, highest: float) -> list[Resonance]:
+def resonances(scene: Scene | str | Path, highest: float) -> list[Resonance]:
     """Natural oscillations up to a frequency, slowest first, and what grows without turning.
 
     Sources are silent: ideal efforts are shorts, ideal flows are open. Counted by the argument principle and polished;
@@ -62,7 +64,7 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
         Lossless lines between linear nodes.
     highest : float
         Frequency, Hz, above zero.
@@ -82,6 +84,7 @@ def resonances(scene: Scene, highest: float) -> list[Resonance]:
     >>> [f"{mode.frequency:.4g}" for mode in resonances(scene, 1e9)]  # quarter waves
     ['2.5e+08', '7.5e+08']
     """
+    scene = as_scene(scene)
     refuse_losses(scene, "its oscillations are not searched")
     description = describe(scene)
     D = Characteristic(description)

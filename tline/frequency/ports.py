@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import Curves, frequencies
+from tline.scene.file import as_scene
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
@@ -82,8 +83,8 @@ class ScatteringParameters(Curves):
 
 
 def scattering_parameters(
-    scene: Scene,
-    ports: Sequence[str],
+    scene: Scene | str | Path,
+    ports: str | Sequence[str],
     s: ArrayLike | None = None,
     z0: float | str | Sequence[float | str] | None = None,
 ) -> ScatteringParameters:
@@ -93,9 +94,9 @@ def scattering_parameters(
 
     Parameters
     ----------
-    scene : Scene
-    ports : sequence of str
-        Nodes, p of them.
+    scene : Scene, or the path of a file
+    ports : str or sequence of str
+        Nodes, p of them; a text may name several, with commas.
     s : array_like of complex, shape (n,), optional
         Laplace variable, 1/s; by default 1001 frequencies around those of the lines.
     z0 : float or str, or one for each port, optional
@@ -126,6 +127,8 @@ def scattering_parameters(
     array([[0., 1.],
            [1., 0.]])
     """
+    scene = as_scene(scene)
+    ports = [name.strip() for name in ports.split(",")] if isinstance(ports, str) else ports
     R = _references(scene, ports, z0)
     s = np.atleast_1d(np.asarray(2j * np.pi * frequencies(scene) if s is None else s, complex))
     bare = _without_sources(scene, ports)
@@ -142,7 +145,7 @@ def scattering_parameters(
     return ScatteringParameters(scene, s, curves, "S", "1", tuple(ports), tuple(R.tolist()), S)
 
 
-def impedance(scene: Scene, node: str, s: ArrayLike) -> NDArray:
+def impedance(scene: Scene | str | Path, node: str, s: ArrayLike) -> NDArray:
     """Impedance between a node and the reference, of all that is attached there but sources; shape of s.
 
     Raises

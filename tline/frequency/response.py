@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.frequency.oscillations import Resonance, resonances
 from tline.presentation import Presentation, plain
+from tline.scene.file import as_scene
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
@@ -194,14 +195,14 @@ def frequencies(scene: Scene, low: str | None = None, high: str | None = None, p
     return np.geomspace(bottom, top, points)
 
 
-def respond(scene: Scene, s: ArrayLike | None = None, source: str | None = None) -> Response:
+def respond(scene: Scene | str | Path, s: ArrayLike | None = None, source: str | None = None) -> Response:
     """Transfer functions from one source of a scene to its probes.
 
     All other sources are silent: only their resistances count. Switches stand as they do after they have moved.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
         Linear lines between linear nodes.
     s : array_like of complex, optional
         Laplace variable, 1/s; ``2j*pi*f`` for a frequency f in Hz. Any shape. By default 1001 frequencies around those
@@ -233,6 +234,7 @@ def respond(scene: Scene, s: ArrayLike | None = None, source: str | None = None)
     >>> bool(abs(respond(scene, 2j * np.pi * 0.25e9)["far"].u + 1j) < 1e-12)  # open end, a quarter wave: delayed by it
     True
     """
+    scene = as_scene(scene)
     s = np.asarray(2j * np.pi * frequencies(scene) if s is None else s, complex)
     if not np.isfinite(s).all():
         raise InputError("s", "not finite", "finite complex numbers", f"{s.ravel()[~np.isfinite(s.ravel())][0]}")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.coupled import Coupled
+from tline.scene.file import as_scene
 from tline.scene.scene import Scene
 from tline.solver.result.atomic import write_columns
 from tline.solver.result.dense_output import curve
@@ -73,12 +74,14 @@ class Crosstalk(Presentation):
         return {(a, b): (self.voltages[a] + self.voltages[b]) / 2 for a, b in self.pairs}
 
 
-def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None, progress: bool = False) -> Crosstalk:
+def crosstalk(
+    scene: Scene | str | Path, line: str | None = None, *, tol: float | None = None, progress: bool = False
+) -> Crosstalk:
     """Run a scene and compare what coupled conductors carry at both ends.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
     line : str, optional
         Name of the coupled conductors; not needed if there are no others.
     tol : float, optional
@@ -98,6 +101,7 @@ def crosstalk(scene: Scene, line: str | None = None, *, tol: float | None = None
     >>> print({node: f"{100 * share:.1f} %" for node, share in found.near.items()})
     {'near': '5.7 %'}
     """
+    scene = as_scene(scene)
     name = _line(scene, line)
     ends: tuple[tuple[str, ...], tuple[str, ...]] = scene.lines[name].nodes1, scene.lines[name].nodes2  # pyright: ignore[reportAttributeAccessIssue]
     nodes = (*ends[0], *ends[1])

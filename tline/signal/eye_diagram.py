@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.frequency.response import source_named
 from tline.presentation import Presentation, plain
+from tline.scene.file import as_scene
 from tline.scene.ibis.element import Ibis
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
@@ -127,7 +129,7 @@ def prbs7() -> NDArray:
 
 
 def eye(
-    scene: Scene,
+    scene: Scene | str | Path,
     probe: str,
     period: float | str,
     rise: float | str | None = None,
@@ -143,7 +145,7 @@ def eye(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
     probe : str
         Name of the probe.
     period : float or str
@@ -184,6 +186,7 @@ def eye(
     >>> round(seen.height, 9), round(seen.width * 1e9, 6)  # matched: nothing but the edges closes it
     (1.0, 1.0)
     """
+    scene = as_scene(scene)
     if probe not in scene.probes:
         raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
     pattern, T = _pattern(bits), to_si(period, "s", "period")

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
+from tline.scene.file import as_scene
 from tline.scene.heights import words
 from tline.scene.medium import Medium
 from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
@@ -67,7 +69,7 @@ class Bergeron(Presentation):
         return plain({name: getattr(self, name) for name in ("z0", "delay", "ends", "u", "y")})
 
 
-def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
+def bergeron(scene: Scene | str | Path, hops: int = 12) -> Bergeron:
     """Follow the step of constant sources through the plane of effort and flow.
 
     At end 2 arrives u + z0 y, as it left end 1; at end 1 arrives u - z0 y, as it left end 2. Each state is where such a
@@ -75,7 +77,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
         One line, ends of resistors and sources that step at t = 0 and then stay: other waveforms count as a step to
         what they are at the scene's end.
     hops : int
@@ -101,6 +103,7 @@ def bergeron(scene: Scene, hops: int = 12) -> Bergeron:
     >>> bergeron(scene, 3).u.round(6).tolist()  # 2/3, then half of it comes back, and a third of that is turned over
     [0.0, 0.666667, 1.0, 0.888889]
     """
+    scene = as_scene(scene)
     if len(scene.lines) != 1:
         raise InputError("lines", "load lines are drawn for one line", "a scene with one line", f"{len(scene.lines)}")
     refuse_coupled(scene.lines, "a diagram of load lines")

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import respond, source_named
+from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
 from tline.signal.eye_diagram import edge_within
@@ -105,7 +107,7 @@ class PulseResponse:
 
 
 def pulse_response(
-    scene: Scene,
+    scene: Scene | str | Path,
     probe: str,
     period: float | str,
     rise: float | str,
@@ -120,7 +122,7 @@ def pulse_response(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
     probe : str
         Name of the probe.
     period : float or str
@@ -152,6 +154,7 @@ def pulse_response(
     >>> pulse_response(scene, "far", "1 ns", "0.25 ns").u[:4, 32].round(9)  # in the middle of each bit
     array([0. , 0. , 0.5, 0. ])
     """
+    scene = as_scene(scene)
     if probe not in scene.probes:
         raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
     T, driver = to_si(period, "s", "period"), source_named(scene, source)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.coupled import Coupled
+from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
 from tline.solver.result.atomic import write_columns
@@ -89,7 +90,7 @@ class Reflections(Presentation):
 
 
 def reflectometry(
-    scene: Scene,
+    scene: Scene | str | Path,
     node: str,
     rise: float | str,
     z0: float | str | None = None,
@@ -102,7 +103,7 @@ def reflectometry(
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, or the path of a file
         At rest before the step.
     node : str
         Where the instrument is.
@@ -137,6 +138,7 @@ def reflectometry(
     >>> float(np.interp(2e-9, seen.t, seen.impedance).round(6))  # the cable itself
     75.0
     """
+    scene = as_scene(scene)
     lines = [line for line in scene.lines.values() if node in line.nodes]
     if not lines:
         nodes = list(dict.fromkeys(at for line in scene.lines.values() for at in line.nodes))
