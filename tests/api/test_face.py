@@ -94,7 +94,7 @@ def test_reads_whatever_a_scene_is_in(monkeypatch):
         tl.read(scenes / "loop.toml", wave_speed=1000)
     monkeypatch.chdir(scenes.parent)
     assert tl.read("water_pipe").title == tl.examples["water_pipe"].title
-    with pytest.raises(tl.InputError, match="waterpipe: neither a file nor a scene .*, expected 'water_pipe'"):
+    with pytest.raises(tl.InputError, match=r"waterpipe: neither a file nor a scene .*, expected 'water_pipe'"):
         tl.simulate("waterpipe")
 
 
