@@ -35,10 +35,10 @@ def in_us(part: Any) -> Any:
 def test_the_same_scene_in_us_units(name):
     scene = tl.examples[name]
     other = tl.Scene(scene.folder, **in_us(scene))
-    close = {"rtol": 1e-12, "atol": 0.0}
+    close: Any = {"rtol": 1e-12, "atol": 0.0}
     for key, line in scene.lines.items():
         ours, theirs = line.parameters, other.lines[key].parameters
-        np.testing.assert_allclose([theirs.z0, theirs.delay], [ours.z0, ours.delay], **close)
+        assert [theirs.z0, theirs.delay] == pytest.approx([ours.z0, ours.delay], rel=1e-12)
     for (where, one), (_, two) in zip(scene.placed, other.placed, strict=True):
         if hasattr(one, "law"):
             np.testing.assert_allclose(two.law().constants, one.law().constants, **close, err_msg=str(where))
