@@ -10,6 +10,7 @@ PAGES = (
     "sweeps",
     "networks",
     "circuits",
+    "channels",
     "passivity",
     "systems",
     "friction",

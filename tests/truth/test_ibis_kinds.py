@@ -21,7 +21,7 @@ def seen(folder: Path, text: str, t: np.ndarray, tol: float = 1e-6, **load) -> n
     (folder / "a.ibs").write_text(text, encoding="utf-8")
     step = {"shape": "step", "from": 0, "to": 1, "at": 1e-9}
     scene = Scene(
-        folder, medium="electrical", t_end=float(t[-1]), start="steady",
+        str(folder), medium="electrical", t_end=float(t[-1]), start="steady",
         lines={"line": {"nodes": ["near", "pad"], "z0": 50, "delay": "0.5 ns"}}, probes={"pad": {"at": "pad"}},
         sources={"s": {"at": "near", "kind": "voltage", "value": step, "resistance": 50}},
         loads={"u": {"at": "pad", "kind": "ibis", "file": "a.ibs", "package": False} | load},

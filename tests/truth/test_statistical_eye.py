@@ -208,6 +208,13 @@ def test_neighbours_close_the_eye_as_their_cursors_convolved_by_hand():
     assert seen.misread[90] == pytest.approx(exact, rel=0.02)
 
 
+def test_the_margin_is_that_of_half_a_bit_over_the_tail_of_noise():
+    """As of annex 93A where nothing but noise disturbs: 20 log(A_s/(sigma Q^-1(DER)))."""
+    seen = statistical_eye(SQUARE, 1e-5, noise=0.04)
+    assert seen.margin == pytest.approx(20 * np.log10(0.5 / (0.04 * norm.isf(1e-5))), abs=0.05)
+    assert statistical_eye(SQUARE).margin > 50  # a level is a thousandth
+
+
 def test_a_mask_is_free_by_what_contours_stay_away():
     seen = statistical_eye(SQUARE, aggressors=[PulseResponse(64e-12, np.full((1, FINE), 0.2), 0.0, 0.0)])
     assert seen.height == pytest.approx(0.8, abs=2e-3)

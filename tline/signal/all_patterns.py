@@ -82,6 +82,7 @@ class StatisticalEye(Presentation):
         unit, bits = self.medium.units["effort"], f"bits of {self.period:.6g} s"
         yield f"all patterns of {bits} at '{self.pulse.probe}', with an error rate of {self.ber:g}"
         yield f"height {self.height:.6g} {unit} around {self.threshold:.6g} {unit}, width {self.width:.6g} s"
+        yield f"signal over all that disturbs it {self.margin:.3g} dB"
         if len(self.dfe):
             yield "fed back " + ", ".join(f"{tap:.4g} {unit}" for tap in self.dfe)
         yield f"sampled {self.instant:.6g} s after the begin of a bit at the source"
@@ -91,7 +92,7 @@ class StatisticalEye(Presentation):
 
     def to_dict(self) -> dict[str, Any]:
         """The same and the curves in SI."""
-        names = "height width instant threshold ber period dfe t ones zeros bathtub levels misread"
+        names = "height width instant threshold ber period dfe t ones zeros bathtub levels misread margin"
         told = {name: getattr(self, name) for name in names.split()}
         return plain(
             told
@@ -113,6 +114,16 @@ class StatisticalEye(Presentation):
         """Opening at the sampling instant: ones less zeros; at or below zero the eye is closed."""
         middle = len(self.t) // 2
         return float(self.ones[middle] - self.zeros[middle])
+
+    @property
+    def margin(self) -> float:
+        """Signal over what disturbs it at the error rate, 20 log(A_s/A_ni), dB: the last step of an operating margin.
+
+        IEEE Std 802.3, annex 93A, (93A-1); packages, filters and the search of equalisers of that annex are the user's.
+        """
+        signal = float(self.levels[-1] - self.levels[0]) / 2
+        disturbed = signal - self.height / 2
+        return float(20 * np.log10(signal / disturbed)) if signal > 0 < disturbed else float("inf")
 
 
 def statistical_eye(
