@@ -14,13 +14,14 @@ from drives.derivation import PulleyCheck as PulleyCheck
 from drives.derivation import check_pulley as check_pulley
 from drives.derivation import wrong_sign as wrong_sign
 from drives.energy import Energy as Energy
+from drives.feedback import closed_loop as closed_loop
+from drives.feedback import sampled_poles as sampled_poles
 from drives.linearise import Artefact as Artefact
 from drives.linearise import artefact as artefact
 from drives.linearise import eigenvalues as eigenvalues
 from drives.linearise import forward_difference as forward_difference
 from drives.linearise import literal_jacobian as literal_jacobian
 from drives.linearise import zero_eigenvalues as zero_eigenvalues
-from drives.loop import closed_loop as closed_loop
 from drives.loop import simulate_control as simulate_control
 from drives.modes import HiddenMode as HiddenMode
 from drives.modes import hidden_modes as hidden_modes

@@ -4,7 +4,7 @@ Everything is exact to rounding from event to event; the belts' relaxation bound
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from friction import Event, Model
 
 MOST_EVENTS = 100_000
+Dry: TypeAlias = "Sequence[Model | None]"  # laws of friction of the left and the right bearing
 
 
 class Parts:
@@ -47,7 +48,7 @@ class Parts:
         """A combination of the states."""
         return dict(zip(self.states.values(), row.tolist(), strict=True))
 
-    def move(self, T1: int, T2: int, friction: "Sequence[Model | None]" = (None, None)) -> None:
+    def move(self, T1: int, T2: int, friction: Dry = (None, None)) -> None:
         """The equations of motion under torques, which are signals."""
         from friction.methods import STATIC
 

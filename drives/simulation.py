@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drives.assembled import Parts
+from drives.assembled import Dry, Parts
 from drives.coupled import CoupledDrives
 from drives.discretise import legs, propagate
 from drives.energy import Energy, energy_of, open_torques, stored_in
@@ -24,7 +24,7 @@ from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
-    from friction import Event, Model
+    from friction import Event
 
 MOST_STEPS = 1_000_000
 SHOWN = 6  # events of a spool in the text
@@ -207,7 +207,7 @@ def simulate_slack(
     step: float,
     initial: Mapping[str, float] | None = None,
     slack: bool = True,
-    friction: Sequence["Model | None"] = (None, None),
+    friction: Dry = (None, None),
 ) -> Run:
     """Run the mechanism with a belt that pulls but does not push, and dry friction in the bearings, event by event.
 
@@ -239,8 +239,18 @@ def simulate_slack(
     t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
     parts = Parts(drives, x0, slack)
     parts.move(parts.mechanism.input(0), parts.mechanism.input(1), friction)
-    x, energies, _, events = parts.run(t, (T1, T2))
-    model = drives.state_space()
+    run, *_ = moved(parts, t, (T1, T2), slack)
+    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, dry=friction))
+
+
+def moved(
+    parts: Parts, t: NDArray, inputs: Sequence[Torque], slack: bool, also: Sequence[float] | NDArray = ()
+) -> tuple[Run, dict[str, NDArray], dict[str, NDArray]]:
+    """A run from event to event, and what else the parts show: at the samples, and at other times."""
+    drives, every = parts.drives, np.union1d(t, also)
+    x, energies, shown, events = parts.run(every, inputs)
+    kept, others = (np.searchsorted(every, at) for at in (t, also))
+    x, energies, model = x[kept], [one[kept] for one in energies], drives.state_space()
     outputs = named(model.outputs, x @ model.C.T)
     pushed = slack & (outputs["tension"] < 0)
     for name in ("tension", "x_k"):
@@ -249,4 +259,5 @@ def simulate_slack(
     tight[pushed, drives.states.index("e_p")] = 0.0  # slack stores nothing
     run = Run(t, named(drives.states, x), outputs, Energy(stored_in(drives, tight), *energies), events=events)
     run = run if slack else replace(run, notes=pushing(t, outputs["tension"]))
-    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, rubs=any(friction)))
+    first, second = ({name: one[at] for name, one in shown.items()} for at in (kept, others))
+    return run, first, second

@@ -27,7 +27,16 @@ Examples:
   tline drives control --speed "1 m/s" --tension "5 N" --limit "2 N m"
 """
 CONTROL, DESIGN = "drives.loop:simulate_control", "drives.control:design"
-PASSED_ON = ("design", "drives", "belt_speed", "d1", "d2", "step", "initial")  # arguments that commands give themselves
+PASSED_ON = (
+    "design",
+    "drives",
+    "belt_speed",
+    "d1",
+    "d2",
+    "step",
+    "initial",
+    "friction",
+)  # arguments that commands give themselves
 FILES = {"csv": table("A table, SI, full precision"), "plot": picture("A picture")}
 SAMPLES = {"step": 200, "control": 400}  # of a run
 BARE = re.compile(r"\s*[+-]?[0-9.]+(e[+-]?[0-9]+)?\s*", re.IGNORECASE)
@@ -79,6 +88,9 @@ ASKED = {
     "speed_bandwidth": Asked("rad/s"),  # what these are, the design and the run say
     "tension_bandwidth": Asked("rad/s"),
     "limit": Asked("N m"),
+    "period": Asked("s"),
+    "delay": Asked("s"),
+    "filter_time": Asked("s"),
 }
 SET_POINTS = tuple(
     click.Option([f"--{key}"], metavar=each.unit, default=each.default, show_default=True, help=each.help)
@@ -254,17 +266,38 @@ Examples:
   tline drives control
   tline drives control --speed-bandwidth "50 rad/s" --tension-bandwidth "20 rad/s"
   tline drives control --disturbance "0.05 N m" --limit "2 N m" --plot loop.png
+  tline drives control --period "10 ms" --delay "4 ms" --filter-time "3 ms"
+  tline drives control --speed "0.1 m/s" --coulomb "0.04 N m" --break-away "0.06 N m" --stribeck "2 rad/s"
 """,
 )
-def control(*, t_end: str = "2 s", **given: Any) -> Output:
+def control(
+    *,
+    coulomb: str | None = None,
+    break_away: str | None = None,
+    stribeck: str | None = None,
+    t_end: str = "2 s",
+    **given: Any,
+) -> Output:
     """Design PI controllers for belt speed and tension behind a decoupler, and run them.
 
     Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
     first. What cannot be had, a bandwidth with good margins or set points at the limit, is said with what can; exit 1.
+
+    Parameters
+    ----------
+    coulomb : TORQUE
+        Dry friction in the bearings, as of `tline drives step`.
+    break_away : TORQUE
+        What it takes to leave rest.
+    stribeck : ω
+        Angular speed over which friction falls from that.
     """
     from drives import Torque, design, simulate_control
 
-    found, end, antiwindup = mechanism(given), quantity("--t-end", t_end, "s"), given.pop("antiwindup", True)
+    laws = dry_friction(coulomb, break_away, stribeck)
+    found, end, flags = mechanism(given), quantity("--t-end", t_end, "s"), {}
+    for name in ("antiwindup", "slack"):
+        flags |= {name: given.pop(name)} if name in given else {}
     numbers = numbers_of(given)
     bands = {key: numbers.get(key) for key in ("speed_bandwidth", "tension_bandwidth")}
     made = design(found, **bands)
@@ -273,8 +306,9 @@ def control(*, t_end: str = "2 s", **given: Any) -> Output:
         Torque.step(numbers["speed"]),
         Torque.step(numbers["tension"]),
         d1=Torque.step(numbers["disturbance"], end / 2),
-        limit=numbers.get("limit"),
-        antiwindup=antiwindup,
+        **{name: numbers[name] for name in ("limit", "period", "delay", "filter_time") if name in numbers},
+        **flags,
+        friction=laws,
         t_end=end,
         step=end / SAMPLES["control"],
     )
