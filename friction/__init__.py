@@ -1,6 +1,7 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
 from friction.fit import Fit
+from friction.hunting import Swing, harmonic_damping, swings
 from friction.identify import Identification, identify
 from friction.maxwell import MaxwellSlip
 from friction.methods import METHODS, Method
@@ -52,16 +53,19 @@ __all__ = [
     "Spring",
     "Status",
     "Steps",
+    "Swing",
     "Table",
     "Tanh",
     "Testbench",
     "dead_zone",
     "euler_chatter",
+    "harmonic_damping",
     "identify",
     "limits",
     "lugre_drift",
     "passive_damping",
     "prescribe",
     "simulate",
+    "swings",
     "tanh_creep",
 ]
