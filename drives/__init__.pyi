@@ -28,6 +28,7 @@ from drives.modes import hidden_modes as hidden_modes
 from drives.parts import Belt as Belt
 from drives.parts import Pulley as Pulley
 from drives.parts import Spool as Spool
+from drives.parts import Winding as Winding
 from drives.picture import draw_bode as draw_bode
 from drives.picture import draw_poles as draw_poles
 from drives.picture import draw_run as draw_run

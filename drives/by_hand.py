@@ -11,7 +11,7 @@ a sequence of floats, or, where no torque is limited, of arrays with an entry fo
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import copysign, cos, exp, inf
+from math import copysign, cos, exp, inf, pi
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -46,6 +46,8 @@ class Equations:
         Whether the belt cannot push.
     dry : sequence of Coulomb, Karnopp or None
         Dry friction of the left and the right bearing.
+    winding : Winding, optional
+        Of the belt on the spools, whose phi2 is then an output as it is.
     number : callable
         What to compute in.
     """
@@ -56,6 +58,7 @@ class Equations:
         control: Control | None = None,
         slack: bool = False,
         dry: Sequence[Any] = (None, None),
+        winding: Any = None,
         number: Callable = float,
     ):
         belts = {"e1": parts.left_belt, "e2": parts.right_belt}
@@ -66,6 +69,7 @@ class Equations:
         self.k, self.cosine = number(parts.pulley.stiffness), number(cos(parts.pulley.angle))
         self.spring = 1 / (4 * self.cosine**2 / self.k + sum(1 / k for k, b in given.values() if not b))
         self.parts, self.control, self.slack, self.dry = parts, control, slack, dry
+        self.wound = (float(winding.thickness) / (2 * pi), float(winding.line_density)) if winding else None
         integrals = ("q_speed", "q_tension") if control else ()
         if control and control.filter_time:
             integrals = SEEN + integrals
@@ -86,7 +90,12 @@ class Equations:
     @property
     def linear(self) -> bool:
         """Whether nothing is to be freed of."""
-        return not self.slack and not any(self.dry) and (self.control is None or self.control.limit == inf)
+        return (
+            not self.slack
+            and not any(self.dry)
+            and not self.wound
+            and (self.control is None or self.control.limit == inf)
+        )
 
     def tension(self, x: Row) -> Any:
         """The belt's tension, N."""
@@ -94,7 +103,7 @@ class Equations:
 
     def at(self, x: Row, u: Row) -> tuple[list[Any], list[Product], list[Product]]:
         """dx/dt, heat flow and supplied power."""
-        (j1, b1, r1), (j2, b2, r2) = self.spools
+        (j1, b1, r1), (j2, b2, r2) = self.spools_at(x)
         w1, w2, f, integrals = x[1], x[2], self.tension(x), []
         T1, T2 = u[0], u[1]
         if self.control:
@@ -107,20 +116,34 @@ class Equations:
         rates = [w1, *turning, r2 * w2 - r1 * w1 - sum(stretching), *stretching, *integrals, w2]
         heat = [(b1, w1, w1), (b2, w2, w2), *((b, v, v) for (_, b), v in zip(self.belts, stretching, strict=True))]
         heat += [(1.0, torque, w) for law, torque, w in zip(self.dry, rubbed, (w1, w2), strict=True) if law]
-        return rates, heat, [(-1.0, T1, w1), (1.0, T2, w2)]
+        work = [(-1.0, T1, w1), (1.0, T2, w2)]
+        if self.wound:
+            work += [(s * self.wound[1] / 2 * r**3, w * w, w) for s, r, w in ((-1, r1, w1), (1, r2, w2))]
+        return rates, heat, work
+
+    def spools_at(self, x: Row) -> list[tuple[Any, Any, Any]]:
+        """Inertia, friction and radius of the spools, as much as is wound on them."""
+        if not self.wound:
+            return self.spools
+        (turn, density), found = self.wound, []
+        for (j, b, r), way in zip(self.spools, (-turn * x[0], turn * x[-1]), strict=True):
+            found.append((j + density / (4 * turn) * ((r + way) ** 4 - r**4), b, r + way))
+        return found
 
     def stored(self, x: Row) -> Any:
         """Energy in spools and springs, J."""
-        (j1, _, _), (j2, _, _) = self.spools
+        (j1, _, _), (j2, _, _) = self.spools_at(x)
         belts = sum(k * e**2 for (k, _), e in zip(self.belts, x[4:], strict=False))
         return (j1 * x[1] ** 2 + j2 * x[2] ** 2 + self.tension(x) ** 2 / self.spring + belts) / 2
 
     def outputs(self, x: Row, u: Row) -> dict[str, Any]:
         """What is given out, by its name."""
-        (_, _, r1), (_, _, r2) = self.spools
+        (j1, _, r1), (j2, _, r2) = self.spools_at(x)
         f = self.tension(x)
         found = {"tension": f, "x_k": -2 * self.cosine * f / self.k, "belt_speed": (r1 * x[1] + r2 * x[2]) / 2}
         found |= {"phi1": x[0], "w1": x[1], "w2": x[2], "phi2": (r1 * x[0] + sum(x[3 : 4 + len(self.belts)])) / r2}
+        if self.wound:
+            found |= {"phi2": x[-1], "r1": r1, "r2": r2, "J1": j1, "J2": j2}
         if self.control:
             found["T1"], found["T2"] = self._controlled(self.control, x, u)[0]
         return found

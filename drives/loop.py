@@ -23,6 +23,7 @@ from drives.discretise import legs, propagate
 from drives.energy import Rows, energy_of
 from drives.feedback import closed_loop, feedback_of, looks_of, sampled_poles
 from drives.number import positive, written
+from drives.parts import Winding
 from drives.simulation import MOST_STEPS, Run, initial_state, moved, named, pushing, sample_times
 from drives.state_space import StateSpace, floats
 from drives.symbolic import OUTPUTS
@@ -49,6 +50,7 @@ def simulate_control(
     filter_time: float = 0.0,
     slack: bool = False,
     friction: Dry = (None, None),
+    winding: Winding | None = None,
     t_end: float,
     step: float,
     initial: Mapping[str, float] | None = None,
@@ -78,6 +80,8 @@ def simulate_control(
     friction : sequence of Coulomb or Karnopp, optional
         Dry friction in the bearings, as of `drives.simulate_slack`; set points that a limit does not hold are told
         as without.
+    winding : Winding, optional
+        As of `drives.simulate_slack`; the controllers, and what is told of limits, keep the radii at the angle 0.
     t_end, step, initial
         As of `drives.simulate`; states q_speed and q_tension are the integrals.
 
@@ -106,7 +110,7 @@ def simulate_control(
     verdict = tuple(_unstable(design, loop, period, delay, filter_time))
     if limit is not None:
         verdict += tuple(unreachable(drives, *inputs, limit=most, end=float(t[-1])))
-    elif period is None and not slack and not any(friction):
+    elif period is None and not (slack or winding or any(friction)):
         way = legs(inputs, float(step), len(t))
         with np.errstate(over="ignore", invalid="ignore"):
             ends = propagate(loop.a, loop.b, x0, way)
@@ -115,7 +119,7 @@ def simulate_control(
         _within_floats(t, np.column_stack([x, energy.stored, energy.dissipated, energy.supplied]), verdict)
         run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict, **asked)
         return replace(run, verdicts=verdict + doubts(drives, inputs, run, control))
-    parts, changes, between = Parts(drives, x0, slack), np.empty(0), np.empty(0)
+    parts, changes, between = Parts(drives, x0, slack, winding), np.empty(0), np.empty(0)
     if period is not None:
         h, late = looks_of(period, delay)
         if t[-1] > MOST_STEPS * h:
@@ -133,9 +137,13 @@ def simulate_control(
     outputs = {name: np.clip(seen[name], -most, most) for name in names}
     run = replace(run, states=run.states | states, outputs=run.outputs | outputs, verdicts=verdict, **asked)
     if period is None:
-        return replace(run, verdicts=verdict + doubts(drives, inputs, run, control, slack=slack, dry=friction))
+        return replace(
+            run, verdicts=verdict + doubts(drives, inputs, run, control, slack=slack, dry=friction, winding=winding)
+        )
     torques = (Torque.held(changes, held[name]) + more for name, more in zip(names, (d1, d2), strict=True))
-    return replace(run, verdicts=verdict + doubts(drives, tuple(torques), run, slack=slack, dry=friction))
+    return replace(
+        run, verdicts=verdict + doubts(drives, tuple(torques), run, slack=slack, dry=friction, winding=winding)
+    )
 
 
 def _control(design: Design, limit: float, antiwindup: bool, filter_time: float) -> Control:

@@ -27,6 +27,7 @@ def doubts(
     *,
     slack: bool = False,
     dry: Sequence[Any] = (None, None),
+    winding: Any = None,
 ) -> tuple[str, ...]:
     """A sentence, if this run is not one of this mechanism.
 
@@ -41,8 +42,9 @@ def doubts(
         Whether the belt cannot push.
     dry : sequence of Coulomb, Karnopp or None
         Dry friction of the left and the right bearing.
+    winding : Winding, optional
     """
-    equations = Equations(parts, control, slack, dry)
+    equations = Equations(parts, control, slack, dry, winding)
     x = np.array([*(run.states[name] for name in equations.states), run.outputs["phi2"]])
     events = [event.t for side in run.events.values() for event in side]
     record = Record(run.t, x, np.array([run.energy.dissipated, run.energy.supplied]), inputs, events)
@@ -74,7 +76,7 @@ def _of_definitions(equations: Equations, record: Record, run: Any, sizes: dict[
         each = [equations.outputs(*one) for one in zip(record.x.T.tolist(), record.u.T.tolist(), strict=True)]
         found = {name: np.array([one[name] for one in each]) for name in each[0]}
     for name, value in found.items():
-        yield from _apart(run.t, name, run.outputs[name], value, CLOSE * sizes[name])
+        yield from _apart(run.t, name, run.outputs[name], value, CLOSE * sizes.get(name, np.abs(value)))
     stored = equations.stored(record.x)
     yield from _apart(run.t, "the stored energy", run.energy.stored, stored, CLOSE * stored)
 
