@@ -37,6 +37,8 @@ from drives.resonance import effective_stiffness as effective_stiffness
 from drives.resonance import largest_friction_with_peak as largest_friction_with_peak
 from drives.resonance import peak as peak
 from drives.resonance import undamped_frequency as undamped_frequency
+from drives.sensitivity import Sensitivities as Sensitivities
+from drives.sensitivity import sensitivities as sensitivities
 from drives.simulation import Run as Run
 from drives.simulation import simulate as simulate
 from drives.simulation import simulate_slack as simulate_slack

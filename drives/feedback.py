@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from drives.by_hand import SEEN
 from drives.control import Design
+from drives.coupled import CoupledDrives
 from drives.decoupling import decoupler
 from drives.discretise import joined, step_matrix
 from drives.number import positive, rational
@@ -42,8 +43,8 @@ class Feedback(NamedTuple):
     feedback: fmpq_mat
 
 
-def feedback_of(design: Design, lag: Fraction) -> Feedback:
-    """The loop with filters of this time constant, none if 0."""
+def feedback_of(design: Design, lag: Fraction, plant: CoupledDrives | None = None) -> Feedback:
+    """The loop with filters of this time constant, none if 0, perhaps of other drives than were designed for."""
     drives, torque, feedback = design.drives, [], []
     for k, (one, sign) in enumerate(zip(decoupler(drives), (-1, 1), strict=True)):
         torque.append([rational(one.share * x / 2) for x in (sign, 1)])
@@ -51,8 +52,8 @@ def feedback_of(design: Design, lag: Fraction) -> Feedback:
     seen = [[*(rational(spool.radius / 2) for spool in (drives.left, drives.right)), 0], [0, 0, 1]]
     gains = [rational(one.gain) for one in (design.speed, design.tension)]
     rates = [rational(one.gain / one.integral_time) for one in (design.speed, design.tension)]
-    plant, y = drives.state_space(), drives.state_space(("w1", "w2", "tension")).c
-    a, b, n = plant.a, plant.b, len(drives.states)
+    model = (plant or drives).state_space(("w1", "w2", "tension"))
+    a, b, y, n = model.a, model.b, model.c, len(model.states)
     if lag:
         each = rational(1 / lag)
         a = _blocks([[a, fmpq_mat(n, 3)], [y * each, _diagonal([-each] * 3)]])
@@ -61,7 +62,7 @@ def feedback_of(design: Design, lag: Fraction) -> Feedback:
     return Feedback(a, b, y, *controller)
 
 
-def closed_loop(design: Design, filter_time: float = 0.0) -> StateSpace:
+def closed_loop(design: Design, filter_time: float = 0.0, plant: CoupledDrives | None = None) -> StateSpace:
     """The drives with their controllers, exact.
 
     Inputs are the set points of belt_speed and tension and disturbing torques d1 and d2, which act like T1 and T2;
@@ -74,6 +75,8 @@ def closed_loop(design: Design, filter_time: float = 0.0) -> StateSpace:
     filter_time : float, optional
         Time constant of a first-order low pass behind the measurements of w1, w2 and the tension [s], which are then
         states, too; none if 0.
+    plant : CoupledDrives, optional
+        Other drives than the controllers were designed for.
 
     Raises
     ------
@@ -87,8 +90,8 @@ def closed_loop(design: Design, filter_time: float = 0.0) -> StateSpace:
     >>> [round(p.real, 3) for p in loop.poles]
     [-475.341, -100.0, -100.0, -100.0, -20.0, -19.306, -5.353, 0.0]
     """
-    lag, drives = positive(filter_time, "filter_time", or_zero=True), design.drives
-    law, behind, p = feedback_of(design, lag), SEEN if lag else (), len(OUTPUTS)
+    lag, drives = positive(filter_time, "filter_time", or_zero=True), plant or design.drives
+    law, behind, p = feedback_of(design, lag, plant), SEEN if lag else (), len(OUTPUTS)
     n, on_references = law.a.nrows(), law.torque * law.gain
     on_states, on_integrals = (law.feedback - on_references * law.seen) * law.measured, law.torque * law.integral
     unit, none, outputs = _diagonal([1] * 2), fmpq_mat(2, 2), drives.state_space().c

@@ -212,17 +212,19 @@ Examples:
   tline drives control --speed "0.1 m/s" --coulomb "0.04 N m" --break-away "0.06 N m" --stribeck "2 rad/s"
 """,
 )
-def control(
-    *,
-    t_end: str = "2 s",
-    **given: Any,
-) -> Output:
+def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) -> Output:
     """Design PI controllers for belt speed and tension behind a decoupler, and run them.
 
     Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
     first. What cannot be had, a bandwidth with good margins or set points at the limit, is said with what can; exit 1.
+
+    Parameters
+    ----------
+    sensitivities
+        Tell what 1 % more of each parameter does to poles and overshoots of the linear, continuous loop.
     """
     from drives import Torque, design, simulate_control
+    from drives import sensitivities as sensitivities_of
 
     rubs, flags = loosely(given), {}
     found, end = mechanism(given), quantity("--t-end", t_end, "s")
@@ -243,9 +245,13 @@ def control(
         step=end / SAMPLES["control"],
     )
     verdicts = (*made.verdicts, *run.verdicts)
-    told = {"design": made.to_dict(), "verdicts": verdicts}
+    told: dict[str, Any] = {"design": made.to_dict(), "verdicts": verdicts}
+    lines = [*made.verdicts]
+    if sensitivities:
+        more = sensitivities_of(made, numbers.get("filter_time", 0.0))
+        told["sensitivities"], lines = more.to_dict(), [*more.text_lines(), *lines]
     output = control.shown(
-        run, *made.verdicts, told=told, exit_code=int(bool(verdicts)), csv=tabled({"t": run.t} | run.outputs)
+        run, *lines, told=told, exit_code=int(bool(verdicts)), csv=tabled({"t": run.t} | run.outputs)
     )
     return output._replace(text=[*made.text_lines(), *output.text])
 
