@@ -72,7 +72,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         root, which, border = first_guard(run, h)
         h = min(h, root)
         ends = h >= left and root == inf
-        t = until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
+        began, t = t, until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
         if h > 0.0:
             row = sample(run, row, t, ends, start, h)
         if t > run.t_end:
@@ -81,7 +81,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         idle = idle + 1 if root == 0.0 else 0
         if idle > MOST_IDLE * max(1, d.contact.size):
             return STALLED
-        for i in range(run.known.size if root > 0.0 else 0):
+        for i in range(run.known.size if t > began else 0):  # guards that vanish together are known together
             run.known[i] = nan
         if ends:
             number += until == end
