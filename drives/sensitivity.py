@@ -42,7 +42,7 @@ class Sensitivities(Presentation):
     overshoots : ndarray, shape (2,)
         Of belt speed and tension when their set points step, of the value that they settle at.
     of_overshoots : ndarray, shape (parameters, 2)
-        By how much each grows.
+        By how much each grows, dimensionless.
     multiple : list of complex
         Poles that coincide, which have no derivative [rad/s].
     """

@@ -1,5 +1,6 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
+from friction.armstrong import Armstrong
 from friction.fit import Fit
 from friction.hunting import Swing, harmonic_damping, swings
 from friction.identify import Identification, identify
@@ -27,6 +28,7 @@ __all__ = [
     "METHODS",
     "MODELS",
     "PID",
+    "Armstrong",
     "Chatter",
     "Coulomb",
     "Cycle",
