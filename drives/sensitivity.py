@@ -92,7 +92,8 @@ def sensitivities(design: Design, filter_time: float = 0.0) -> Sensitivities:
     from scipy.linalg import eig
 
     here, drives = closed_loop(design, filter_time), design.drives
-    values, left, right = eig(here.A, left=True)
+    found: Any = eig(here.A, left=True)
+    values, left, right = found
     scale = 1.0 / np.einsum("ij,ij->j", left.conj(), right)
     apart = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
     alone = apart.min(axis=0) > APART * np.abs(values)

@@ -1,11 +1,14 @@
 """Random drives under a design of random bandwidths, and how fast their loops are."""
 
 import random
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
 from drives import Belt, CoupledDrives, Design, Pulley, Spool, closed_loop, design
+
+SOLVE: Any = brentq
 
 
 def random_design(seed: int) -> tuple[Design, dict[str, float]]:
@@ -17,7 +20,9 @@ def random_design(seed: int) -> tuple[Design, dict[str, float]]:
 
     spools = [Spool(size(-4, -1), size(-3, 0) * (rng.random() > 0.1), size(-2, -0.5)) for _ in range(2)]
     belts = [Belt(size(1, 4), size(-2, 1) * (rng.random() > 0.1)) for _ in range(2)]
-    drives = CoupledDrives(*spools, *belts, Pulley(size(1, 4), round(rng.uniform(0.2, 1.4), 3)))
+    drives = CoupledDrives(
+        spools[0], spools[1], belts[0], belts[1], Pulley(size(1, 4), round(rng.uniform(0.2, 1.4), 3))
+    )
     asked = {"speed": size(0, 2.5), "tension": size(0, 2.5)}
     made = design(drives, asked["speed"], asked["tension"])
     loop = closed_loop(made)
@@ -34,5 +39,5 @@ def random_design(seed: int) -> tuple[Design, dict[str, float]]:
         grid = np.linspace(middle - 2.0, middle + 2.0, 401)
         values = [gain(x) for x in grid]
         last = max((j for j in range(400) if values[j] > 0.0 >= values[j + 1]), default=None)
-        found[name] = 10.0 ** brentq(gain, grid[last], grid[last + 1]) / asked[name] if last is not None else np.inf
+        found[name] = 10.0 ** SOLVE(gain, grid[last], grid[last + 1]) / asked[name] if last is not None else np.inf
     return made, found
