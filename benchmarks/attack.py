@@ -222,6 +222,39 @@ def identification(seed: int) -> Iterator[Answer]:
             yield Answer(f"{name} {'within' if inside else 'beyond'} 2σ")
 
 
+def mechanisms(seed: int) -> Iterator[Answer]:
+    """Masses on contacts behind springs with play, under a PID, against SciPy from event to event."""
+    from random_mechanisms import END, TIMES, by_friction, by_scipy, random_row
+
+    row, times = random_row(seed), np.linspace(0.0, END, TIMES)
+    status, found = by_friction(row, times)
+    exact = by_scipy(row, times)
+    off = float(np.abs(found.states - exact.states).max() / np.abs(exact.states).max())
+    counts = [[len(one) for one in moved.events] for moved in (found, exact)]
+    wrong = (
+        ""
+        if status == 0 and off < 1e-7 and counts[0] == counts[1]
+        else f"status {status}, events {counts}, {off:.1e} off"
+    )
+    yield Answer("with the same events" if counts[0] == counts[1] else "with other events", {"off": off}, wrong)
+    for _ in range(sum(counts[0])):
+        yield Answer("events")
+
+
+def bandwidths(seed: int) -> Iterator[Answer]:
+    """Drives at random: where the loop gain of the closed loop, in floats, is 1, over the bandwidth asked for."""
+    from random_drives import random_design
+
+    with _Refusals() as refused:
+        made, asked = random_design(seed)
+        for name, ratio in asked.items():
+            told = any(name in one for one in made.verdicts)
+            good = told or abs(ratio - 1.0) < 0.1
+            word = "told in a sentence" if told else "reached"
+            yield Answer(word, {} if told else {"off": abs(ratio - 1.0)}, "" if good else f"{name}: {ratio:.3g} times")
+    yield from refused
+
+
 def waterworks(seed: int) -> Iterator[Answer]:
     """Imported networks after a start-up, a burst and a closing settle where EPANET has its steady state."""
     from random_waterworks import waterworks
@@ -249,6 +282,8 @@ KINDS: dict[str, tuple[Judge, int]] = {  # and so many seeds in some minutes
     "bristles": (bristles, 200),
     "smooth": (smooth, 40),
     "identification": (identification, 100),
+    "mechanisms": (mechanisms, 200),
+    "bandwidths": (bandwidths, 1000),
     "waterworks": (waterworks, 15),
 }
 

@@ -4,12 +4,14 @@ Everything is exact to rounding from event to event; the belts' relaxation bound
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from math import pi
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drives.coupled import CoupledDrives
+from drives.parts import Winding
 from drives.torque import Torque
 from tline.errors import InputError
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from friction import Event, Model
 
 MOST_EVENTS = 100_000
+Dry: TypeAlias = "Sequence[Model | None]"  # laws of friction of the left and the right bearing
 
 
 class Parts:
@@ -31,53 +34,82 @@ class Parts:
         Signals beside them that `run` is to give.
     """
 
-    def __init__(self, drives: CoupledDrives, x0: NDArray, slack: bool = False):
+    def __init__(self, drives: CoupledDrives, x0: NDArray, slack: bool = False, winding: Winding | None = None):
         from friction.mechanism import Mechanism
 
         self.mechanism = m = Mechanism()
-        self.drives, self.contacts, self.places, self.shown = drives, dict[str, int](), list[int](), dict[str, int]()
+        self.drives, self.winding, self.contacts = drives, winding, dict[str, int]()
+        self.places, self.shown, self.spools = list[int](), dict[str, int](), {"1": drives.left, "2": drives.right}
         names = zip(drives.states, x0.tolist(), strict=False)
-        self.states = {name: m.state(start, watched=name != "phi1") for name, start in names}
+        self.states = {name: m.state(start, watched=bool(winding) or name != "phi1") for name, start in names}
         self.energies = m.state(watched=False), m.state(watched=False)
+        self.heat, self.work = dict[int, float](), dict[int, float]()
+        radii = {side: float(spool.radius) for side, spool in self.spools.items()}
+        phi = {"1": float(x0[0]), "2": (radii["1"] * x0[0] + x0[3:].sum()) / radii["2"]}
+        if winding:
+            self.states["phi2"] = m.state(phi["2"])
+            m.integrate(self.states["phi2"], self.states["w2"])
+            self._wind(winding, phi)
         self.tension = m.add({self.states["e_p"]: float(drives.spring)})
         if slack:
             self.tension = m.larger(self.tension, m.add({}))
 
-    def of(self, row: NDArray) -> dict[int, float]:
-        """A combination of the states."""
-        return dict(zip(self.states.values(), row.tolist(), strict=True))
+    def _wind(self, winding: Winding, phi: dict[str, float]) -> None:
+        """Radii, inertias, and 1/J as states that follow dJ/dt = -/+ line_density r^3 w."""
+        m, density = self.mechanism, float(winding.line_density)
+        for (side, spool), sign in zip(self.spools.items(), (-1.0, 1.0), strict=True):
+            r0, turn, w = float(spool.radius), sign * float(winding.thickness) / (2.0 * pi), self.states[f"w{side}"]
+            radius, share = m.add({self.states[f"phi{side}"]: turn}, r0), density / abs(4.0 * turn)
+            square = m.multiply(radius, radius)
+            inertia = m.add({m.multiply(square, square): share}, float(spool.inertia) - share * r0**4)
+            flow = m.multiply(m.multiply(square, radius), w)
+            mobility = m.state(1.0 / (float(spool.inertia) + share * ((r0 + turn * phi[side]) ** 4 - r0**4)))
+            m.integrate(mobility, m.add({m.multiply(m.multiply(mobility, mobility), flow): -sign * density}))
+            self.work[m.multiply(m.multiply(flow, w), w)] = 0.5 * sign * density
+            self.shown |= {f"r{side}": radius, f"J{side}": inertia, f"1/J{side}": mobility}
 
-    def move(self, T1: int, T2: int, friction: "Sequence[Model | None]" = (None, None)) -> None:
+    def _at_rim(self, side: str, signal: int, factor: float) -> dict[int, float]:
+        """A signal times the radius of a spool, and times a factor."""
+        if self.winding:
+            return {self.mechanism.multiply(self.shown[f"r{side}"], signal): factor}
+        return {signal: factor * float(self.spools[side].radius)}
+
+    def move(self, T1: int, T2: int, friction: Dry = (None, None)) -> None:
         """The equations of motion under torques, which are signals."""
         from friction.methods import STATIC
 
-        m, state, drives, heat, work = self.mechanism, self.states, self.drives, {}, {}
-        stretching = {state["w2"]: float(drives.right.radius), state["w1"]: -float(drives.left.radius)}
+        m, state, drives = self.mechanism, self.states, self.drives
+        stretching = self._at_rim("2", state["w2"], 1.0) | self._at_rim("1", state["w1"], -1.0)
         for name, belt in drives.damped.items():
             per_damping = 1.0 / float(belt.damping)
             speed = m.add({self.tension: per_damping, state[name]: -float(belt.stiffness) * per_damping})
             m.integrate(state[name], speed)
-            heat[m.multiply(speed, speed)] = float(belt.damping)
+            self.heat[m.multiply(speed, speed)] = float(belt.damping)
             stretching[speed] = -1.0
         m.integrate(state["e_p"], m.add(stretching))
         m.integrate(state["phi1"], state["w1"])
         per_radius = 1.0 / float(drives.right.radius)
-        angles = {"left": {state["phi1"]: 1.0}, "right": {state[name]: per_radius for name in drives.states[3:]}}
-        angles["right"][state["phi1"]] = float(drives.left.radius) * per_radius
-        sides = ("left", "w1", T1, drives.left, -1.0), ("right", "w2", T2, drives.right, 1.0)
-        for (side, name, torque, spool, sign), law in zip(sides, friction, strict=True):
-            w, pull = state[name], {torque: sign, self.tension: -sign * float(spool.radius)}
-            net = m.add(pull | {state[name]: -float(spool.friction)})
+        angles = {"1": {state["phi1"]: 1.0}, "2": {state[name]: per_radius for name in drives.states[3:]}}
+        angles["2"][state["phi1"]] = float(drives.left.radius) * per_radius
+        if self.winding:
+            angles["2"] = {state["phi2"]: 1.0}
+        sides = ("1", "left", T1, -1.0), ("2", "right", T2, 1.0)
+        for (side, name, torque, sign), law in zip(sides, friction, strict=True):
+            w, spool = state[f"w{side}"], self.spools[side]
+            net = m.add({torque: sign, w: -float(spool.friction)} | self._at_rim(side, self.tension, -sign))
             if law is not None:
                 if not isinstance(law, STATIC):
                     raise InputError("friction", f"{law.name} has no events", "coulomb or karnopp")
-                self.contacts[side], net = m.contact(law, w, net)
+                self.contacts[name], net = m.contact(law, w, net)
                 self.places.append(m.add(angles[side]))
-                heat[m.multiply(self.contacts[side], w)] = 1.0
-            m.integrate(w, m.add({net: 1.0 / float(spool.inertia)}))
-            heat[m.multiply(w, w)] = float(spool.friction)
-            work[m.multiply(torque, w)] = sign
-        for energy, power in zip(self.energies, (heat, work), strict=True):
+                self.heat[m.multiply(self.contacts[name], w)] = 1.0
+            if self.winding:
+                m.integrate(w, m.multiply(net, self.shown[f"1/J{side}"]))
+            else:
+                m.integrate(w, m.add({net: 1.0 / float(spool.inertia)}))
+            self.heat[m.multiply(w, w)] = float(spool.friction)
+            self.work[m.multiply(torque, w)] = sign
+        for energy, power in zip(self.energies, (self.heat, self.work), strict=True):
             m.integrate(energy, m.add(power))
 
     def run(
@@ -93,7 +125,13 @@ class Parts:
         given = Inputs(corners, values, slopes, 0.0, 0.0, 0.0)
         status, found, changes = self.mechanism.run(t, signals, given, places=self.places, events=MOST_EVENTS)
         if status != DONE:
-            raise InputError("simulation", "takes too many steps", "a shorter run, or belts without damping")
+            why = "takes too many steps, or the left spool is empty" if self.winding else "takes too many steps"
+            raise InputError("simulation", why, "a shorter run, or belts without damping")
         events = {side: events_of(changes[changes[:, 4] == k]) for k, side in enumerate(self.contacts)}
-        x = np.column_stack([found[name] for name in self.states])
-        return x, [found["heat"], found["work"]], {name: found[name] for name in self.shown}, events
+        x = np.column_stack([found[name] for name in self.drives.states])
+        return (
+            x,
+            [found["heat"], found["work"]],
+            {name: found[name] for name in signals if name not in self.drives.states},
+            events,
+        )

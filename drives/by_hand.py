@@ -2,7 +2,7 @@
 
 No matrix and no model of the rest of the package is used here. The state is
 
-    x = (phi1, w1, w2, e_p, e of each damped belt, q_speed and q_tension under control, phi2),
+    x = (phi1, w1, w2, e_p, e of each damped belt, under control what filters show and q_speed and q_tension, phi2),
 
 in which phi2 is an angle of its own, so that the positions' constraint is something to check. The inputs u are T1 and
 T2, or under control the set points of belt speed and tension and the disturbing torques d1 and d2. Each of x and u is
@@ -11,7 +11,7 @@ a sequence of floats, or, where no torque is limited, of arrays with an entry fo
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import cos, inf
+from math import copysign, cos, exp, inf, pi
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
@@ -27,6 +27,10 @@ class Control(NamedTuple):
     tension: tuple[Any, Any]
     limit: float = inf
     antiwindup: bool = True
+    filter_time: Any = 0.0
+
+
+SEEN = ("w1_seen", "w2_seen", "tension_seen")  # by a controller behind filters
 
 
 class Equations:
@@ -40,11 +44,23 @@ class Equations:
         Without it the inputs are torques.
     slack : bool
         Whether the belt cannot push.
+    dry : sequence of Coulomb, Karnopp or None
+        Dry friction of the left and the right bearing.
+    winding : Winding, optional
+        Of the belt on the spools, whose phi2 is then an output as it is.
     number : callable
         What to compute in.
     """
 
-    def __init__(self, parts: Any, control: Control | None = None, slack: bool = False, number: Callable = float):
+    def __init__(
+        self,
+        parts: Any,
+        control: Control | None = None,
+        slack: bool = False,
+        dry: Sequence[Any] = (None, None),
+        winding: Any = None,
+        number: Callable = float,
+    ):
         belts = {"e1": parts.left_belt, "e2": parts.right_belt}
         given = {name: (number(one.stiffness), number(one.damping)) for name, one in belts.items()}
         spools = parts.left, parts.right
@@ -52,8 +68,11 @@ class Equations:
         self.belts = [(k, b) for k, b in given.values() if b]
         self.k, self.cosine = number(parts.pulley.stiffness), number(cos(parts.pulley.angle))
         self.spring = 1 / (4 * self.cosine**2 / self.k + sum(1 / k for k, b in given.values() if not b))
-        self.parts, self.control, self.slack = parts, control, slack
+        self.parts, self.control, self.slack, self.dry = parts, control, slack, dry
+        self.wound = (float(winding.thickness) / (2 * pi), float(winding.line_density)) if winding else None
         integrals = ("q_speed", "q_tension") if control else ()
+        if control and control.filter_time:
+            integrals = SEEN + integrals
         self.states = ("phi1", "w1", "w2", "e_p", *(name for name in given if given[name][1]), *integrals)
 
     @property
@@ -64,14 +83,19 @@ class Equations:
         """
         if self.control is None:
             return Equations(self.parts)
-        (k_v, t_v), (k_f, t_f), *_ = self.control
-        control = Control((Fraction(k_v), Fraction(t_v)), (Fraction(k_f), Fraction(t_f)))
+        (k_v, t_v), (k_f, t_f), *_, lag = self.control
+        control = Control((Fraction(k_v), Fraction(t_v)), (Fraction(k_f), Fraction(t_f)), filter_time=Fraction(lag))
         return Equations(self.parts, control, number=Fraction)
 
     @property
     def linear(self) -> bool:
         """Whether nothing is to be freed of."""
-        return not self.slack and (self.control is None or self.control.limit == inf)
+        return (
+            not self.slack
+            and not any(self.dry)
+            and not self.wound
+            and (self.control is None or self.control.limit == inf)
+        )
 
     def tension(self, x: Row) -> Any:
         """The belt's tension, N."""
@@ -79,30 +103,47 @@ class Equations:
 
     def at(self, x: Row, u: Row) -> tuple[list[Any], list[Product], list[Product]]:
         """dx/dt, heat flow and supplied power."""
-        (j1, b1, r1), (j2, b2, r2) = self.spools
+        (j1, b1, r1), (j2, b2, r2) = self.spools_at(x)
         w1, w2, f, integrals = x[1], x[2], self.tension(x), []
         T1, T2 = u[0], u[1]
         if self.control:
             motors, integrals = self._controlled(self.control, x, u)
             T1, T2 = motors[0] + u[2], motors[1] + u[3]
         stretching = [(f - k * e) / b for (k, b), e in zip(self.belts, x[4:], strict=False)]
-        turning = (r1 * f - T1 - b1 * w1) / j1, (T2 - b2 * w2 - r2 * f) / j2
+        pulls = r1 * f - T1 - b1 * w1, T2 - b2 * w2 - r2 * f
+        rubbed = [rubbing(law, w, net) if law else 0 for law, w, net in zip(self.dry, (w1, w2), pulls, strict=True)]
+        turning = (pulls[0] - rubbed[0]) / j1, (pulls[1] - rubbed[1]) / j2
         rates = [w1, *turning, r2 * w2 - r1 * w1 - sum(stretching), *stretching, *integrals, w2]
         heat = [(b1, w1, w1), (b2, w2, w2), *((b, v, v) for (_, b), v in zip(self.belts, stretching, strict=True))]
-        return rates, heat, [(-1.0, T1, w1), (1.0, T2, w2)]
+        heat += [(1.0, torque, w) for law, torque, w in zip(self.dry, rubbed, (w1, w2), strict=True) if law]
+        work = [(-1.0, T1, w1), (1.0, T2, w2)]
+        if self.wound:
+            work += [(s * self.wound[1] / 2 * r**3, w * w, w) for s, r, w in ((-1, r1, w1), (1, r2, w2))]
+        return rates, heat, work
+
+    def spools_at(self, x: Row) -> list[tuple[Any, Any, Any]]:
+        """Inertia, friction and radius of the spools, as much as is wound on them."""
+        if not self.wound:
+            return self.spools
+        (turn, density), found = self.wound, []
+        for (j, b, r), way in zip(self.spools, (-turn * x[0], turn * x[-1]), strict=True):
+            found.append((j + density / (4 * turn) * ((r + way) ** 4 - r**4), b, r + way))
+        return found
 
     def stored(self, x: Row) -> Any:
         """Energy in spools and springs, J."""
-        (j1, _, _), (j2, _, _) = self.spools
+        (j1, _, _), (j2, _, _) = self.spools_at(x)
         belts = sum(k * e**2 for (k, _), e in zip(self.belts, x[4:], strict=False))
         return (j1 * x[1] ** 2 + j2 * x[2] ** 2 + self.tension(x) ** 2 / self.spring + belts) / 2
 
     def outputs(self, x: Row, u: Row) -> dict[str, Any]:
         """What is given out, by its name."""
-        (_, _, r1), (_, _, r2) = self.spools
+        (j1, _, r1), (j2, _, r2) = self.spools_at(x)
         f = self.tension(x)
         found = {"tension": f, "x_k": -2 * self.cosine * f / self.k, "belt_speed": (r1 * x[1] + r2 * x[2]) / 2}
         found |= {"phi1": x[0], "w1": x[1], "w2": x[2], "phi2": (r1 * x[0] + sum(x[3 : 4 + len(self.belts)])) / r2}
+        if self.wound:
+            found |= {"phi2": x[-1], "r1": r1, "r2": r2, "J1": j1, "J2": j2}
         if self.control:
             found["T1"], found["T2"] = self._controlled(self.control, x, u)[0]
         return found
@@ -116,7 +157,12 @@ class Equations:
         (j1, b1, r1), (j2, b2, r2) = self.spools
         m1, m2, d1, d2 = j1 / r1**2, j2 / r2**2, b1 / r1**2, b2 / r2**2
         m, d, mean = (m1 + m2) / 2, (d1 + d2) / 2, (r1 + r2) / 2
-        u1, u2, f = r1 * x[1], r2 * x[2], self.tension(x)
+        w1, w2, f = seen = x[1], x[2], self.tension(x)
+        lag, behind = control.filter_time, []
+        if lag:
+            w1, w2, f = x[-6:-3]
+            behind = [(new - old) / lag for new, old in zip(seen, (w1, w2, f), strict=True)]
+        u1, u2 = r1 * w1, r2 * w2
         errors = u[0] - (u1 + u2) / 2, u[1] - f
         (k_v, t_v), (k_f, t_f) = control.speed, control.tension
         tau_v, tau_f = k_v * (errors[0] + x[-3] / t_v), k_f * (errors[1] + x[-2] / t_f)
@@ -126,12 +172,19 @@ class Equations:
         pull = tau_v / (2 * mean)
         wanted = rest1 - a1 * pull, rest2 + a2 * pull
         if control.limit == inf:
-            return wanted, list(errors)
+            return wanted, [*behind, *errors]
         given = limited(control.limit, pull, (-a1, rest1), (a2, rest2))
         if not control.antiwindup:
-            return given, list(errors)
+            return given, [*behind, *errors]
         less1, less2 = (given[0] - wanted[0]) / a1, (given[1] - wanted[1]) / a2
-        return given, [errors[0] + mean * (less2 - less1) / k_v, errors[1] + mean * (less1 + less2) / k_f]
+        return given, [*behind, errors[0] + mean * (less2 - less1) / k_v, errors[1] + mean * (less1 + less2) / k_f]
+
+
+def rubbing(law: Any, w: float, net: float) -> float:
+    """Dry friction of a bearing under a torque; whatever holds it at rest, up to stiction."""
+    if abs(w) > getattr(law, "delta", 0.0):
+        return copysign(law.sliding + (law.stiction - law.sliding) * exp(-((w / law.law.v_s) ** 2)), w) + law.F_v * w
+    return min(max(net, -law.stiction), law.stiction)
 
 
 def limited(limit: float, pull: Any, *motors: tuple[float, Any]) -> tuple[Any, Any]:

@@ -77,11 +77,13 @@ class Record:
     x, energies : numpy.ndarray
         The state by hand; heat and work since the start; shapes (states, n) and (2, n).
     inputs : sequence of Torque
+    events : sequence of float
+        Instants at which dry friction lets go or stops, s.
     """
 
-    def __init__(self, t: NDArray, x: NDArray, energies: NDArray, inputs: Sequence[Torque]):
+    def __init__(self, t: NDArray, x: NDArray, energies: NDArray, inputs: Sequence[Torque], events: Sequence[float]):
         self.t, self.x, self.rows, self.inputs = t, x, np.vstack([x, energies]), inputs
-        self.u = np.array([one.pieces(t)[0] for one in inputs])
+        self.u, self.events = np.array([one.pieces(t)[0] for one in inputs]), np.sort(events)
 
     @property
     def beside(self) -> float:
@@ -198,10 +200,14 @@ def _integrated(equations: Equations, record: Record) -> Iterator[Steps]:
     scale[scale == 0] = 1.0
     off, stride = LOOSE * scale + PROMISED, max(last // PARTS, 1)
     moved = (np.abs(y[:, stride:] - y[:, :-stride]) / scale[:, None]).max(axis=0)
-    chosen = [
-        *np.argsort(-moved)[: (WINDOWS + 1) // 2],
-        *np.random.default_rng(last).integers(0, last - stride + 1, WINDOWS),
-    ]
+    first, behind = (
+        np.searchsorted(record.events, at) for at in (t[:-stride] - record.beside, t[stride:] + record.beside)
+    )
+    still = np.flatnonzero(first == behind)  # dry friction is the same throughout
+    if not still.size:
+        return
+    chosen = still[np.random.default_rng(last).integers(0, still.size, WINDOWS)]
+    chosen = [*still[np.argsort(-moved[still])[: (WINDOWS + 1) // 2]], *chosen]
 
     def rates(time: float, state: NDArray, begin: float, u: NDArray, slope: NDArray) -> list[float]:
         if not left[0]:

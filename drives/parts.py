@@ -133,3 +133,36 @@ class Pulley:
     def tension(self, deflection: float) -> float:
         """Tension of the belt around it, N."""
         return -float(self.stiffness) * deflection / (2 * float(self.cosine))
+
+
+@dataclass(frozen=True, init=False)
+class Winding:
+    """A belt that is wound from spool 1 on spool 2: radii r = r0 -/+ thickness*phi/(2 pi), and inertias with them.
+
+    J = J0 + pi*line_density/(2*thickness)*(r^4 - r0^4), with r0 and J0 at the angle 0. The belt comes and goes at the
+    speed of the surface, so J dw/dt stays the sum of the torques, and the energy of its motion comes and goes with it.
+
+    Parameters
+    ----------
+    thickness : number
+        Of the belt, m, more than 0.
+    line_density : number
+        Mass of the belt per length, kg/m, 0 or more.
+
+    Raises
+    ------
+    InputError
+        A value that no belt can have.
+
+    Examples
+    --------
+    >>> Winding(1e-3, 0.05).thickness
+    Fraction(1, 1000)
+    """
+
+    thickness: Fraction
+    line_density: Fraction
+
+    def __init__(self, thickness: Number, line_density: Number):
+        density = positive(line_density, "line_density", or_zero=True)
+        fill(self, thickness=positive(thickness, "thickness"), line_density=density)

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drives.assembled import Parts
+from drives.assembled import Dry, Parts
 from drives.coupled import CoupledDrives
 from drives.discretise import legs, propagate
 from drives.energy import Energy, energy_of, open_torques, stored_in
 from drives.number import exact, finite, positive
+from drives.parts import Winding
 from drives.symbolic import ALL_UNITS
 from drives.torque import ZERO, Torque
 from drives.witness import doubts
@@ -24,7 +25,7 @@ from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
 
 if TYPE_CHECKING:
-    from friction import Event, Model
+    from friction import Event
 
 MOST_STEPS = 1_000_000
 SHOWN = 6  # events of a spool in the text
@@ -207,7 +208,8 @@ def simulate_slack(
     step: float,
     initial: Mapping[str, float] | None = None,
     slack: bool = True,
-    friction: Sequence["Model | None"] = (None, None),
+    friction: Dry = (None, None),
+    winding: Winding | None = None,
 ) -> Run:
     """Run the mechanism with a belt that pulls but does not push, and dry friction in the bearings, event by event.
 
@@ -223,12 +225,15 @@ def simulate_slack(
     friction : sequence of Coulomb or Karnopp, optional
         Of `friction`, for the left and the right spool, None for one without: torques [N m] over angular speeds
         [rad/s], beside the viscous friction of the spool.
+    winding : Winding, optional
+        Of the belt from the left spool on the right one; the radii r1 and r2 [m] and the inertias J1 and J2 [kg m^2]
+        are then outputs, too, and what the belt brings and takes with it counts as supplied.
 
     Raises
     ------
     InputError
         A step or t_end that is not more than 0; too many samples; an unknown state; a law that knows no events; belts
-        so stiff beside their damping that ten million steps do not suffice.
+        so stiff beside their damping that ten million steps do not suffice; a spool that runs empty.
 
     Examples
     --------
@@ -237,16 +242,36 @@ def simulate_slack(
     [0.0, 0.0, 0.0]
     """
     t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
-    parts = Parts(drives, x0, slack)
+    parts = Parts(drives, x0, slack, winding)
     parts.move(parts.mechanism.input(0), parts.mechanism.input(1), friction)
-    x, energies, _, events = parts.run(t, (T1, T2))
-    model = drives.state_space()
+    run, *_ = moved(parts, t, (T1, T2), slack)
+    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, dry=friction, winding=winding))
+
+
+def moved(
+    parts: Parts, t: NDArray, inputs: Sequence[Torque], slack: bool, also: Sequence[float] | NDArray = ()
+) -> tuple[Run, dict[str, NDArray], dict[str, NDArray]]:
+    """A run from event to event, and what else the parts show: at the samples, and at other times."""
+    drives, every = parts.drives, np.union1d(t, also)
+    x, energies, shown, events = parts.run(every, inputs)
+    kept, others = (np.searchsorted(every, at) for at in (t, also))
+    x, energies, model = x[kept], [one[kept] for one in energies], drives.state_space()
     outputs = named(model.outputs, x @ model.C.T)
     pushed = slack & (outputs["tension"] < 0)
     for name in ("tension", "x_k"):
         outputs[name] = np.where(pushed, 0.0, outputs[name])
     tight = x.copy()
     tight[pushed, drives.states.index("e_p")] = 0.0  # slack stores nothing
-    run = Run(t, named(drives.states, x), outputs, Energy(stored_in(drives, tight), *energies), events=events)
+    stored = stored_in(drives, tight)
+    if parts.winding:
+        seen = {name: one[kept] for name, one in shown.items()}
+        outputs |= {name: seen[name] for name in ("phi2", "r1", "r2", "J1", "J2")}
+        if (empty := np.minimum(outputs["J1"], outputs["r1"]) <= 0.0).any():
+            raise InputError("winding", "the left spool is empty", "a shorter run", f"at {t[empty.argmax()]:.4g} s")
+        outputs["belt_speed"] = 0.5 * (outputs["r1"] * outputs["w1"] + outputs["r2"] * outputs["w2"])
+        for k, spool in ((1, drives.left), (2, drives.right)):
+            stored = stored + 0.5 * (outputs[f"J{k}"] - float(spool.inertia)) * outputs[f"w{k}"] ** 2
+    run = Run(t, named(drives.states, x), outputs, Energy(stored, *energies), events=events)
     run = run if slack else replace(run, notes=pushing(t, outputs["tension"]))
-    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, rubs=any(friction)))
+    first, second = ({name: one[at] for name, one in shown.items()} for at in (kept, others))
+    return run, first, second

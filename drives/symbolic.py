@@ -21,7 +21,7 @@ from drives.transfer import TransferFunction
 INPUTS = ("T1", "T2")
 OUTPUTS = ("x_k", "tension", "belt_speed", "w1", "w2", "phi1", "phi2")
 UNITS = {"x_k": "m", "tension": "N", "belt_speed": "m/s", "w1": "rad/s", "w2": "rad/s", "phi1": "rad", "phi2": "rad"}
-ALL_UNITS = UNITS | {"T1": "N m", "T2": "N m"}
+ALL_UNITS = UNITS | {"T1": "N m", "T2": "N m", "r1": "m", "r2": "m", "J1": "kg m^2", "J2": "kg m^2"}
 SYMBOLS = ("s", "J1", "B1", "r1", "J2", "B2", "r2", "K1", "Bb1", "K2", "Bb2", "k", "c")
 
 

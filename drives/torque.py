@@ -95,6 +95,18 @@ class Torque:
         before = [] if t[0] == 0 else [0.0]
         return cls((*before, *t), (*[v[0]] * len(before), *v), (*before, *slopes))
 
+    @classmethod
+    def held(cls, times: NDArray, values: NDArray) -> "Torque":
+        """Each value from its time until the next, 0 before the first."""
+        if not len(times) or times[0] > 0.0:
+            times, values = np.append(0.0, times), np.append(0.0, values)
+        return cls(tuple(times.tolist()), tuple(values.tolist()), (0.0,) * len(times))
+
+    def __add__(self, other: "Torque") -> "Torque":
+        times = np.union1d(self.times, other.times)
+        (starts, slopes), (more, steeper) = self.pieces(times), other.pieces(times)
+        return Torque(*(tuple(column.tolist()) for column in (times, starts + more, slopes + steeper)))
+
     def pieces(self, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Values and slopes just after the times t."""
         k = np.searchsorted(self.times, t, side="right") - 1

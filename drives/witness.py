@@ -26,7 +26,8 @@ def doubts(
     control: Control | None = None,
     *,
     slack: bool = False,
-    rubs: bool = False,
+    dry: Sequence[Any] = (None, None),
+    winding: Any = None,
 ) -> tuple[str, ...]:
     """A sentence, if this run is not one of this mechanism.
 
@@ -39,26 +40,26 @@ def doubts(
     control : Control, optional
     slack : bool
         Whether the belt cannot push.
-    rubs : bool
-        Whether there is dry friction, which the equations do not know: outputs and energies alone are judged.
+    dry : sequence of Coulomb, Karnopp or None
+        Dry friction of the left and the right bearing.
+    winding : Winding, optional
     """
-    equations = Equations(parts, control, slack)
+    equations = Equations(parts, control, slack, dry, winding)
     x = np.array([*(run.states[name] for name in equations.states), run.outputs["phi2"]])
-    record = Record(run.t, x, np.array([run.energy.dissipated, run.energy.supplied]), inputs)
+    events = [event.t for side in run.events.values() for event in side]
+    record = Record(run.t, x, np.array([run.energy.dissipated, run.energy.supplied]), inputs, events)
     with np.errstate(all="ignore"):  # what leaves the range of floats is not judged
-        for one in _all(equations, record, run, rubs):
+        for one in _all(equations, record, run):
             return (one,)
     return ()
 
 
-def _all(equations: Equations, record: Record, run: Any, rubs: bool) -> Iterator[str]:
+def _all(equations: Equations, record: Record, run: Any) -> Iterator[str]:
     rows = Rows(equations, len(record.x), len(record.u))
     z = np.abs(np.vstack([record.x, record.u, 0 * record.u]))
     sizes = {name: np.abs(row) @ z for name, row in rows.outputs.items()}  # of the terms of each
     yield from _of_definitions(equations, record, run, sizes)
     yield from _of_balance(record, run)
-    if rubs:
-        return
     grain = DIGITS * np.abs(record.rows)
     grain[len(record.x) - 1] = DIGITS * sizes["phi2"]
     for starts, ends, found, off in follow(equations, rows, record):
@@ -75,7 +76,7 @@ def _of_definitions(equations: Equations, record: Record, run: Any, sizes: dict[
         each = [equations.outputs(*one) for one in zip(record.x.T.tolist(), record.u.T.tolist(), strict=True)]
         found = {name: np.array([one[name] for one in each]) for name in each[0]}
     for name, value in found.items():
-        yield from _apart(run.t, name, run.outputs[name], value, CLOSE * sizes[name])
+        yield from _apart(run.t, name, run.outputs[name], value, CLOSE * sizes.get(name, np.abs(value)))
     stored = equations.stored(record.x)
     yield from _apart(run.t, "the stored energy", run.energy.stored, stored, CLOSE * stored)
 

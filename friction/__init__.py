@@ -1,6 +1,8 @@
 """Friction models on a testbench, exact where they can be, and predictions of where methods fail."""
 
+from friction.armstrong import Armstrong
 from friction.fit import Fit
+from friction.hunting import Swing, harmonic_damping, swings
 from friction.identify import Identification, identify
 from friction.maxwell import MaxwellSlip
 from friction.methods import METHODS, Method
@@ -26,6 +28,7 @@ __all__ = [
     "METHODS",
     "MODELS",
     "PID",
+    "Armstrong",
     "Chatter",
     "Coulomb",
     "Cycle",
@@ -52,16 +55,19 @@ __all__ = [
     "Spring",
     "Status",
     "Steps",
+    "Swing",
     "Table",
     "Tanh",
     "Testbench",
     "dead_zone",
     "euler_chatter",
+    "harmonic_damping",
     "identify",
     "limits",
     "lugre_drift",
     "passive_damping",
     "prescribe",
     "simulate",
+    "swings",
     "tanh_creep",
 ]

@@ -65,6 +65,7 @@ class MaxwellSlip:
         for name in ("stiffness", "limits"):
             for k, value in enumerate(getattr(self, name)):
                 check_number(f"model.{name}[{k}]", value, above=0.0)
+            object.__setattr__(self, name, tuple(getattr(self, name)))
         check_number("model.peak", self.peak, least=1.0)
         check_number("model.v_s", self.v_s, above=0.0)
         check_number("model.F_v", self.F_v, least=0.0)

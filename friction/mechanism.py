@@ -42,6 +42,7 @@ class Mechanism:
         self.start: dict[Signal, float] = {}
         self.laws: list[Model] = []
         self.watched: list[Signal] = []
+        self.registers: list[float] = []
         self.sampled = kernel.unsampled()
 
     def _new(self, kind: int, *source: int, terms: Mapping[Signal, float] | None = None, constant: float = 0.0) -> int:
@@ -101,17 +102,17 @@ class Mechanism:
         self.laws.append(law)
         return self._new(kernel.FRICTION, v, applied, len(self.laws) - 1), self._new(kernel.NET)
 
-    def sample(
-        self, seen: Sequence[Signal], matrices: Sequence[ArrayLike], q: ArrayLike, period: float, delay: float,
-        limit: float = inf,
-    ) -> list[Signal]:  # fmt: skip
-        """Outputs of a controller that sees signals every period; see `kernel.Sampled`."""
-        a, b, c, d = (np.array(matrix, float, ndmin=2) for matrix in matrices)
-        queue, state = np.zeros((int(delay / period) + 2, len(c))), np.array(q, float)
-        self.sampled = kernel.Sampled(
-            period, delay, limit, np.array(seen, np.int64), a, b, c, d, state, state.copy(), queue, np.zeros(len(c))
-        )
-        return [self._new(kernel.HELD, k) for k in range(len(c))]
+    def register(self, start: float) -> Signal:
+        """What a sampled controller keeps from one look to the next; `sample` says of which signal."""
+        self.registers.append(float(start))
+        return self._new(kernel.HELD, len(self.registers) - 1)
+
+    def sample(self, kept: Sequence[Signal], outputs: Sequence[Signal], period: float, delay: float) -> list[Signal]:
+        """Outputs as they were at a look, from a delay later on; registers take `kept`; see `kernel.Sampled`."""
+        queue, registers = np.zeros((int(delay / period) + 2, len(outputs))), len(kept)
+        held = np.r_[self.registers, np.zeros(len(outputs))]
+        self.sampled = kernel.Sampled(period, delay, np.array([*kept, *outputs], np.int64), queue, held)
+        return [self._new(kernel.HELD, registers + k) for k in range(len(outputs))]
 
     def diagram(self) -> kernel.Diagram:
         """The signals as the kernel reads them."""

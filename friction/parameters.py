@@ -30,6 +30,8 @@ TOLD = {
     "sigma1": Told("N s/m", "Damping of the bristles", least=0.0),
     "sigma2": Told("N s/m", "Viscous friction", least=0.0),
     "z_ba": Told("m", "Deflection below which bristles do not slip, less than F_c/sigma0", least=0.0),
+    "lag": Told("s", "Time by which friction is late behind its velocity", least=0.0),
+    "dwell": Told("s", "Time of rest after which half of the stiction that is to come has come", least=0.0),
     "epsilon": Told("m/s", "Velocity scale of tanh", above=0.0),
     "slope": Told("N/s", "Growth"),
     "offset": Told("N", "Value at t = 0, or beside a sine"),

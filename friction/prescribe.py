@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from friction.armstrong import Armstrong
 from friction.maxwell import MaxwellSlip
 from friction.methods import STATIC
 from friction.models import MODELS, Karnopp, Model
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
-PRESCRIBED: dict[str, type[Model] | type[MaxwellSlip]] = {**MODELS, MaxwellSlip.name: MaxwellSlip}
+PLACED = Armstrong, MaxwellSlip  # laws of prescribed motions alone
+PRESCRIBED: dict[str, type[Any]] = MODELS | {law.name: law for law in PLACED}
 COLUMNS = ("t", "x", "v", "z", "F_f", "F_low", "F_high")
 
 
@@ -34,7 +36,7 @@ class Prescribed(Presentation):
 
     Attributes
     ----------
-    model : Model or MaxwellSlip
+    model : Model, Armstrong or MaxwellSlip
         The law.
     t, x, v : ndarray
         Time [s], place [m], velocity [m/s].
@@ -52,7 +54,7 @@ class Prescribed(Presentation):
         Steps of the integration.
     """
 
-    model: Model | MaxwellSlip
+    model: Model | Armstrong | MaxwellSlip
     t: NDArray
     x: NDArray
     v: NDArray
@@ -88,7 +90,7 @@ class Prescribed(Presentation):
 
 
 def prescribe(
-    model: Model | MaxwellSlip,
+    model: Model | Armstrong | MaxwellSlip,
     *,
     velocity: Force | Callable[[NDArray], ArrayLike] | None = None,
     position: Force | Callable[[NDArray], ArrayLike] | None = None,
@@ -104,8 +106,8 @@ def prescribe(
 
     Parameters
     ----------
-    model : Model or MaxwellSlip
-        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic`, `Tanh` or `MaxwellSlip`.
+    model : Model, Armstrong or MaxwellSlip
+        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic`, `Tanh`, `Armstrong` or `MaxwellSlip`.
     velocity : Ramp, Sine, Steps, Table or callable
         Velocity [m/s] over time, from x = 0 on; or a smooth function of an array of times [s] that gives it.
     position : Ramp, Sine, Table or callable
@@ -145,9 +147,9 @@ def prescribe(
         motion, rougher, errors["v"] = moved_by(given, t_end, where)
     else:
         motion = rougher = (moved_with if where == "velocity" else moved_along)(given)  # type: ignore[arg-type]
-    if isinstance(model, (*STATIC, MaxwellSlip)) and z0:
+    if isinstance(model, (*STATIC, *PLACED)) and z0:
         raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
-    if isinstance(model, MaxwellSlip):
+    if isinstance(model, PLACED):
         force, zeros = model.moved(motion, at, t_end), np.zeros(at.size)
         return Prescribed(model, at, motion.place(at), motion.velocity(at), zeros, force, force, force, errors, 0)
     if isinstance(model, STATIC):

@@ -78,12 +78,12 @@ class Ledger(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """What sticking and slipping has settled into: the stick–slip of a rig, or a controller that hunts.
+    """What a motion has settled into: the stick–slip of a rig, or a controller that hunts.
 
     Attributes
     ----------
     period : float
-        Time from a break-away to that of the next cycle [s].
+        Time from a break-away, or a reversal, to that of the next cycle [s].
     span : float
         Way between the places of its events that are furthest apart [m].
     slips : int
@@ -184,8 +184,8 @@ class Result(Presentation):
 
     @property
     def cycle(self) -> Cycle | None:
-        """The last cycle of sticking and slipping, if the one before was the same to 1 %."""
-        breaks = [k for k, event in enumerate(self.events) if event.kind is Kind.BREAK_AWAY]
+        """The last cycle of sticking and slipping, or of swinging, if the one before was the same to 1 %."""
+        breaks = [k for k, event in enumerate(self.events) if event.kind is not Kind.STOP]
         for slips in (1, 2):
             if len(breaks) > 2 * slips:
                 first, middle, last = (breaks[-1 - n * slips] for n in (2, 1, 0))
@@ -208,7 +208,9 @@ class Result(Presentation):
         if cycle := self.cycle:
             ways = "to and fro" if cycle.slips == 2 else "one way"
             same = f"like the one before to {cycle.change:.0e}"
-            yield f"sticks and slips {ways}: period {cycle.period:.8g} s, span {cycle.span:.8g} m, {same}"
+            stuck = any(event.kind is Kind.STOP for event in self.events[-2 * cycle.slips :])
+            what = "sticks and slips" if stuck else "swings"
+            yield f"{what} {ways}: period {cycle.period:.8g} s, span {cycle.span:.8g} m, {same}"
         yield (
             f"t = {self.t[-1]:.6g} s: x = {self.x[-1]:.10g} m, v = {self.v[-1]:.10g} m/s, F_f = {self.F_f[-1]:.10g} N"
         )

@@ -218,10 +218,11 @@ def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, e
         if play:
             pull = m.add({gap: drive.stiffness, m.limited(gap, play): -drive.stiffness})
         elif pid and pid.period:
-            gains, rate = (drive.stiffness, drive.integral, drive.derivative), drive.derivative / pid.period
-            law = [[1, 0], [0, 0]], [[pid.period], [1]], [gains[1], -rate], gains[0] + gains[1] * pid.period + rate
-            limit = inf if pid.limit is None else pid.limit
-            (pull,) = m.sample([gap], law, [0.0, drive.target], pid.period, pid.delay, limit)
+            total, before = m.register(0.0), m.register(drive.target)
+            total, rate = m.add({total: 1.0, gap: pid.period}), m.add({gap: 1.0, before: -1.0})
+            asked = {gap: drive.stiffness, total: drive.integral, rate: drive.derivative / pid.period}
+            pull = m.limited(m.add(asked), inf if pid.limit is None else pid.limit)
+            (pull,) = m.sample([total, gap], [pull], pid.period, pid.delay)
         else:
             pull = m.state(drive.stiffness * drive.target, watched=False)
             m.integrate(pull, m.add({closing: drive.stiffness, gap: drive.integral}))

@@ -77,6 +77,8 @@ class _Points(Parameters):
 
     def __post_init__(self):
         _check_table(self.times, self.values)
+        for name in ("times", "values"):
+            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
 
 
 @dataclass(frozen=True)
@@ -98,7 +100,7 @@ class Table(_Points, example=("Table([0.0, 2.0], [0.0, 1.0]).pieces()[2].tolist(
     def __post_init__(self):
         super().__post_init__()
         for k, ((t0, f0), (t1, f1)) in enumerate(pairwise(zip(self.times, self.values, strict=True)), 1):
-            rise, time = abs(float(f1) - float(f0)), float(t1) - float(t0)
+            rise, time = abs(f1 - f0), t1 - t0
             if not rise <= STEEPEST * time:
                 expected = f"at most {STEEPEST:g} N/s, or steps"
                 raise InputError(

@@ -54,9 +54,12 @@ def automaton(run: HybridRun, budget: int) -> int:
         if sampled.held.size > 0 and t >= taken * sampled.period:
             take(sampled, run.series, taken)
             taken += 1
+            if sampled.delay > 0.0:
+                continue
         if given < taken and t >= given * sampled.period + sampled.delay:
-            for k in range(sampled.held.size):
-                sampled.held[k] = sampled.queue[given % sampled.queue.shape[0], k]
+            outputs = sampled.queue.shape[1]
+            for k in range(outputs):
+                sampled.held[sampled.held.size - outputs + k] = sampled.queue[given % sampled.queue.shape[0], k]
             given += 1
             continue
         start = inputs.start[number]
@@ -69,7 +72,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         root, which, border = first_guard(run, h)
         h = min(h, root)
         ends = h >= left and root == inf
-        t = until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
+        began, t = t, until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
         if h > 0.0:
             row = sample(run, row, t, ends, start, h)
         if t > run.t_end:
@@ -78,7 +81,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         idle = idle + 1 if root == 0.0 else 0
         if idle > MOST_IDLE * max(1, d.contact.size):
             return STALLED
-        for i in range(run.known.size if root > 0.0 else 0):
+        for i in range(run.known.size if t > began else 0):  # guards that vanish together are known together
             run.known[i] = nan
         if ends:
             number += until == end
@@ -102,23 +105,13 @@ def is_finite(c):
 
 @function
 def take(sampled, c, taken):
-    """What a sampled controller makes of what it sees, into the queue."""
-    q, more, out = sampled.q, sampled.more, sampled.queue[taken % sampled.queue.shape[0]]
-    for k in range(out.size):
-        u = 0.0
-        for j in range(q.size):
-            u += sampled.c[k, j] * q[j]
-        for j in range(sampled.seen.size):
-            u += sampled.d[k, j] * c[sampled.seen[j], 0]
-        out[k] = min(max(u, -sampled.limit), sampled.limit)
-    for k in range(q.size):
-        more[k] = 0.0
-        for j in range(q.size):
-            more[k] += sampled.a[k, j] * q[j]
-        for j in range(sampled.seen.size):
-            more[k] += sampled.b[k, j] * c[sampled.seen[j], 0]
-    for k in range(q.size):
-        q[k] = more[k]
+    """What a sampled controller sees: into its registers, and into the queue of its outputs."""
+    registers = sampled.seen.size - sampled.queue.shape[1]
+    for k in range(sampled.seen.size):
+        if k < registers:
+            sampled.held[k] = c[sampled.seen[k], 0]
+        else:
+            sampled.queue[taken % sampled.queue.shape[0], k - registers] = c[sampled.seen[k], 0]
 
 
 @function

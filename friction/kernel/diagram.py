@@ -55,23 +55,16 @@ class Inputs(NamedTuple):
 
 
 class Sampled(NamedTuple):
-    """A controller that sees signals y every period: u = c q + d y within a limit, then q = a q + b y.
+    """A controller that looks at signals every period.
 
-    Its outputs are held from a delay later on until the next ones.
+    Registers take theirs at once, all together; outputs are held from a delay later on until the next ones.
     """
 
     period: float
     delay: float
-    limit: float
-    seen: Integers  # signals
-    a: Floats2
-    b: Floats2
-    c: Floats2
-    d: Floats2
-    q: Floats
-    more: Floats  # like q
+    seen: Integers  # signals, first those of the registers
     queue: Floats2  # (latest, outputs)
-    held: Floats  # (outputs,)
+    held: Floats  # (registers + outputs,)
 
 
 class HybridRun(NamedTuple):
@@ -100,8 +93,7 @@ class HybridRun(NamedTuple):
 
 def unsampled() -> Sampled:
     """No controller."""
-    none, square, at = np.zeros(0), np.zeros((0, 0)), np.zeros(0, np.int64)
-    return Sampled(inf, 0.0, inf, at, square, square, square, square, none, none, square, none)
+    return Sampled(inf, 0.0, np.zeros(0, np.int64), np.zeros((0, 0)), np.zeros(0))
 
 
 @function

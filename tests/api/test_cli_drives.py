@@ -35,6 +35,8 @@ def told(command):
         ("bode --from '1 Hz' --to '10 Hz' --points 2", " 62.832 "),
         ("step --step '0.3 s'", "highest sample at 1.8 s"),
         ("bode", "x_k/T1 = -70.71067812/(s^2 + 500*s + 2000)"),
+        ("control --period '10 ms' --delay '4 ms' --filter-time '3 ms' --slack", "belt_speed [m/s]"),
+        ("control --coulomb '0.04 N m' --speed '0.1 m/s'", "events of the left spool (2): stop at "),
         ("bode --output phi1", "DC gain -inf"),
         ("bode --angle '60 deg' --output tension", "tension/T2 = 20000/(s^2 + 900*s + 4000)"),  # k_p = 200 N/m
         ("bode --radius '10 cm, 5 cm' --inertia '1e-3 kg m^2, 2e-3 kg m^2'", "x_k/T2 = ("),

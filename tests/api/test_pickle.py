@@ -207,6 +207,8 @@ def with_verdict(network):
 PAIR = drives.CoupledDrives()
 LIGHT = drives.CoupledDrives(*[drives.Spool(1e-3, 1e-4, 0.1)] * 2, *[drives.Belt(50, 1e-3)] * 2)
 DRIVES = {
+    "winding": lambda: drives.Winding(1e-3, 0.1),
+    "sensitivities": lambda: drives.sensitivities(drives.design(drives.CoupledDrives())),
     "drives": lambda: PAIR,
     "transfer": lambda: PAIR.transfer("x_k", "T1"),
     "state space": lambda: PAIR.state_space(("tension", "belt_speed")),
@@ -256,6 +258,10 @@ FRICTION = {
     "dead zone": lambda: friction.dead_zone(0.001, 1.0, 0.01),
     "prescribed": lambda: friction.prescribe(friction.LuGre(), velocity=friction.Sine(0.1, 1.0)),
     "elements": lambda: friction.MaxwellSlip([1000.0], [1.0]),
+    "dwell and lag": lambda: friction.Armstrong(),
+    "swings": lambda: friction.swings(
+        friction.Coulomb(), friction.Testbench(friction.Ramp(0.0), controller=friction.PID(100.0, 700.0, 5.0))
+    ),
     "identified": lambda: friction.identify(BENT.t, BENT.F_f, velocity=BENT.v, models=("dahl",)),
 }
 

@@ -65,6 +65,7 @@ DRAWN = {
 }
 TOLD = {
     "state space": lambda: tl.drives.CoupledDrives().state_space(),
+    "sensitivities": lambda: tl.drives.sensitivities(tl.drives.design(tl.drives.CoupledDrives())),
     "pipe": lambda: tl.HydraulicLine(radius="10 cm", wave_speed=1500, density=980),
     "cable": lambda: tl.ElectricalLine(wave_speed=3e8, z0=300),
     "separation": lambda: tl.design.separation(tl.examples["column_separation"].with_changes(t_end="0.02 s")),

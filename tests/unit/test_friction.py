@@ -1,6 +1,7 @@
 """Kernels against slow, obvious twins; every refusal says where and why."""
 
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from friction import (
     InputError,
     Karnopp,
     LuGre,
+    MaxwellSlip,
     Model,
     Ramp,
     Sine,
@@ -226,3 +228,12 @@ def test_events_beyond_the_list_are_counted():
     np.testing.assert_array_equal(short.counts, whole.counts)
     assert 100 < whole.counts[2] < 1000
     np.testing.assert_array_equal(short.events[:20], whole.events[:20])
+
+
+def test_what_has_the_same_numbers_is_equal():
+    for kind in (Table, Steps, MaxwellSlip):
+        times: Any = np.array([1.0, 2.0])
+        one, other = kind([1.0, 2.0], [3.0, 4.0]), kind(times, (3.0, 4.0))
+        assert one == other
+        assert hash(one) == hash(other)
+        assert one != kind([1.0, 2.0], [3.0, 5.0])

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from tline.cli.drives import MECHANISM, mechanism
+from tline.cli.drives_parts import MECHANISM, mechanism
 from tline.cli.from_signature import FileKind, Output, command, picture
 from tline.cli.options import make_folder, write_text
 from tline.errors import InputError

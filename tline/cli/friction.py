@@ -13,7 +13,7 @@ from tline.errors import InputError
 from tline.units import to_si
 
 if TYPE_CHECKING:
-    from friction import PID, Force, Spring
+    from friction import PID, Force, Result, Spring
 
 EXAMPLES = """\b
 Examples:
@@ -146,11 +146,25 @@ def run(
             runs[name] = simulate(law, loaded, method=given.get("method"), tol=tol, budget=budget, **steps)
     found = next(iter(runs.values()))
     return Output(
-        [line for each in runs.values() for line in each.text_lines()],
+        [line for each in runs.values() for line in [*each.text_lines(), *_balanced(each)]],
         found.to_dict if len(runs) == 1 else lambda: {name: each.to_dict() for name, each in runs.items()},
         {"csv": tabled(beside(runs, COLUMNS)), "plot": drawn("friction.pictures:draw_run", runs)},
         exit_code=int(any(each.status is not Status.DONE for each in runs.values())),
     )
+
+
+def _balanced(found: "Result") -> list[str]:
+    """Swings by harmonic balance, where a controller of the place meets a static law."""
+    from friction import Coulomb, Karnopp, swings
+
+    pid, lines = found.bench.controller, list[str]()
+    if not pid or not pid.proportional or not isinstance(found.model, Coulomb | Karnopp):
+        return lines
+    for one in swings(found.model, found.bench):
+        what = "swings near it come to it" if one.attracts else "smaller swings die out, larger ones grow"
+        size = f"± {one.amplitude:.4g} m at a period of {one.period:.4g} s"
+        lines.append(f"harmonic balance, without sticking: {size} holds itself; {what}")
+    return lines or ["harmonic balance, without sticking: no swing holds itself"]
 
 
 def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mapping[str, type]) -> dict[str, Any]:
