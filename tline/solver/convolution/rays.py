@@ -22,9 +22,8 @@ from tline.solver.description.description import Description
 from tline.solver.description.switches import switches_of
 
 MOST = 100  # rays of one source
-SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
+SAME = 1e-9  # of the shortest delay; arrivals so near, of rays by paths that are moved alike, are one
 MOST_ARRIVALS = 10_000  # arrivals
-SAME_INSTANT = 1e-9  # of the shortest delay; arrivals so near are one
 
 
 class Ray(NamedTuple):
@@ -135,7 +134,7 @@ def arrivals(description: Description) -> dict[str, NDArray]:
     for switch in switches_of(description):
         moves = np.empty(0) if switch.law.factor is None else switch.law.factor.breaks(description.t_end)
         heap += [(float(t), group_of[switch.nodes[0]]) for t in moves[moves >= 0]]
-    same = SAME_INSTANT * min(line.delay for line in description.lines.values())
+    same = SAME * min(line.delay for line in description.lines.values())
     heap, found = sorted(heap), [[-np.inf] for _ in groups]
     while heap:
         t, group = heappop(heap)
