@@ -256,15 +256,15 @@ def judged(result: Result) -> Accuracy:
         with user_mistakes(whole.scene):
             return run(whole.parted(doublings) if whole.mixing else description, chosen)
 
-    runs = [result, step(result, 1)]
-    found = Accuracy(None, *differences(*runs))
-    by = magnified(description, *runs, [found.worst])
+    finer = step(result, 1)
+    found, runs = Accuracy(None, *differences(result, finer)), [finer]
+    by = magnified(description, result, finer, [found.worst])
     if by > 1.0:
-        runs.append(step(runs[1], 2))
-        left = Accuracy(None, *differences(*runs[1:]))
-        by = 1.0 if magnified(description, *runs[1:], [found.worst, left.worst]) == 1.0 else by
+        runs.append(finest := step(finer, 2))
+        left = Accuracy(None, *differences(finer, finest)).worst
+        by = 1.0 if magnified(description, finer, finest, [found.worst, left]) == 1.0 else by
     found = found.times(caution(found) * by)
-    return replace(found, attempts=(Attempt.of(result, found.worst), *map(Attempt.of, runs[1:])))
+    return replace(found, attempts=(Attempt.of(result, found.worst), *map(Attempt.of, runs)))
 
 
 def _by_hand(result: Result, tol: float) -> Accuracy:
