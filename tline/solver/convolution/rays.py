@@ -49,9 +49,12 @@ class Rays:
         self.ways: list[tuple[float, int, float]] = [
             (delay, int(moved), delay / h - moved) for delay, moved in zip(delays.tolist(), slabs.tolist(), strict=True)
         ]  # of each line its delay, s, and the slabs that it moves waves by, and does not
-        self.impedance, self.passed = network.propagation(s)[1], np.ones((len(s), len(delays)), complex)
+        total, self.impedance = network.propagation(s)
+        beyond = total - np.outer(s, network.delays)
         for k, line in network.lossy.items():
-            self.passed[:, k] = np.exp(-line.beyond_delay(points))
+            if line.constant:  # that difference would be rounding
+                beyond[:, k] = line.beyond_delay(points, total[:, k])
+        self.passed = np.exp(-beyond)
         matrix, p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
         unknown, known_by = p.shape[1], network.known_by
         self.held = known_by @ np.linalg.inv(matrix)[:, :unknown, :unknown]  # to an effort that is held
