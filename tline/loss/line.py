@@ -82,7 +82,7 @@ class LossyLine(ByValue):
         """Γ(s), 1/m; shape of s, 1/s, off the negative real axis."""
         return np.sqrt(self.series.at(s)) * np.sqrt(self.shunt.at(s))
 
-    def beyond_delay(self, s: NDArray, total: NDArray) -> NDArray[np.complex128]:
+    def beyond_delay(self, s: NDArray, total: NDArray) -> NDArray:
         """Γl - sT, of Γl, where R and G are constant, without cancellation at high frequencies."""
         (r, g), L, C = (self.series.loss, self.shunt.loss), self.series.storage, self.shunt.storage
         return self.length**2 * ((r * C + g * L) * s + r * g) / (total + s * self.delay)
