@@ -82,13 +82,10 @@ class LossyLine(ByValue):
         """Γ(s), 1/m; shape of s, 1/s, off the negative real axis."""
         return np.sqrt(self.series.at(s)) * np.sqrt(self.shunt.at(s))
 
-    def beyond_delay(self, s: NDArray) -> NDArray[np.complex128]:
-        """Γl - sT, of which at high frequencies a difference would leave rounding alone where R and G are constant."""
-        total, late = self.gamma(s) * self.length, s * self.delay
-        if not self.constant:
-            return total - late
+    def beyond_delay(self, s: NDArray, total: NDArray) -> NDArray:
+        """Γl - sT, of Γl, where R and G are constant, without cancellation at high frequencies."""
         (r, g), L, C = (self.series.loss, self.shunt.loss), self.series.storage, self.shunt.storage
-        return self.length**2 * ((r * C + g * L) * s + r * g) / (total + late)
+        return self.length**2 * ((r * C + g * L) * s + r * g) / (total + s * self.delay)
 
     def zc(self, s: ArrayLike) -> NDArray[np.complex128]:
         """Zc(s), ohm or Pa s/m³; shape of s. Infinite at s = 0 if the shunt does not leak."""

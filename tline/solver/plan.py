@@ -21,7 +21,6 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import load_step
-from tline.solver.description.nodes import Node
 from tline.solver.description.resolution import resolution, short_lines
 from tline.solver.description.slab import breaks_of, common_parts, relative_work
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
@@ -85,8 +84,8 @@ class OneOrder:
             at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
             self.initial[at : at + len(at_rest)] = at_rest
         for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
-            if _driven_alike(node, old):
-                continue
+            if (node.conductance, node.held, node.flows) == (old.conductance, old.held, old.flows):
+                continue  # which has the same line ends
             network.weight[network.first[k] : network.first[k + 1]] = node.weights(z0)
             if node.excitations:
                 parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
@@ -231,11 +230,6 @@ class Plan(Pair):
             if not slow or (anew and np.any(places_of(ours, slabs.end, slabs.width) % 1)):
                 return False
         return True
-
-
-def _driven_alike(node: Node, other: Node) -> bool:
-    """Whether waves and sources drive two nodes alike, which have the same line ends."""
-    return (node.conductance, node.held, node.flows) == (other.conductance, other.held, other.flows)
 
 
 def planned(description: Description, tol: float) -> Pair | None:

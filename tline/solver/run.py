@@ -23,9 +23,9 @@ from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.envelope import watch
-from tline.solver.result.merged import record_of
+from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
-from tline.solver.result.result import ElementRecord, LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.result.result import ElementRecord, LineRecord, Result, Wave
 from tline.solver.result.states import watched
 
 LARGEST_RECORD = 4e8  # samples
@@ -114,7 +114,9 @@ def _run(
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
-    _check_record(len(kept), n, chosen.s)
+    if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
+        problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
+        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
     recorder = Recorder(assembly, slabs) if ledger else None
     extremes = watch(assembly, slabs) if envelope else None
     watching = [each for each in (extremes, recorder) if each]
@@ -145,18 +147,13 @@ def given_out(
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
     alone = {node: _at_node(assembly, node, waves, done, smears) for node in assembly.recorded_nodes}
-    seen = {name: alone[at.node] if at.node else record_of(at, lines) for name, at in description.probes.items()}
-    probes = {
-        name: ProbeResult(name, at.line, at.share, seen[name], slabs, at.height)
-        for name, at in description.probes.items()
-    }
     chosen = assembly.resolution
     samples = len(assembly.network.ends) * slabs.number * chosen.s
     work = samples + EACH_NODE * len(assembly.nodes)
     return Result(
         description.scene,
         slabs,
-        probes,
+        probed(description, lines, alone, slabs),
         lines,
         chosen,
         (*chosen.notes, *smeared(done.fronts)),
@@ -170,13 +167,6 @@ def given_out(
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )
-
-
-def _check_record(lines: int, n: int, s: int) -> None:
-    samples = 4 * lines * n * s
-    if samples > LARGEST_RECORD:
-        problem = f"recording {lines} lines over {n} slabs of order {s} needs {samples:.2g} samples"
-        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
 
 
 class Again(NamedTuple):
@@ -253,18 +243,14 @@ def _slams(assembly: Assembly) -> dict[str, float]:
     return found
 
 
-def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float) -> Wave:
-    here, noted = done.pieces.row == row, done.pieces
-    pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, 0])
-    return Wave(waves[row, 0].reshape(-1, assembly.basis.s), before, assembly.basis, assembly.resolution.h, pieces)
+def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float, level: float = 0.0) -> Wave:
+    return Wave.of_row(waves, done.pieces, row, 0, before + level, level, assembly.basis, assembly.resolution.h)
 
 
 def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
     """The effort at a node where no line ends, as on a line that carries no flow."""
     level = assembly.nodes[node].height.level
-    u = _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node]))
-    pieces = u.pieces._replace(values=u.pieces.values + level)
-    u = replace(u, values=u.values + level, before=u.before + level, pieces=pieces)
+    u = _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node]), level)
     return LineRecord(1.0, 0.0, u, u, u, u, smears, raw=done.raw or bool(assembly.resolution.sections))
 
 
@@ -280,19 +266,10 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
     row, line = assembly.recorded[name], assembly.lines[name]
-    s, h = assembly.resolution.s, assembly.resolution.h
-    level = assembly.level_of(name)
-
-    noted, whole = done.pieces, Pieces(done.pieces.slab, done.pieces.span, done.pieces.values[:, 0])
-
-    def wave(end: int, side: int, before: float) -> Wave:
-        pieces = whole
-        if len(noted.row):
-            here = noted.row == row + end
-            pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + level)
-        values = waves[row + end, side].reshape(-1, s)
-        return Wave(values + level if level else values, before + level, assembly.basis, h, pieces)
-
-    sides = (0, 1), (0, 0), (1, 0), (1, 1)
-    a1, b1, a2, b2 = (wave(*at, float(before)) for at, before in zip(sides, assembly.start[name], strict=True))
+    level, sides = assembly.level_of(name), ((0, 1), (0, 0), (1, 0), (1, 1))
+    more = level, assembly.basis, assembly.resolution.h
+    a1, b1, a2, b2 = (
+        Wave.of_row(waves, done.pieces, row + end, side, float(before) + level, *more)
+        for (end, side), before in zip(sides, assembly.start[name], strict=True)
+    )
     return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears, raw=done.raw or bool(assembly.resolution.sections))

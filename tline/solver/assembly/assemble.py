@@ -62,22 +62,17 @@ class Assembly(Layout):
         fractional = (self.network.shift_row >= 0).any()
         return not self.resolution.plain and bool(fractional or self.settle.any() or self.graded.any())
 
-    @property
-    def key(self) -> Hashable:
-        """What another scene on this grid has to share with this one, so that it takes its place."""
-        chosen = self.resolution
-        return _key(chosen, self.recorded, self.recorded_laws, self.recorded_nodes)
-
     def leave(self) -> None:
         """Let the next run on the same grid have the arrays, if that is worth it."""
         if self.state.waves.size <= FEW:
             spare = self.grid.spare
             for old in list(spare)[: max(len(spare) + 1 - ORDERS, 0)]:
                 spare.pop(old, None)  # which another thread may have done
-            spare[self.key] = self
+            spare[_key(self.resolution, self.recorded, self.recorded_laws, self.recorded_nodes)] = self
 
 
 def _key(chosen: Resolution, record: Collection[str], laws: Collection[str], nodes: Collection[str]) -> Hashable:
+    """What another scene on this grid has to share with an assembly, so that it takes its place."""
     return chosen.s, chosen.same, chosen.plain, frozenset(record), frozenset(laws), tuple(nodes)
 
 

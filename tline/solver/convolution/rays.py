@@ -22,9 +22,8 @@ from tline.solver.description.description import Description
 from tline.solver.description.switches import switches_of
 
 MOST = 100  # rays of one source
-SAME = 1e-9  # of the shortest delay; arrivals so near, by paths that are moved alike, are one
+SAME = 1e-9  # of the shortest delay; arrivals so near, of rays by paths that are moved alike, are one
 MOST_ARRIVALS = 10_000  # arrivals
-SAME_INSTANT = 1e-9  # of the shortest delay; arrivals so near are one
 
 
 class Ray(NamedTuple):
@@ -50,9 +49,12 @@ class Rays:
         self.ways: list[tuple[float, int, float]] = [
             (delay, int(moved), delay / h - moved) for delay, moved in zip(delays.tolist(), slabs.tolist(), strict=True)
         ]  # of each line its delay, s, and the slabs that it moves waves by, and does not
-        self.impedance, self.passed = network.propagation(s)[1], np.ones((len(s), len(delays)), complex)
+        total, self.impedance = network.propagation(s)
+        beyond = total - np.outer(s, network.delays)
         for k, line in network.lossy.items():
-            self.passed[:, k] = np.exp(-line.beyond_delay(points))
+            if line.constant:  # that difference would be rounding
+                beyond[:, k] = line.beyond_delay(points, total[:, k])
+        self.passed = np.exp(-beyond)
         matrix, p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
         unknown, known_by = p.shape[1], network.known_by
         self.held = known_by @ np.linalg.inv(matrix)[:, :unknown, :unknown]  # to an effort that is held
@@ -135,7 +137,7 @@ def arrivals(description: Description) -> dict[str, NDArray]:
     for switch in switches_of(description):
         moves = np.empty(0) if switch.law.factor is None else switch.law.factor.breaks(description.t_end)
         heap += [(float(t), group_of[switch.nodes[0]]) for t in moves[moves >= 0]]
-    same = SAME_INSTANT * min(line.delay for line in description.lines.values())
+    same = SAME * min(line.delay for line in description.lines.values())
     heap, found = sorted(heap), [[-np.inf] for _ in groups]
     while heap:
         t, group = heappop(heap)

@@ -28,13 +28,13 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.given import Height, Shape
 from tline.solver.description.resolution import WHOLE, Resolution
-from tline.solver.loop.march import Noted
+from tline.solver.loop.march import Noted, concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Basis, basis
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.envelope import Envelope
-from tline.solver.result.merged import record_of
-from tline.solver.result.result import LineRecord, Pieces, ProbeResult, Result, Wave
+from tline.solver.result.merged import probed
+from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
@@ -157,20 +157,14 @@ class Convolved:
         elif ahead.any():
             waves, noted = summed(records, ahead, n, order)
         else:
-            waves, noted = next(records), None
+            waves, noted = next(records), concatenated([], order.s)
         lines = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
         at_nodes = {
             node: self._effort(node, 2 * len(lines) + k, waves, noted, order, h)
             for k, node in enumerate(description.probed_nodes)
         }
-        probes = {
-            name: ProbeResult(
-                name, probe.line, probe.share, at_nodes[probe.node] if probe.node else record_of(probe, lines), slabs,
-                probe.height,
-            )
-            for name, probe in description.probes.items()
-        }  # fmt: skip
-        narrow = noted.values[:, 0].size if self.layered and noted else 0
+        probes = probed(description, lines, at_nodes, slabs)
+        narrow = noted.values[:, 0].size if self.layered else 0
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
@@ -268,32 +262,22 @@ class Convolved:
         q = one.z0 * self.before.flows[line]
         return np.stack([u + q, u - q], axis=1).ravel()
 
-    def _line(self, name: str, row: int, waves: NDArray, noted: Noted | None, order: Basis, h: float) -> LineRecord:
+    def _line(self, name: str, row: int, waves: NDArray, noted: Noted, order: Basis, h: float) -> LineRecord:
         line = self.description.lines[name]
         level = self.description.nodes[line.nodes[0]].height.level
         before = level + self._start([*self.description.lines].index(name))
         sides = (0, 1), (0, 0), (1, 0), (1, 1)
         a1, b1, a2, b2 = (
-            _wave(row + end, side, waves, noted, float(value), order, h)
+            Wave.of_row(waves, noted, row + end, side, float(value), float(value), order, h)
             for (end, side), value in zip(sides, before, strict=True)
         )
         return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, raw=True)
 
-    def _effort(self, node: str, row: int, waves: NDArray, noted: Noted | None, order: Basis, h: float) -> LineRecord:
+    def _effort(self, node: str, row: int, waves: NDArray, noted: Noted, order: Basis, h: float) -> LineRecord:
         """The effort at a node where no line ends, as on a line that carries no flow."""
         before = self.before.effort[node] + self.description.nodes[node].height.level
-        u = _wave(row, 0, waves, noted, before, order, h)
+        u = Wave.of_row(waves, noted, row, 0, before, before, order, h)
         return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, raw=True)
-
-
-def _wave(row: int, side: int, waves: NDArray, noted: Noted | None, before: float, order: Basis, h: float) -> Wave:
-    """What a row of the record holds, beside what was before t = 0."""
-    if noted is None:
-        pieces = Pieces(np.empty(0, int), np.empty((0, 2)), np.empty((0, order.s)))
-    else:
-        here = noted.row == row
-        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + before)
-    return Wave(waves[row, side].reshape(-1, order.s) + before, before, order, h, pieces)
 
 
 def suits(description: Description) -> bool:

@@ -321,7 +321,8 @@ class Stepper:
             begin, end = (first + int(done) + float(place) for place in fronts.sizes[BEGIN : END + 1])
             _refuse(assembly, node, (begin, end) if begin < end else None)
         if fronts.counts[LATE]:
-            problem, where = "more moves and fronts meet in one slab than it can hold", _moving(assembly)
+            where = " and ".join(assembly.description.switched)
+            problem = "more moves and fronts meet in one slab than it can hold"
             raise InputError(where, problem, "narrower slabs, or instants farther apart")
         noted, fronts.counts[NOTED] = fronts.counts[NOTED], 0
         where, span, values = (part[:noted] for part in fronts.log)
@@ -339,10 +340,6 @@ def _snapped(events: list[Event], near: float) -> list[Event]:
     return [
         each._replace(at=float(round(each.at))) if abs(each.at - round(each.at)) <= near else each for each in events
     ]
-
-
-def _moving(assembly: Assembly) -> str:
-    return " and ".join(assembly.description.switched)
 
 
 def _refuse(assembly: Assembly, node: int, span: tuple[float, float] | None = None) -> None:

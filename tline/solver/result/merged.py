@@ -14,8 +14,9 @@ from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene, Stretches
 from tline.solver.description.lines import ProbePlace
 from tline.solver.ledger.ledger import Entry, Ledger
+from tline.solver.loop.slabs import Slabs
 from tline.solver.result.envelope import COLUMNS, Envelope
-from tline.solver.result.result import LineRecord, Result, Wave
+from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.words.wording import place
 
 NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
@@ -103,6 +104,17 @@ def _summed(ledger: Ledger, description: Description) -> Ledger:
         where = whole.get(entry.where, entry.where)
         sums[where] = [x + y for x, y in zip(sums.get(where, NOTHING), entry[1:], strict=True)]
     return Ledger(tuple(Entry(where, *numbers) for where, numbers in sums.items()), ledger.turnover)
+
+
+def probed(
+    description: Description, lines: Mapping[str, LineRecord], alone: Mapping[str, LineRecord], slabs: Slabs
+) -> dict[str, ProbeResult]:
+    """What probes saw, by name, of records of lines, and of nodes at which none ends."""
+    found = {}
+    for name, at in description.probes.items():
+        record = alone[at.node] if at.node else record_of(at, lines)
+        found[name] = ProbeResult(name, at.line, at.share, record, slabs, at.height)
+    return found
 
 
 def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecord:

@@ -24,6 +24,7 @@ from tline.solver.result.superconvergence import superconvergent
 from tline.words.wording import place
 
 if TYPE_CHECKING:
+    from tline.solver.loop.march import Noted
     from tline.solver.result.states import Measured, StateTrace
 
 NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
@@ -50,6 +51,16 @@ class Wave:
 
     def __repr__(self) -> str:
         return shortly("Wave", slabs=len(self.values), order=self.basis.s)
+
+    @classmethod
+    def of_row(
+        cls, waves: NDArray, noted: "Noted", row: int, side: int, before: float, lift: float, basis: Basis, h: float
+    ) -> "Wave":
+        """What arrived (side 0) or left at a row of a run's record, lifted, and that was `before` t = 0, as it is."""
+        here = noted.row == row if len(noted.row) else slice(0)
+        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + lift)
+        values = waves[row, side].reshape(-1, basis.s)
+        return cls(values + lift if lift else values, before, basis, h, pieces)
 
     def __call__(self, t: ArrayLike) -> NDArray:
         """Value at any instants up to the end of the run, same shape as t; at a jump the value before it."""

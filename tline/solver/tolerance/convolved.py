@@ -98,7 +98,12 @@ class Convolutions(Grids):
     def step(self, ladder: Ladder, finer: Result) -> Step:
         """What the run is off, if the next ones leave as large a share of the difference as the last two."""
         scene, least = self.search.description.scene, rounding(self.scene.padded)
-        differences = _errors(ladder.last, finer, scene, self.jumps, self.settle, least)
+        differences = {
+            name: _difference(
+                ladder.last.probes[name], probe, _near(name, scene, self.jumps, self.settle), self.settle, least
+            )
+            for name, probe in finer.probes.items()
+        }
         found = Accuracy(self.search.tol, *relative(differences))
         share = max(found.worst / self.off, LEAST_SHARE) if self.off < inf else self.share
         self.share, self.off = min(share, SLOWEST), found.worst
@@ -145,16 +150,6 @@ class Convolutions(Grids):
             return h
         h, ringing = shortest / FIRST, min((period for _, period in description.time_scales.values()), default=inf)
         return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
-
-
-def _errors(
-    coarse: Result, fine: Result, scene: Scene, jumps: dict[str, NDArray], settle: float, least: float
-) -> dict[str, Difference]:
-    """Differences of all probes at slab ends, and at places in all slabs of the finer run."""
-    return {
-        name: _difference(coarse.probes[name], probe, _near(name, scene, jumps, settle), settle, least)
-        for name, probe in fine.probes.items()
-    }
 
 
 def _torn(wave: Wave) -> float:
