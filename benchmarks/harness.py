@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-sys.path.insert(0, str(ROOT / "tests"))  # random inputs, references and judges live with the tests that use them
 RUNS = 5
 
 
