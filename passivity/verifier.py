@@ -5,22 +5,25 @@ Nodes are functions of s: 1, s, a name, a sum of multiples, a product of powers,
 impedance of a line. A fact holds in Re s > 0 for all values of the names: ("disc", low, high), a quadratic form in the
 value w told by where its region crosses the real axis, a half-plane if an end is infinite, so that positive real is
 (0, inf) and bounded real (-1, 1); ("real", low, high), a constant in s; ("arg", t), w > 0 for real s, no zeros and
-poles, and |arg w| <= 90 t degrees, or w = 0 everywhere. Nothing is divided by 0 everywhere, which one s and one choice
-of the names show; others are limits of such. A step is a node, a fact, a rule, steps it rests on, data.
+poles, and |arg w| <= 90 t degrees, or w = 0 everywhere. Nothing is divided by 0 everywhere, as bounds show at one s > 0
+for one choice of the names; others are limits of such. A step is a node, a fact, a rule, steps it rests on, data.
 """
 
 import json
+import re
 import sys
 from bisect import bisect_left
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from fractions import Fraction
-from functools import reduce
-from itertools import pairwise, zip_longest
+from functools import partial, reduce
+from itertools import pairwise, product, zip_longest
 from math import gcd, inf, lcm, prod
+from operator import add, mul, truediv
 
 FUNCTIONS = "exp", "log", "sqrt", "tanh", "cosh"
 FORMAT, LARGEST = "passivity proof 1", 4000  # terms of a polynomial, arguments of an exponential
 DECIMAL = Context(prec=100, Emax=MAX_EMAX, Emin=MIN_EMIN)
+POINTS = [(Fraction(2) ** k, digits) for k, digits in ((40, 28), (-1, 100), (-40, 100))]
 ZERO, ONE, UNITY = Fraction(0), Fraction(1), {(): 1}
 RIGHT, UNIT = ("disc", ZERO, inf), ("disc", -ONE, ONE)
 STEPS, SINES = 64, [k * (3 * 64**2 - k * k) for k in range(65)]  # 2 64^3 times t (3 - t^2)/2 <= sin(90 t degrees)
@@ -87,44 +90,78 @@ def image(name, x):
     return y - abs(y) / 10**60, y + abs(y) / 10**60
 
 
+def within(f, *ends):
+    """Bounds of what rises or falls with each of some decimals and is rounded once, from theirs."""
+    found = [f(*x) for x in product(*ends)]
+    return min(found).next_minus(), max(found).next_plus()
+
+
+def is_away(x):
+    """Whether 0 is not between bounds."""
+    return x[0] > 0 or x[1] < 0
+
+
 class Graph:
     """Nodes (kind, parts), read as quotients of polynomials, and the rules: facts about a node from those of others."""
 
     def __init__(self, names):
-        self.nodes, self.names, self.roots = [("one", ())], names, {}  # roots that were met: their squares
-        self.values = {0: Decimal(1)}  # of the nodes of a file, at one s
+        self.nodes, self.names, self.roots, self.zero = [("one", ())], names, {}, set()  # roots met: their squares
 
     def enter(self, kind, parts):
         """Append a node from its file after a look at its parts."""
         need(kind in ("s", "name", "sum", "mul", "line", *FUNCTIONS), f"unknown node {kind}")
         if kind not in ("s", "name"):
             parts = [tuple(x) if kind == "mul" else (Fraction(x[0]), *x[1:]) for x in parts]
-            ids = [n for n, e in parts if isinstance(e, int)] if kind == "mul" else [n for _, n in parts]
+            small = [n for n, e in parts if type(e) is int and abs(e) <= LARGEST]
+            ids = small if kind == "mul" else [n for _, n in parts]
             right = len(ids) == len(parts) == {"sum": len(set(ids)), "mul": len(set(ids)), "line": 3}.get(kind, 1)
             need(right and all(type(n) is int and 0 <= n < len(self.nodes) for n in ids), f"wrong parts in {kind}")
-        with localcontext(DECIMAL):
-            self.values[len(self.nodes)] = self.value(kind, parts)
         self.nodes.append((kind, tuple(parts)))
 
-    def value(self, kind, parts):
-        """A new node at one s > 0 and for one choice of the names; what it divides by is not 0."""
+    def look(self):
+        """Refuse nodes that are divided by what may be 0 at each of some points; keep those that may be 0 there."""
+        left = self.zero = {*range(len(self.nodes))}
+        for s, digits in POINTS:
+            if not left:
+                return
+            values = []
+            with localcontext(DECIMAL, prec=digits):
+                for kind, parts in self.nodes:
+                    try:
+                        values.append(self.value(kind, parts, values, s))
+                    except (ArithmeticError, TypeError, ValueError):  # nor has what is made of it a value
+                        values.append(None)
+            left = {n for n in left if not values[n]}
+            self.zero = {n for n in self.zero if not (values[n] and is_away(values[n]))}
+        need(not left, "a division by 0")
+
+    def value(self, kind, parts, values, s):
+        """Bounds of a node at a point s > 0 and for one choice of the names, from those of the nodes before it."""
+        plus, by, one = partial(within, add), partial(within, mul), (Decimal(1),) * 2
+
+        def over(x):
+            need(is_away(x), "a division by 0")
+            return within(truediv, one, x)
+
+        def times(c, x):
+            return by(within(truediv, [Decimal(c.numerator)], [Decimal(c.denominator)]), x)
+
         if kind in ("s", "name"):
-            low, high = disc(RIGHT if kind == "s" else self.names[parts[0]])
+            low, high = (s, s) if kind == "s" else disc(self.names[parts[0]])
             low = max(low, min(high, 1) - 1)
-            x = low + (min(high, low + 1) - low) * Fraction(2**61 - 1, 2**62 + len(self.nodes))
-            return x.numerator / Decimal(x.denominator)
-        if kind == "mul":
-            return prod((self.values[n] ** e for n, e in parts), start=Decimal(1))
-        terms = [self.values[n] * c.numerator / c.denominator for c, n in parts]
-        if kind == "sum":  # what is left of 0 is 0
-            return sum(terms) if abs(sum(terms)) * 10**80 > max(map(abs, terms)) else Decimal(0)
-        if kind in ("log", "sqrt"):
-            return terms[0].ln() if kind == "log" else terms[0].sqrt()
-        up, down = (x.exp() for x in (terms[kind == "line"], -terms[kind == "line"]))
-        if kind == "line":
-            wave, (z0, _, load) = (up - down) / (up + down), terms
-            return z0 * (load + z0 * wave) / (z0 + load * wave)
-        return {"exp": up, "tanh": (up - down) / (up + down), "cosh": (up + down) / 2}[kind]
+            return times(low + (min(high, low + 1) - low) * Fraction(2**61 - 1, 2**62 + len(values)), one)
+        if kind in ("one", "mul"):
+            return reduce(by, (values[n] if e > 0 else over(values[n]) for n, e in parts for _ in range(abs(e))), one)
+        x, *more = [times(c, values[n]) for c, n in parts]
+        if kind in ("sum", "log", "sqrt"):
+            return reduce(plus, more, x) if kind == "sum" else within(Decimal.ln if kind == "log" else Decimal.sqrt, x)
+        e = within(Decimal.exp, times(1 if kind in ("exp", "cosh") else -2, (more or [x])[0]))
+        if kind in ("exp", "cosh"):
+            return e if kind == "exp" else times(Fraction(1, 2), plus(e, over(e)))
+        if kind == "line":  # z0 (1 + r e)/(1 - r e), r = (Z - z0)/(Z + z0)
+            e = by(e, by(plus(x, times(-1, more[1])), over(plus(x, more[1]))))
+        found = by(plus(one, times(-1, e)), over(plus(one, e)))
+        return by(x, found) if kind == "line" else found
 
     def powers(self, n):
         """A node as a product: base to exponent."""
@@ -134,7 +171,7 @@ class Graph:
     def powers_of(self, known, exponents):
         """A product of powers of nodes, as one; none that is 0 is divided by."""
         pairs = [(m, e) for (m, _), e in zip(known, exponents, strict=True)]
-        need(all(type(e) is int and (e > 0 or self.values.get(m, 1)) for m, e in pairs), "no such powers")
+        need(all(type(e) is int and (e > 0 or m not in self.zero) for m, e in pairs), "no such powers")
         return reduce(added, ({b: e * k for b, k in self.powers(m).items()} for m, e in pairs), {})
 
     def terms(self, n, c=ONE):
@@ -323,7 +360,7 @@ class Graph:
         powers = [{-key[0][1] / unit if key else ZERO: Fraction(x) for key, x in f.items()} for f in pair]
         least, most = (end(0, *powers[0], *powers[1]) for end in (min, max))
         whole, steps = lcm(*(x.denominator for f in powers for x in f.values())), range(int(most - least) + 1)
-        need(fits and all(k - least in steps for f in powers for k in f), "not rational in s")
+        need(fits and len(steps) <= LARGEST and all(k - least in steps for f in powers for k in f), "not rational in s")
         lists = [[int(whole * f.get(least + k, 0)) for k in steps] for f in powers]
         p, q = (composed(f, [1, -1], [1, 1]) if known else combined(f, [], 0) for f in lists)
         choices = [(p, q)] if fact == ("arg", 1) else [(p, [ZERO, *q]), ([ZERO, *p], q)] if fact == ("arg", 2) else []
@@ -373,7 +410,7 @@ def composed(f, top, bottom):
 
 def is_nonnegative(a, factors, breaks):
     """Whether a(x) is at least a product of powers, and that >= 0 for x >= 0 by signs of coefficients on pieces."""
-    factors = [([Fraction(x) for x in f], e) for f, e in factors]
+    factors = [([Fraction(x) for x in f], min(e, LARGEST)) for f, e in factors]
     whole = reduce(convolved, (f for f, e in factors for _ in range(e)), [ONE])
     odd = reduce(convolved, (f for f, e in factors if e > 0 and e % 2), [ONE])
     ends = [ZERO, *map(Fraction, breaks)]
@@ -403,9 +440,11 @@ def check(proof, rules=RULES):
     step = "the head"
     try:
         need(proof["format"] == FORMAT, f"not of the format {FORMAT}")
+        need(not re.search(r'"[-+.\d/_ ]+e[-+\d_ ]*"', json.dumps(proof), re.IGNORECASE), "a number with an exponent")
         graph, known = Graph({name: read_fact(fact) for name, fact in proof["names"].items()}), []
         for kind, *parts in proof["nodes"][1:]:
             graph.enter(kind, parts)
+        graph.look()
         for k, (n, fact, name, premises, data) in enumerate(proof["steps"]):
             step, goal = f"step {k}, rule '{name}'", read_fact(fact)
             need(n >= 0 and all(0 <= m < k for m in premises), "a step refers to a later one")

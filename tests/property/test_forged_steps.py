@@ -11,7 +11,7 @@ from random import Random
 
 import pytest
 
-from passivity.verifier import RULES, Graph, read_fact
+from passivity.verifier import FORMAT, RULES, Graph, check, read_fact
 
 NAMES = {"Z": ["disc", "0", "inf"], "H": ["disc", "-1", "1"], "k": ["real", "1/2", "2"]}
 FUNCTIONS = {"Z": lambda s: 1 / (s + 0.1), "H": lambda s: (1 - s) / (1 + s) * cmath.exp(-s / 3), "k": lambda s: 0.7}
@@ -117,9 +117,12 @@ def grown(random):
 
 def enter(graph, new):
     """Whether a node is taken."""
+    there = len(graph.nodes)
     try:
         graph.enter(new[0], new[1:])
+        graph.look()
     except REFUSED:
+        del graph.nodes[there:]
         return False
     return True
 
@@ -237,3 +240,30 @@ def test_what_follows_is_true(rule):
                 assert is_true(fact, graph.nodes, last), (fact, graph.nodes, chosen, given)
                 followed += 1
     assert followed > 5
+
+
+def forged(small):
+    """A proof that 1 - s is positive real: C = ((1 + x s) - 1) - x s is 0 everywhere, and 1 - s is (1 - s) C by C."""
+    right = ["disc", "0", "inf"]
+    zero = [["sum", ["1", 0], [small, 1]], ["sum", ["1", 2], ["-1", 0]], ["sum", ["1", 3], [f"-{small}", 1]]]
+    nodes = [["one"], ["s"], *zero, ["mul", [4, -1]], ["sum", ["1", 0], ["-1", 1]], ["mul", [6, 1], [4, 1]]]
+    steps = [
+        [0, ["real", "1", "1"], "leaf", [], None],
+        [4, ["real", "0", "0"], "equal", [0], ["0", []]],
+        [7, ["real", "0", "0"], "equal", [0], ["0", []]],
+        [5, ["arg", "0"], "product", [1], [-1]],
+        [6, ["arg", "0"], "product", [2, 3], [1, 1]],
+    ]
+    return {"format": FORMAT, "names": {}, "nodes": nodes, "steps": steps, "root": ["1", 6], "claim": right}
+
+
+@pytest.mark.parametrize("digits", [0, 30, 90, 120, 2000])
+def test_what_cancels_whatever_its_size_is_no_divisor(digits):
+    """However many digits of a decimal it takes to see that nothing is left."""
+    assert check(forged(f"1/1{'0' * digits}")) == "the head: a division by 0"
+
+
+def test_a_file_cannot_ask_for_endless_arithmetic():
+    proof = forged("1")
+    assert "exponent" in check(forged("1e999999999"))
+    assert "wrong parts" in check(proof | {"nodes": [["one"], ["s"], ["mul", [1, 10**9]]]})
