@@ -5,7 +5,7 @@ BIN = $(VENV)/bin
 # pytest rewrites assertions so that they tell what they compared, for 25 s of CPU in each worker: those that fail do
 FAILED_AGAIN = $(BIN)/python -m pytest --last-failed --last-failed-no-failures none
 
-.PHONY: demo test lint bench docs charts site wheel clean
+.PHONY: demo test test-slow lint bench docs charts site wheel clean
 
 demo: $(VENV)/ready-run
 	$(BIN)/tline line hydraulic --radius "10 cm" --wave-speed 1500 --density 980
@@ -13,6 +13,9 @@ demo: $(VENV)/ready-run
 
 test: $(VENV)/ready-test
 	$(BIN)/python -m pytest -n auto --dist worksteal --assert=plain || { $(FAILED_AGAIN); exit 1; }
+
+test-slow: $(VENV)/ready-test
+	$(BIN)/python -m pytest -n auto --dist worksteal -m slow
 
 lint: $(VENV)/ready-dev
 	$(BIN)/ruff check

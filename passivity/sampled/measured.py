@@ -159,7 +159,7 @@ def fit_behind_delay(
     >>> s = 2j * np.pi * np.linspace(1e7, 3e9, 150)
     >>> cable = SampledResponse(s.imag / (2 * np.pi), np.exp(-2e-9 * s) / (2 + 1e-9 * s), "S")
     >>> found = fit_behind_delay(cable, 1e-6)
-    >>> found.order, round(found.delay * 1e9, 6), str(found.verdict.status)
+    >>> found.order, round(found.delay * 1e9, 5), str(found.verdict.status)
     (1, 1.0, 'proved')
     """
     if response.ports != 1 or response.parameter is not Parameter.S:

@@ -271,7 +271,7 @@ def measured_channel(
     >>> f = np.linspace(0, 1e10, 200)
     >>> S21 = 0.8 * np.exp(-2j * np.pi * f * 1e-9) / (1 + 1j * f / 5e9)
     >>> seen = measured_channel(SampledResponse(f, [[[0, x], [x, 0]] for x in S21], "S"))
-    >>> seen.found.order, round(seen.delay * 1e9, 1), round(seen.pulse("1 ns", "0.1 ns").u[1, 63], 4)
+    >>> seen.found.order, round(seen.delay * 1e9, 1), round(float(seen.pulse("1 ns", "0.1 ns").u[1, 63]), 4)
     (1, 1.0, 0.8)
     """
     from passivity import SampledResponse, fit_scattering, read_touchstone
