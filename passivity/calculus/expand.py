@@ -127,8 +127,10 @@ class Expansion:
                     x = self._node(m) if e > 0 else self._node(m).inverse()
                     if abs(e) * max(self._highest(f) for f in x) > MAX_DEGREE:
                         raise ExpansionError(f"the expanded function has a degree over {MAX_DEGREE}")
-                    for _ in range(abs(e)):
-                        _multiply(factors, x)
+                    left = abs(e)
+                    while left and _cancel(factors, x):
+                        left -= 1
+                    factors += [x] * left
                 found = reduce(self.product, factors, Pair(self.one, self.one))
             elif kind == "line":
                 found = self._line(self.of(parts[0]), self.of(parts[2]), self.wave(parts[1], 2))
@@ -244,16 +246,17 @@ class Expansion:
         return total
 
 
-def _multiply(factors: list[Pair], x: Pair) -> None:
-    """Add one more factor, whose numerator or denominator goes if it stands in another one, too."""
+def _cancel(factors: list[Pair], x: Pair) -> bool:
+    """Multiply one of some factors by one more, if a numerator or denominator of one stands in the other, too."""
+    spend(300 * len(factors), "the expansion")
     for k, y in enumerate(factors):
         for a, b in ((x, y), (y, x)):
             if len(a.q) == len(b.p) > 1:
                 c, d = a.q.leading_coefficient(), b.p.leading_coefficient()
                 if a.q * d == b.p * c:
                     factors[k] = Pair(a.p * d, b.q * c)
-                    return
-    factors.append(x)
+                    return True
+    return False
 
 
 def _depth(graph: Graph, root: int) -> int:
