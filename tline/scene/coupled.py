@@ -1,17 +1,17 @@
-"""Coupled conductors: one line with a node for each conductor at either end."""
+"""Coupled conductors: one line with a node for each conductor at either end; and which line a scene's medium takes."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.line.electrical import LIGHT, ROUNDING
 from tline.line.modes import MixedModesError, Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name, nodes_of
-from tline.scene.line import Cable, SceneLine
-from tline.scene.mistakes import mistakes
+from tline.scene.line import Cable, Pipe, SceneLine
+from tline.scene.mistakes import Read, mistakes, validator
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
 
 MOST = 16  # conductors
@@ -216,3 +216,25 @@ def single_lines(lines: Mapping[str, SceneLine]) -> Mapping[str, SceneLine]:
         for first, second, table in zip(one.modal, other.modal, one.lines, strict=True):
             found[first.removesuffix(", end 1")] = Cable.model_validate({"nodes": (first, second)} | table)
     return found
+
+
+def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
+    context = info.context or {}
+    medium = context.get("medium")
+    if "bar" in context:
+        context["bar"].update()
+    if medium is None:
+        return value  # a mistake of its own; no word on the lines before it is known what they are
+    kind = Pipe if medium == "hydraulic" else Cable
+    if medium == "electrical" and (isinstance(value, Coupled) or (isinstance(value, dict) and "nodes1" in value)):
+        kind = Coupled
+    if isinstance(value, Element) and not isinstance(value, kind):
+        known = type(value).__name__
+        raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
+    if type(value) is Pipe:
+        return value  # it was read before, and nothing in it depends on where it stands
+    return validator(kind).validate_python(value, context=info.context)
+
+
+# Coupled stands in for a line: it has nodes and a shortest delay, and its parameters refuse
+Line = Annotated[SceneLine, Read(_line_of_medium, Pipe | Cable | Coupled)]

@@ -13,7 +13,6 @@ from pydantic import (
     PrivateAttr,
     SerializerFunctionWrapHandler,
     ValidationError,
-    ValidationInfo,
     model_serializer,
     model_validator,
 )
@@ -21,7 +20,7 @@ from pydantic import (
 from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
 from tline.scene.check import conflicts, misplaced
-from tline.scene.coupled import Coupled, single_lines
+from tline.scene.coupled import Line, single_lines
 from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
@@ -31,7 +30,7 @@ from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Link, Load
 from tline.scene.measure import Measure, Probe
 from tline.scene.medium import MEDIA, check_units
-from tline.scene.mistakes import MOST, Read, limited, mistakes, validator
+from tline.scene.mistakes import MOST, limited, mistakes, validator
 from tline.scene.quantity import Duration, Effort
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Shape
@@ -49,28 +48,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
-
-
-def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
-    context = info.context or {}
-    medium = context.get("medium")
-    if "bar" in context:
-        context["bar"].update()
-    if medium is None:
-        return value  # a mistake of its own; no word on the lines before it is known what they are
-    kind = Pipe if medium == "hydraulic" else Cable
-    if medium == "electrical" and (isinstance(value, Coupled) or (isinstance(value, dict) and "nodes1" in value)):
-        kind = Coupled
-    if isinstance(value, Element) and not isinstance(value, kind):
-        known = type(value).__name__
-        raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
-    if type(value) is Pipe:
-        return value  # it was read before, and nothing in it depends on where it stands
-    return validator(kind).validate_python(value, context=info.context)
-
-
-# Coupled stands in for a line: it has nodes and a shortest delay, and its parameters refuse
-Line = Annotated[SceneLine, Read(_line_of_medium, Pipe | Cable | Coupled)]
 
 
 class Scene(Element):

@@ -262,16 +262,7 @@ def operate(
     ('c', 8.8, 10.0, [])
     """
     budget = Budget(as_seconds(seconds))
-    given = {
-        "trip": trip,
-        "start": start,
-        "stop": stop,
-        "speed": speed,
-        "close": close,
-        "open": open,
-        "burst": burst,
-        "demand": demand,
-    }
+    given = dict(zip(OPERATIONS, (trip, start, stop, speed, close, open, burst, demand), strict=True))
     scene, read, controls = read_network(
         network, wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks
     )
