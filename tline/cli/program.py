@@ -13,6 +13,7 @@ def program() -> None:
     take a tenth of the time of a small scene. Where threads are left, Python waits for them as usual.
     """
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else pydantic reads what all packages say of theirs
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait for each other longer than small matrices take
     from tline.cli.main import main
 
     try:
