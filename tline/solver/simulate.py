@@ -25,7 +25,8 @@ from tline.solver.tolerance.search import Orders, Start, within
 from tline.solver.witness.witness import Witness
 
 TOL = 1e-6  # where nothing is asked or fixed
-FOLLOWED = 1e-10  # of the largest wave: what is left of what decays behind a front, where a run is judged
+FOLLOWED = 1e-5, 1e-10  # of the largest wave: what is left of what decays behind a front, where a run is judged
+CLEAR = 10  # times what is left, from which on a difference is of something else
 
 
 class UnresolvedWarning(UserWarning):
@@ -249,20 +250,25 @@ def judged(result: Result) -> Accuracy:
         found = compared(None, *both)
         return replace(found, attempts=(Attempt.of(both[0], found.worst), Attempt.of(both[1])))
 
-    def step(coarse: Result, doublings: int) -> Result:
-        s, h, cell = coarse.resolution.s, coarse.resolution.h, coarse.resolution.cell / 2
+    def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
+        s, h = coarse.resolution.s, coarse.resolution.h
         narrower = description.dispersive or whole.mixing
-        chosen = Resolution(s, h / 2, cell=cell) if narrower else Resolution(s + 1, h, layers=FOLLOWED, cell=cell)
+        cell = coarse.resolution.cell / 2
+        chosen = Resolution(s, h / 2, cell=cell) if narrower else Resolution(s + 1, h, layers=followed, cell=cell)
         with user_mistakes(whole.scene):
-            return run(whole.parted(doublings) if whole.mixing else description, chosen)
+            fine = run(whole.parted(doublings) if whole.mixing else description, chosen)
+        found = Accuracy(None, *differences(coarse, fine))
+        if not fine.resolution.layers or followed == FOLLOWED[-1] or found.worst >= CLEAR * followed:
+            return fine, found
+        return step(coarse, doublings, FOLLOWED[-1])
 
-    finer = step(result, 1)
-    found, runs = Accuracy(None, *differences(result, finer)), [finer]
-    by = magnified(description, result, finer, [found.worst])
+    finer, found = step(result, 1)
+    runs, by = [finer], magnified(description, result, finer, [found.worst])
     if by > 1.0:
-        runs.append(finest := step(finer, 2))
-        left = Accuracy(None, *differences(finer, finest)).worst
-        by = 1.0 if magnified(description, finer, finest, [found.worst, left]) == 1.0 else by
+        finest, left = step(finer, 2)
+        runs.append(finest)
+        if magnified(description, finer, finest, [found.worst, left.worst]) == 1.0:
+            by = 1.0
     found = found.times(caution(found) * by)
     return replace(found, attempts=(Attempt.of(result, found.worst), *map(Attempt.of, runs)))
 
