@@ -2,6 +2,7 @@
 
 Before several workers start, the kernels are compiled, lest each compiles them for itself; and each works on one core.
 Ctrl-C is heard even where a shell has started all this in the background and shut it off.
+Tests that slow.txt names take seconds beside quicker ones of the same: `make test-slow` runs them.
 """
 
 import gc
@@ -9,7 +10,9 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 BUSY = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}  # a computer that is busy is no failure
@@ -24,6 +27,15 @@ def pytest_configure(config):
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         os.environ["OPENBLAS_NUM_THREADS"] = "1"
         subprocess.run([sys.executable, "-m", "tline", "warm-up"], check=False, capture_output=True)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Mark the slow ones, before those that are marked are left out."""
+    slow = {f"tests/{line}" for line in (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines()}
+    for item in items:
+        if item.nodeid in slow:
+            item.add_marker("slow")
 
 
 def pytest_collection_finish():
