@@ -4,7 +4,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import FileKind, Output, command, drawn, picture, table
-from tline.cli.options import check_readable
+from tline.cli.options import check_readable, options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -258,7 +258,8 @@ def channel(
     eye_seen, lines, more, exit_code = None, [], {}, 0
     if bit is not None:
         neighbours = range(2, len(found.names))
-        pulses = [found.pulse(bit, edge, source=k, **levels) for k in (0, *neighbours)]
+        with options_named({"period": "--bit", "rise": "--rise"}):
+            pulses = [found.pulse(bit, edge, source=k, **levels) for k in (0, *neighbours)]
         eye_seen, taps, gain = _equalised(pulses, ffe, ctle, asked)
         told, exit_code = _told(eye_seen, taps, gain, mask)
         lines = [*eye_seen.text_lines(), *told]

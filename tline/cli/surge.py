@@ -1,6 +1,7 @@
 """`tline surge` and `study`: operate a network without editing a file, once or in many ways, and see what is worst."""
 
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import FileKind, Output, command, picture
@@ -36,7 +37,7 @@ def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tupl
     from tline.surge.operate import read_network
     from tline.surge.operation import plan
 
-    if isinstance(network, str):
+    if isinstance(network, str) and Path(network).suffix:
         check_readable(network)
     operations = {kind: given.pop(kind) for kind in OPERATIONS if kind in given}
     reading = {key: given.pop(key) for key in READING if key in given}
@@ -82,9 +83,10 @@ def surge(
 ) -> Output:
     """Operate a network, and print the worst of it.
 
-    NETWORK is a file of EPANET (.inp) or a scene (.toml) of pipes that starts in the steady state. Times and durations
-    have units, and an operation without a duration is done at once. The exit status is 1 if the tolerance is not met,
-    or no pressure class can be told: columns separate, or the highest pressure comes at the end of the run.
+    NETWORK is a file of EPANET (.inp) or a scene (.toml, or the name of one that comes with tline) of pipes that starts
+    in the steady state. Times and durations have units, and an operation without a duration is done at once. The exit
+    status is 1 if the tolerance is not met, or no pressure class can be told: columns separate, or the highest pressure
+    comes at the end of the run.
 
     Parameters
     ----------

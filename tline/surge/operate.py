@@ -345,7 +345,7 @@ def read_network(
         suffix = Path(network).suffix.lower()
         if suffix in EPANET:
             return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks))
-        if suffix != ".toml":
+        if suffix not in ("", ".toml"):
             raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
     refuse_water(water)
     return network if isinstance(network, Network) else Network(as_scene(network))
