@@ -148,8 +148,9 @@ class Graph:
 
         if kind in ("s", "name"):
             low, high = (s, s) if kind == "s" else disc(self.names[parts[0]])
-            low = max(low, min(high, 1) - 1)
-            return times(low + (min(high, low + 1) - low) * Fraction(2**61 - 1, 2**62 + len(values)), one)
+            low, mark = max(low, min(high, 1) - 1), int.from_bytes("".join(parts).encode(), "big")
+            share = Fraction(2**61 - 1, 2**62 + mark * 11400714819323198485 % 2**61)  # by name, far apart
+            return times(low + (min(high, low + 1) - low) * share, one)
         if kind in ("one", "mul"):
             return reduce(by, (values[n] if e > 0 else over(values[n]) for n, e in parts for _ in range(abs(e))), one)
         x, *more = [times(c, values[n]) for c, n in parts]

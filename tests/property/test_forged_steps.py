@@ -267,3 +267,10 @@ def test_a_file_cannot_ask_for_endless_arithmetic():
     proof = forged("1")
     assert "exponent" in check(forged("1e999999999"))
     assert "wrong parts" in check(proof | {"nodes": [["one"], ["s"], ["mul", [1, 10**9]]]})
+
+
+def test_a_name_that_is_there_twice_is_one():
+    """k - k is 0 also where each is a node of its own."""
+    nodes = [["one"], ["s"], ["name", "k"], ["name", "k"], ["sum", ["1", 2], ["-1", 3]], ["mul", [4, -1]]]
+    proof = {"format": FORMAT, "names": NAMES, "nodes": nodes, "root": ["1", 1], "claim": ["disc", "0", "inf"]}
+    assert check(proof | {"steps": [[1, proof["claim"], "leaf", [], None]]}) == "the head: a division by 0"
