@@ -24,7 +24,7 @@ from drives.state_space import StateSpace, floats
 from drives.symbolic import OUTPUTS
 from tline.errors import InputError
 
-SET_POINTS = ("belt_speed_set", "tension_set")
+CONTROLLED = ("belt_speed", "tension")
 MOST_DELAYED = 100  # periods
 
 
@@ -99,7 +99,11 @@ def closed_loop(design: Design, filter_time: float = 0.0, plant: CoupledDrives |
     b = [[law.b * on_references, law.b], [unit, none]]
     c = [[outputs, fmpq_mat(p, n + 2 - outputs.ncols())], [on_states, on_integrals]]
     d = [[fmpq_mat(p, 4)], [_blocks([[on_references, none]])]]
-    names = (*drives.states, *behind, "q_speed", "q_tension"), (*SET_POINTS, "d1", "d2"), (*OUTPUTS, "T1", "T2")
+    names = (
+        (*drives.states, *behind, "q_speed", "q_tension"),
+        (*(f"{name}_set" for name in CONTROLLED), "d1", "d2"),
+        (*OUTPUTS, "T1", "T2"),
+    )
     return StateSpace(_blocks(a), _blocks(b), _blocks(c), _blocks(d), *names)
 
 

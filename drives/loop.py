@@ -21,7 +21,7 @@ from drives.by_hand import SEEN, Control
 from drives.control import PI, Design
 from drives.discretise import legs, propagate
 from drives.energy import Rows, energy_of
-from drives.feedback import closed_loop, feedback_of, looks_of, sampled_poles
+from drives.feedback import CONTROLLED, closed_loop, feedback_of, looks_of, sampled_poles
 from drives.number import positive, written
 from drives.parts import Winding
 from drives.simulation import MOST_STEPS, Run, initial_state, moved, named, pushing, sample_times
@@ -32,7 +32,6 @@ from drives.torque_limit import unreachable
 from drives.witness import doubts
 from tline.errors import InputError
 
-CONTROLLED = ("belt_speed", "tension")
 GROWS = 1e-9  # of what a loop is larger at the next look: more is no rounding
 
 

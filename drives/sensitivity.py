@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from drives.control import Design
 from drives.coupled import PARTS, CoupledDrives
-from drives.feedback import closed_loop
+from drives.feedback import CONTROLLED, closed_loop
 from drives.number import written
 from drives.state_space import StateSpace
 from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
 
-OUTPUTS = ("belt_speed", "tension")
 SMALL = Fraction(1, 10**5)  # relative change of a parameter
 ROUNDING = 1e-9  # of an overshoot, and of what a pole moves by
 APART = 1e-6  # relative distance of poles that count as one
@@ -57,7 +56,7 @@ class Sensitivities(Presentation):
     def text_lines(self) -> Iterator[str]:
         """A row for each parameter."""
         yield "what 1 % more of a parameter does to poles [rad/s] and to overshoots [% of the final value]:"
-        heads = [f"{name} {100 * x:.3g} %" for name, x in zip(OUTPUTS, self.overshoots, strict=True)]
+        heads = [f"{name} {100 * x:.3g} %" for name, x in zip(CONTROLLED, self.overshoots, strict=True)]
         rows = [["parameter", *map(written, self.poles), *heads]]
         for name, moves, grows in zip(self.parameters, self.of_poles, self.of_overshoots, strict=True):
             told = [f"{move.real:+.3g}" + (f"{move.imag:+.3g}j" if move.imag else "") for move in moves]
@@ -127,7 +126,7 @@ def _overshoots(loop: StateSpace) -> NDArray[np.float64]:
 
     slow = min(-z.real for z in loop.poles if z.real)
     n, length, found = len(loop.states), SETTLED / slow / SAMPLES, []
-    for k, name in enumerate(OUTPUTS):
+    for k, name in enumerate(CONTROLLED):
         motion = np.zeros((n + 1, n + 1))
         motion[:n, :n], motion[:n, n] = loop.A, loop.B[:, k]
         seen, step, ways = np.append(loop.C[loop.outputs.index(name)], 0.0), expm(motion * length), [np.eye(n + 1)[n]]
