@@ -6,12 +6,12 @@ Without arguments all; with names, those scenes or "growth" or "stability" only.
 import sys
 
 from benchmarks.harness import DOCS
-from tline.pictures.style import save_figure
 from tline.study.charts import growth, stability
 from tline.study.charts.measure import ChartTable
 from tline.study.charts.picture import draw
 from tline.study.charts.scenes import NAMES
 from tline.study.charts.work_precision import peers, work_precision
+from tline.style import save_figure
 
 FOLDER = DOCS / "charts"
 BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")

@@ -19,7 +19,7 @@ from drives import (
     simulate_control,
 )
 from drives.linearise import LITERAL_STATES, literal_rates
-from tline.pictures.style import COLOURS, save_figure, styled
+from tline.style import COLOURS, save_figure, styled
 
 PICTURES = Path(__file__).parent / "pictures"
 EXERCISE = CoupledDrives()

@@ -21,12 +21,12 @@ from tline.loss import (
     realise,
 )
 from tline.loss.law import Arithmetic
-from tline.pictures.style import COLOURS, DASHES, figure, save_figure, styled
 from tline.pictures.traces import plot
 from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
 from tline.study.charts.picture import RAISED
 from tline.study.reference.lossy import lossy_response
+from tline.style import COLOURS, DASHES, figure, save_figure, styled
 
 SCENE = ROOT / "scenes" / "pipe_friction.toml"
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8)

@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from benchmarks.harness import DOCS, ROOT, table, write
-from tline.pictures.style import COLOURS, INK, figure, save_figure, styled
 from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
+from tline.style import COLOURS, INK, figure, save_figure, styled
 
 SCENE = ROOT / "scenes" / "column_separation.toml"
 DENSITY, G, VISCOSITY, AIR = 999.1, 9.80665, 1.14e-3, 101.325  # kg/m³, m/s², Pa s, kPa

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 
 import tline as tl
 from benchmarks.harness import DOCS
-from tline.pictures.style import INK, styled
 from tline.signal.crosstalk import crosstalk
 from tline.solver.simulate import UnresolvedWarning
+from tline.style import INK, styled
 
 TRACES = {"crosstalk": "coupled_pair", "overhead_line": "overhead_line"} | {
     name: name for name in ("hydraulic_hose", "brake_line", "injection_pipe")

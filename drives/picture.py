@@ -15,7 +15,7 @@ from drives.symbolic import ALL_UNITS
 from drives.torque import Torque
 from drives.transfer import TransferFunction
 from tline.errors import InputError
-from tline.pictures.style import COLOURS, DASHES, FAINT, INK, cells_of, styled
+from tline.style import COLOURS, DASHES, FAINT, INK, cells_of, styled
 
 WIDE = 100  # largest over smallest real part from which on a linear scale shows only one of them
 NOISE = 1e-12  # nothing but rounding, not worth a scale of its own

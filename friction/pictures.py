@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from friction.identify import Identification
 from friction.prescribe import Prescribed
 from friction.result import Kind, Result
-from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, styled
+from tline.style import COLOURS, DASHES, FAINT, cells_of, styled
 
 NAMES = {
     "v": "velocity v [m/s]", "x": "place x [m]", "z": "deflection z [m]", "F_f": "friction F_f [N]",

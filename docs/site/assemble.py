@@ -19,7 +19,7 @@ from click.testing import CliRunner
 import tline as tl
 from tline.cli.main import COMMANDS, main
 from tline.exercises.answer import Answer, letters
-from tline.pictures.style import save_figure
+from tline.style import save_figure
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = (

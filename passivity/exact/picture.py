@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
@@ -16,6 +15,7 @@ from passivity.exact.margin import Margin, Margins
 from passivity.exact.verdict import Verdict
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind
+from tline.style import COLOURS, INK, cells_of, styled
 
 POINTS = 1200
 MOST = 307.0  # decades of a frequency
@@ -23,9 +23,11 @@ DECADES_BEYOND = 1.5  # below the smallest and above the largest modulus of a po
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 BEYOND = "#F7DFD0"  # where |H| > 1
 _LEVELS = (0.2, 0.5, 1.0, 2.0, 5.0)
-_CURVE, _BAD, _INK, _GRID = "#0072B2", "#D55E00", "#222222", "#B8B8B8"
+_CURVE, _BAD = COLOURS[:2]
+_GRID = "#B8B8B8"
 
 
+@styled
 def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes | None = None) -> Any:
     """A figure: Z(jw) beside the forbidden half plane, the Smith chart, and |H(jw)| against z0 with its largest value.
 
@@ -38,17 +40,17 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
     values = np.array([verdict.function(1j * x) for x in w])
     with np.errstate(invalid="ignore", divide="ignore"):
         h = values if verdict.kind is Kind.BR else np.where(np.isfinite(values), (values - z0) / (values + z0), 1)
+    width, columns = (13.0, 3) if verdict.kind is Kind.PR else (9.5, 2)
+    drawn, cells = cells_of(ax, width, 4.6, columns=columns, title=f"{verdict.kind.value}: {verdict.status.value}")
     if ax is not None:
         draw_smith(ax, h)
         return ax
-    figure = Figure(figsize=(13 if verdict.kind is Kind.PR else 9.5, 4.6), dpi=150, layout="constrained")
-    *plane, smith, size = figure.subplots(1, 3 if verdict.kind is Kind.PR else 2)
+    *plane, smith, size = cells
     for axes in plane:
         _impedance_plane(axes, values, margins.input)
     draw_smith(smith, h)
     _size(size, w, np.abs(h), margins.reflection, "" if verdict.kind is Kind.BR else f" against z0 = {z0:.6g}")
-    figure.suptitle(f"{verdict.kind.value}: {verdict.status.value}", x=0.02, ha="left", fontweight="bold")
-    return figure
+    return drawn
 
 
 def frequencies(function: RationalFunction, also: list[float]) -> NDArray:
@@ -86,11 +88,11 @@ def _impedance_plane(axes: Axes, z: NDArray[np.complex128], margin: Margin | Non
         z.real, z.imag, color=_CURVE, linewidth=1.7, label="Z(jω), ω > 0", marker="." if np.ptp(shown) == 0 else ""
     )
     if margin is not None and math.isfinite(margin.value):
-        axes.axvline(margin.value, color=_INK, linestyle="--", linewidth=1, label=f"smallest Re Z = {margin.value:.4g}")
+        axes.axvline(margin.value, color=INK, linestyle="--", linewidth=1, label=f"smallest Re Z = {margin.value:.4g}")
     axes.set(xlim=(min(left, -0.08 * (right - left)), right), ylim=(bottom, top))
     axes.set(xlabel="Re Z  [unit of Z]", ylabel="Im Z  [unit of Z]")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="best", fontsize=8, frameon=False)
+    axes.grid()
+    axes.legend(loc="best", fontsize=8)
 
 
 def _range(values: NDArray, scale: float) -> tuple[float, float]:
@@ -106,13 +108,13 @@ def _size(axes: Axes, w: NDArray, h: NDArray, margin: Margin | None, against: st
     axes.axhline(1, color=_BAD, linewidth=1.2)
     axes.semilogx(w, h, color=_CURVE, linewidth=1.7, label="|H(jω)|")
     if margin is not None and math.isfinite(largest):
-        axes.axhline(largest, color=_INK, linestyle="--", linewidth=1, label=f"largest: {largest:.6g}")
+        axes.axhline(largest, color=INK, linestyle="--", linewidth=1, label=f"largest: {largest:.6g}")
         if w[0] <= margin.frequency <= w[-1]:
-            axes.plot([margin.frequency], [largest], "o", color=_INK, markersize=5)
+            axes.plot([margin.frequency], [largest], "o", color=INK, markersize=5)
     axes.set(xlim=(w[0], w[-1]), ylim=(0, top), xlabel="angular frequency ω  [rad/s]", ylabel=f"|H(jω)|{against}")
     axes.xaxis.set_major_formatter(lambda x, _: f"10{str(round(math.log10(x))).translate(_RAISED)}")
-    axes.grid(alpha=0.3)
-    axes.legend(loc="lower left", fontsize=8, frameon=False)
+    axes.grid()
+    axes.legend(loc="lower left", fontsize=8)
 
 
 def draw_smith(axes: Axes, h: NDArray[np.complex128]) -> None:
@@ -140,4 +142,4 @@ def draw_smith(axes: Axes, h: NDArray[np.complex128]) -> None:
     axes.plot(h.real, h.imag, color=_CURVE, linewidth=1.7, marker=dot, label="H(jω), ω > 0")
     axes.add_patch(Rectangle((0, 0), 0, 0, color=BEYOND, label="forbidden: |H| > 1"))
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel="Re H", ylabel="Im H", aspect="equal")
-    axes.legend(loc="upper right", fontsize=7, facecolor="white")
+    axes.legend(loc="upper right", fontsize=7, facecolor="white", frameon=True)

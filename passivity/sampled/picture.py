@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 from numpy.typing import NDArray
 
@@ -13,26 +12,29 @@ from passivity.sampled.enforce import Enforced
 from passivity.sampled.extremes import off_poles
 from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter
+from tline.style import COLOURS, INK, cells_of, styled
 
 POINTS = 1500
 BEYOND = 1.5  # times the highest frequency: how far models are drawn
-_INK, _BAD, _BEFORE, _AFTER = "#222222", "#D55E00", "#E69F00", "#0072B2"  # Okabe and Ito
+_AFTER, _BAD, _, _, _BEFORE, *_ = COLOURS
 _UNITS = {Parameter.Z: "  [Ω]", Parameter.Y: "  [S]", Parameter.S: ""}
 
 
+@styled
 def draw_samples(verdict: SampleVerdict, ax: Axes | None = None, enforced: Enforced | None = None) -> Any:
     """A figure: worst singular value of S or smallest eigenvalue of Z or Y against frequency, violations shaded.
 
     The models before and after are drawn to BEYOND times the highest frequency.
     """
     response, f = verdict.response, verdict.response.f
-    figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
-    axes = ax if ax is not None else figure.subplots()
+    title = f"samples: {verdict.status.value}"
+    title += "" if enforced is None else f"; model: {enforced.status.value}"
+    drawn, (axes,) = cells_of(ax, 8.0, 4.6, title=title)
     for k, band in enumerate(verdict.bands):
         label = "" if k else "samples violate the bound"
         axes.axvspan(*_ends(band), facecolor=_BAD, alpha=0.3, hatch="///", edgecolor="white", linewidth=0, label=label)
     axes.errorbar(
-        f, verdict.worst, verdict.bars, fmt="o", color=_INK, markersize=3.5, elinewidth=0.8, label="samples", zorder=3
+        f, verdict.worst, verdict.bars, fmt="o", color=INK, markersize=3.5, elinewidth=0.8, label="samples", zorder=3
     )
     if enforced is not None:
         _draw_models(axes, enforced, f)
@@ -49,28 +51,24 @@ def draw_samples(verdict: SampleVerdict, ax: Axes | None = None, enforced: Enfor
     usual = float(np.median(np.abs(verdict.worst)))
     if not scattering and top > 20 * usual > 0:  # a resonance would hide what lies near the bound
         axes.set_yscale("symlog", linthresh=usual)
-    axes.grid(alpha=0.3)
-    axes.legend(loc="best", fontsize=8, frameon=False)
-    title = f"samples: {verdict.status.value}"
-    title += "" if enforced is None else f"; model: {enforced.status.value}"
+    axes.grid()
+    axes.legend(loc="best", fontsize=8)
     if ax is not None:
         ax.set_title(title, loc="left")
-        return ax
-    figure.suptitle(title, x=0.02, ha="left", fontweight="bold")
-    return figure
+    return drawn
 
 
+@styled
 def draw_model(model: PoleResidueModel, ax: Axes | None = None) -> Any:
     """Magnitude of all entries over frequency, from below the slowest to above the fastest pole."""
-    figure = Figure(figsize=(8, 4.6), dpi=150, layout="constrained")
-    axes = ax if ax is not None else figure.subplots()
+    drawn, (axes,) = cells_of(ax, 8.0, 4.6)
     sizes = np.abs(model.poles[model.poles != 0]) if np.any(model.poles) else np.ones(1)
     w = off_poles(model, np.geomspace(sizes.min() / 10, sizes.max() * 10, POINTS))
     axes.loglog(w / (2 * np.pi), np.abs(model.matrices(w)).reshape(len(w), -1), linewidth=1.7)
     axes.set(xlabel="frequency f", ylabel=f"|{model.parameter.value}|" + _UNITS[model.parameter])
     axes.xaxis.set_major_formatter(EngFormatter("Hz"))
-    axes.grid(alpha=0.3)
-    return figure if ax is None else ax
+    axes.grid()
+    return drawn
 
 
 def _ends(band: Band) -> tuple[float, float]:

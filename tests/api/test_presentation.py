@@ -87,6 +87,8 @@ def test_what_is_given_out_shows_itself(make):
     assert found.plot(axes) is axes
     assert axes.has_data()
     assert found.plot().axes
+    with pytest.raises(tl.InputError, match="ax: not matplotlib axes, expected Axes"):
+        found.plot(3)  # pyright: ignore[reportArgumentType]
     assert 'src="data:image/png;base64,' in found._repr_html_()
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tline.atomic import check_writable, replacing
 from tline.errors import InputError
-from tline.solver.result.atomic import check_writable, replacing
 
 CABLE = Path(__file__).parents[2] / "scenes" / "cable_rc.toml"
 
@@ -25,7 +25,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else(folder):
     code = (
-        "import os, signal\nfrom tline.solver.result.atomic import replacing\n"
+        "import os, signal\nfrom tline.atomic import replacing\n"
         "with replacing('out.csv') as file:\n    file.write_text('half')\n    os.kill(os.getpid(), signal.{})\n"
     )
     subprocess.run([sys.executable, "-c", code.format("SIGKILL")], check=False)
@@ -45,7 +45,7 @@ def test_what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else(folder
 def test_a_run_that_is_told_to_end_removes_what_is_under_way(name, folder):
     number = getattr(signal, name)
     code = (
-        "import os\nfrom tline.solver.result.atomic import replacing\n"
+        "import os\nfrom tline.atomic import replacing\n"
         f"with replacing('out.csv') as file:\n    file.write_text('half')\n    os.kill(os.getpid(), {int(number)})\n"
         "    import time; time.sleep(20)\n"
     )
@@ -80,7 +80,7 @@ def test_files_are_written_in_threads_too(folder):
 FULL = """
 import json, resource, sys
 from click.testing import CliRunner
-import tline.solver.result.atomic as atomic
+import tline.atomic as atomic
 from tline.cli.main import main
 beside, (own, most) = atomic._beside, resource.getrlimit(resource.RLIMIT_FSIZE)
 def small(target):

@@ -18,9 +18,9 @@ from tline.pictures.animation import FRAMES, PLACES, STEPS, animated
 from tline.pictures.lattice import plot_lattice
 from tline.pictures.path import Route, route
 from tline.pictures.profile import plot_space_time
-from tline.pictures.style import save_figure
 from tline.pictures.traces import plot
 from tline.solver.result.result import Result
+from tline.style import save_figure
 from tline.units import handy
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tline.atomic import check_writable, replacing
 from tline.errors import InputError
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.solver.result import save
-from tline.solver.result.atomic import check_writable, replacing
 from tline.solver.result.result import Result
 from tline.solver.result.save import save_csv, save_npz
 from tline.solver.simulate import simulate

@@ -77,6 +77,6 @@ def _figure(answer: Any, folder: str) -> str:
 
 
 def _draw(answer: Any, file: str) -> None:
-    from tline.pictures.style import save_figure
+    from tline.style import save_figure
 
     save_figure(answer.plot(), file)

@@ -253,7 +253,7 @@ def drawn(function: str, *args: Any, **more: Any) -> Callable[[str], None]:
     """What draws with a function ``"module:name"``, imported then, and saves the figure to a file."""
 
     def save(file: str) -> None:
-        from tline.pictures.style import save_figure, styled
+        from tline.style import save_figure, styled
 
         module, _, name = function.partition(":")
         save_figure(styled(getattr(import_module(module), name))(*args, **more), file)
@@ -265,7 +265,7 @@ def tabled(columns: Mapping[str, Any]) -> Callable[[str], None]:
     """What writes arrays beside each other as a table."""
 
     def save(file: str) -> None:
-        from tline.solver.result.atomic import write_columns
+        from tline.atomic import write_columns
 
         write_columns(file, columns)
 

@@ -13,7 +13,7 @@ PICTURE, CSV = (".png", ".svg", ".pdf"), (".csv",)
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
     """Refuse files that could not be written, by option with its suffixes, before time is spent on them."""
-    from tline.solver.result.atomic import check_writable
+    from tline.atomic import check_writable
 
     seen: dict[Path, str] = {}
     for option, (file, suffixes) in files.items():
@@ -38,7 +38,7 @@ def print_or_write(text: str, file: str | None) -> None:
 
 def write_text(text: str, file: str) -> None:
     """Write a document to a file."""
-    from tline.solver.result.atomic import replacing
+    from tline.atomic import replacing
 
     with replacing(file) as temporary:
         temporary.write_text(text, encoding="utf-8")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from tline.design.sizing import Sizing
-from tline.pictures.style import COLOURS, DASHES, INK, cells_of, styled
+from tline.style import COLOURS, DASHES, INK, cells_of, styled
 from tline.units import handy
 
 WIDTH, HEIGHT = 7.0, 4.2  # inches

@@ -7,13 +7,13 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from tline.atomic import write_table
 from tline.design.limits import Limits
 from tline.design.search import SizeSearch, Trial, smallest
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.scene import Scene
 from tline.solver.prepared import Prepared, prepare
-from tline.solver.result.atomic import write_table
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
 from tline.units import engineering

@@ -14,7 +14,7 @@ from passivity.exact.picture import draw_smith
 from tline.exercises.answer import Found
 from tline.exercises.passive_line import example
 from tline.line import ElectricalLine, HydraulicLine
-from tline.pictures.style import COLOURS, DASHES, FAINT, UP, cells_of, styled
+from tline.style import COLOURS, DASHES, FAINT, UP, cells_of, styled
 from tline.units import handy
 
 PIPE: dict[str, Any] = {"radius": 0.1, "wave_speed": 1500, "density": 980}

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tline.atomic import replacing
 from tline.errors import InputError
 from tline.frequency.response import Curves, frequencies
 from tline.scene.file import as_scene
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.result.atomic import replacing
 from tline.solver.stability.scattering import Scattering, answers
 from tline.units import to_si
 from tline.words.wording import nearest, shown

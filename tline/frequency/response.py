@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tline.atomic import write_columns
 from tline.errors import InputError
 from tline.frequency.oscillations import Resonance, resonances
 from tline.presentation import Presentation, plain
@@ -17,7 +18,6 @@ from tline.scene.file import as_scene
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.result.atomic import write_columns
 from tline.solver.stability.growth import growth_sentence
 from tline.solver.stability.scattering import Scattering, answers, inside
 from tline.units import to_si

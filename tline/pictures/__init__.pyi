@@ -11,7 +11,7 @@ from tline.pictures.player import Animation as Animation
 from tline.pictures.profile import plot_line_waves as plot_line_waves
 from tline.pictures.profile import plot_profile as plot_profile
 from tline.pictures.profile import plot_space_time as plot_space_time
-from tline.pictures.style import save_figure as save_figure
 from tline.pictures.traces import draw_probes as draw_probes
 from tline.pictures.traces import plot as plot
 from tline.pictures.traces import plot_waves as plot_waves
+from tline.style import save_figure as save_figure

@@ -10,7 +10,7 @@ from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from tline.frequency.oscillations import Resonance
-from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, figure, styled
+from tline.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, figure, styled
 from tline.units import handy
 
 if TYPE_CHECKING:

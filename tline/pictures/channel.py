@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 
 from tline.pictures.page import drawn, page, table
 from tline.pictures.signals import plot_reflections, plot_statistical_eye
-from tline.pictures.style import COLOURS, DASHES, FAINT, cells_of, styled
 from tline.signal.all_patterns import StatisticalEye
 from tline.signal.channel import LEAST, Channel
 from tline.signal.tdr import Reflections
+from tline.style import COLOURS, DASHES, FAINT, cells_of, styled
 from tline.units import handy
 
 POINTS = 1000  # of the model's curve

@@ -10,7 +10,7 @@ from PIL import Image
 from tline.errors import import_extra
 from tline.pictures.animation import MovingQuantities
 from tline.pictures.profile import draw_bounds
-from tline.pictures.style import COLOURS, DASHES, figure, name_nodes, styled
+from tline.style import COLOURS, DASHES, figure, name_nodes, styled
 
 FRAMES_PER_SECOND = 20
 PALETTE = 64  # colours

@@ -9,13 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tline.errors import InputError
-from tline.pictures.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.scene.heights import words
 from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch
 from tline.solver.result.dense_output import AFTER, drawable
 from tline.solver.result.result import LineRecord, Result, Wave
+from tline.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.units import handy
 
 MOST_LEGS = 12

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.pictures.bounds import scale, spread
 from tline.pictures.layout import Places, course, has_positions, layout, refuse_too_many
-from tline.pictures.style import FAINT, HALO, INK, add_bar, cells_of, short, styled, write_name
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.load import linked_pairs
@@ -27,6 +26,7 @@ from tline.scene.scene import Scene
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
 from tline.solver.result.surge import VACUUM
+from tline.style import FAINT, HALO, INK, add_bar, cells_of, short, styled, write_name
 
 STRETCHES = 12  # of each line
 SEEN = 0.01  # of the longest delay; what is inside shorter lines nobody sees on a map

@@ -13,10 +13,10 @@ from matplotlib.transforms import BboxBase
 from numpy.typing import NDArray
 
 from tline.pictures.layout import Places, conductors, course, delay_of, has_positions, layout
-from tline.pictures.style import COLOURS, FAINT, INK, figure, short, styled, write_name
 from tline.scene.line import SceneLine
 from tline.scene.load import linked_pairs
 from tline.scene.scene import Scene
+from tline.style import COLOURS, FAINT, INK, figure, short, styled, write_name
 from tline.units import handy
 
 NAMED = 40  # nodes that have their names written, and what stands there

@@ -7,8 +7,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, ClassVar
 
+from tline.atomic import replacing
 from tline.errors import InputError
-from tline.solver.result.atomic import replacing
 
 FRAME = 480  # pixels, height in a notebook
 

@@ -5,13 +5,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from tline.pictures.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, styled
 from tline.signal.all_patterns import SMALLEST, StatisticalEye
 from tline.signal.crosstalk import Crosstalk
 from tline.signal.eye_diagram import Eye
 from tline.signal.eye_statistics import Mask, jitter
 from tline.signal.load_line import Bergeron, LoadLine
 from tline.signal.tdr import Reflections
+from tline.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, styled
 from tline.units import handy
 
 STEEP = 20.0  # times z0; a higher impedance is off the picture

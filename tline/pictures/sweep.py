@@ -6,8 +6,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.style import COLOURS, DASHES, INK, cells_of, styled
 from tline.scene.heights import words
+from tline.style import COLOURS, DASHES, INK, cells_of, styled
 from tline.sweeps import Sweep
 from tline.sweeps.design import unit_of
 from tline.units import handy

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.pictures.bounds import spread
-from tline.pictures.style import COLOURS, DASHES, Picture, figure, styled
 from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import Quantity, in_tables
 from tline.solver.result.result import Result
+from tline.style import COLOURS, DASHES, Picture, check_axes, figure, styled
 from tline.units import handy, to_si
 from tline.words.wording import nearest, shown
 
@@ -172,6 +172,7 @@ def draw_probes(
     InputError
         There is no probe or quantity of that name.
     """
+    check_axes(axes, "; a probe is chosen by probes=[…]")
     panel = _asked(result, quantity)[0]
     _draw(axes, panel, _traces(result, probes, [panel], label))
     if len(axes.lines) > 1:

@@ -229,7 +229,7 @@ class Channel(Presentation):
         """
         from importlib import import_module
 
-        from tline.solver.result.atomic import replacing
+        from tline.atomic import replacing
 
         if Path(path).suffix.lower() != ".html":
             raise InputError(str(path), "unknown kind of file", ".html", f"'{Path(path).suffix}'")

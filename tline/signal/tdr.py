@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.atomic import write_columns
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.coupled import Coupled
 from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
-from tline.solver.result.atomic import write_columns
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.units import to_si

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.atomic import replacing, write_table
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.file import scene_text
 from tline.scene.medium import readable
-from tline.solver.result.atomic import replacing, write_table
 from tline.surge.scenarios import AS_READ, Plan, Scenario, read_plan
 from tline.surge.worst import extremes
 from tline.sweeps.design import whole

@@ -11,8 +11,8 @@ from tline.pictures.bounds import one_liquid, scale
 from tline.pictures.map import Surge, draw_surges
 from tline.pictures.page import drawn, page, table
 from tline.pictures.path import axis, route
-from tline.pictures.style import COLOURS, DASHES, INK, figure, name_nodes, styled
 from tline.scene.heights import weight_at
+from tline.style import COLOURS, DASHES, INK, figure, name_nodes, styled
 from tline.surge.scenarios import AS_READ
 
 if TYPE_CHECKING:

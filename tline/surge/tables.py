@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 from zipfile import ZIP_DEFLATED, ZipFile
 
+from tline.atomic import replacing, write_table
 from tline.errors import InputError
 from tline.scene.line import Pipe
-from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
 from tline.surge.thrust import thrusts

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.atomic import replacing, write_table
 from tline.errors import InputError, import_extra
-from tline.solver.result.atomic import replacing, write_table
 from tline.sweeps.table import NOT_RUN, Sweep
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
+from tline.atomic import check_writable
 from tline.errors import InputError
 from tline.scene.file import as_scene
 from tline.solver.description.given import Scene
 from tline.solver.prepared import prepare
-from tline.solver.result.atomic import check_writable
 from tline.solver.simulate import UnresolvedWarning, asked
 from tline.sweeps.design import design, whole
 from tline.sweeps.executors import Task

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, cast, overload
 
-from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.units import engineering
-from tline.words.wording import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -100,8 +98,6 @@ class Display(Presentation):
         import tline as tl
 
         result = cast("Result", self)
-        if ax is not None and not hasattr(ax, "plot"):
-            raise InputError("ax", "not matplotlib axes", "Axes; a probe is chosen by probes=[…]", shown(ax))
         if ax is None:
             return tl.pictures.plot(result, probes, quantity)
         return tl.pictures.draw_probes(ax, result, probes, quantity, label)

@@ -104,7 +104,7 @@ class Export:
         InputError
             Another suffix, or the file cannot be written; MissingExtraError where xarray or its backend is missing.
         """
-        from tline.solver.result.atomic import replacing
+        from tline.atomic import replacing
         from tline.solver.result.save import save_csv, save_npz
 
         suffix = Path(path).suffix.lower()

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tline.atomic import replacing, write_table
 from tline.errors import InputError
 from tline.scene.file import scene_text
 from tline.solver.ledger.ledger import Entry
-from tline.solver.result.atomic import replacing, write_table
 from tline.solver.result.envelope import COLUMNS
 from tline.solver.result.export import columns_of
 from tline.solver.result.quantities import in_columns, quantity

@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 from numpy.typing import NDArray
 
-from tline.pictures.style import COLOURS, DASHES, figure, styled
+from tline.atomic import write_table
 from tline.scene.scene import Scene
-from tline.solver.result.atomic import write_table
 from tline.study.charts.picture import OURS, RAISED
+from tline.style import COLOURS, DASHES, figure, styled
 
 TRANSITS, QUICK = 10_000, 40
 STEPS = 16  # per transit, about as many for all methods

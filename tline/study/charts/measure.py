@@ -16,9 +16,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from tline.atomic import write_table
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.result.atomic import write_table
 from tline.study.reference import Solution
 from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy import LossySolution

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from tline.pictures.style import COLOURS, DASHES, FAINT, INK, figure, styled
 from tline.study.charts.measure import ChartTable, Row
+from tline.style import COLOURS, DASHES, FAINT, INK, figure, styled
 
 LOWEST, HIGHEST = 1e-16, 10.0  # errors; what blows up or is exact stands at the edge
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -12,10 +12,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from tline.atomic import write_table
 from tline.errors import InputError
-from tline.pictures.style import INK, figure, styled
-from tline.solver.result.atomic import write_table
 from tline.study.charts.maps import MAPS, Map, Strip, rate
+from tline.style import INK, figure, styled
 
 POINTS, QUICK, LONG = 101, 11, 5
 LOWEST, HIGHEST = 1e-2, 10.0  # growth per transit, the ends of the colours

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import matplotlib.rcsetup
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
@@ -14,7 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import BboxBase
 
-from tline.solver.result.atomic import replacing
+from tline.atomic import replacing
+from tline.errors import InputError
+from tline.words.wording import shown
 
 # Okabe and Ito's colours, told apart with every kind of colour vision; yellow is left out as too faint on white
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -34,6 +37,7 @@ LOOK: dict[Any, Any] = {
     "axes.labelcolor": INK,
     "axes.edgecolor": FAINT,
     "axes.linewidth": 0.8,
+    "axes.prop_cycle": matplotlib.rcsetup.cycler(color=COLOURS),
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.formatter.useoffset": False,
@@ -76,6 +80,12 @@ def figure(width: float, height: float, title: str) -> Picture:
     return blank
 
 
+def check_axes(ax: object, hint: str = "") -> None:
+    """Refuse what is no axes of Matplotlib."""
+    if not isinstance(ax, Axes):
+        raise InputError("ax", "not matplotlib axes", "Axes" + hint, shown(ax))
+
+
 def cells_of(
     ax: Axes | None, width: float, height: float, rows: int = 1, columns: int = 1, title: str = "", **shared: Any
 ) -> tuple[Any, list[Axes]]:
@@ -88,6 +98,7 @@ def cells_of(
     ('Picture', 2, True)
     """
     if ax is not None:
+        check_axes(ax)
         return ax, [ax]
     blank = figure(width, height, title)
     return blank, [*blank.subplots(rows, columns, squeeze=False, **shared).ravel()]
