@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, Margins
-from passivity.exact.verdict import Verdict
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind
+from passivity.verdict import Verdict
 
 POINTS = 1200
 MOST = 307.0  # decades of a frequency
