@@ -1,6 +1,5 @@
 """What can be asked of a function, and how the question can end."""
 
-from collections.abc import Sequence
 from enum import StrEnum
 from typing import Any, NoReturn
 
@@ -30,13 +29,6 @@ class Status(StrEnum):
 
     def __bool__(self) -> NoReturn:
         raise TypeError("a status is neither true nor false, expected a comparison such as `is Status.PROVED`")
-
-
-def first_of(steps: Sequence[str], room: int, indent: str) -> list[str]:
-    """Steps of a proof, as many as there is room for lines; the last line says how many more there are."""
-    shown = len(steps) if len(steps) <= room else room - 1
-    told = [f"{indent}{line}" for line in steps[:shown]]
-    return told + ([f"{indent}… and {len(steps) - shown} more steps"] if len(steps) > shown else [])
 
 
 class Decided(Presentation):

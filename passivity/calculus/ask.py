@@ -1,6 +1,7 @@
 """Is this positive real, or bounded real? One question for texts, coefficients, systems and networks."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from itertools import islice
@@ -9,19 +10,18 @@ from typing import Any
 from flint import acb, ctx
 
 from passivity.ball import near, of_fraction, of_point
-from passivity.budget import ASIDE, VERDICT, UndecidedError, budget, granted, if_affordable
-from passivity.calculus.conclusion import Conclusion
+from passivity.budget import VERDICT, UndecidedError, budget, granted, if_affordable
 from passivity.calculus.fact import CLAIMS, POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.leaf import Waves, function_of
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
+from passivity.calculus.question import Question
 from passivity.calculus.read import read, statements
 from passivity.calculus.rewrite import Line
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
-from passivity.calculus.witness import Question, Witness
 from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
@@ -32,6 +32,7 @@ from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, assumed, random_values
+from passivity.verdict import Verdict, Witness
 
 _EACH = VERDICT // 2  # of the ways to decide
 _EACH_NODE = 1_000_000  # more, of the first way
@@ -43,7 +44,7 @@ _PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
 
 def is_positive_real(
     what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None, *, budget: float = 1
-) -> Conclusion:
+) -> Verdict:
     """Is a function analytic in Re s > 0 with Re Z >= 0 there, as the impedance of a passive one-port is?
 
     Of a text: by rules, which turn facts about the parts into facts about the whole; by a search for a point where the
@@ -88,7 +89,7 @@ def is_positive_real(
 
 def is_bounded_real(
     what: Any, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None, *, budget: float = 1
-) -> Conclusion:
+) -> Verdict:
     """Is a function analytic in Re s > 0 with |H| <= 1 there, as the reflection of a passive one-port is?
 
     Parameters
@@ -108,8 +109,8 @@ def is_bounded_real(
         return ask(what, Kind.BR, assume, values)
 
 
-def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Conclusion:
-    """The conclusion of `is_positive_real` or `is_bounded_real`."""
+def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Any:
+    """The verdict of `is_positive_real` or `is_bounded_real`."""
     if isinstance(what, str):
         return of_text(what, kind, assume, values)
     if assume or values:
@@ -120,8 +121,7 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
         return of_text(what, kind)
     if isinstance(what, Structure):  # of which power is what there is to know, whatever was asked for
         return of_text(what.text, Kind.PR, what.assume, statement=what.statement)
-    verdict: Any = check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
-    return Conclusion(kind, kind.value, verdict.status, verdict.why, oracle=verdict)
+    return check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
 
 
 def of_text(
@@ -130,15 +130,16 @@ def of_text(
     assume: Iterable[str] = (),
     values: Mapping[str, Exact] | None = None,
     statement: str = "",
-) -> Conclusion:
-    """The conclusion about a text, by the first way that leads to one."""
+) -> Verdict:
+    """The verdict on a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = [assume] if isinstance(assume, str) else list(assume)
     under = f" for all {', '.join(assume)}" if assume else ""
-    made = partial(Conclusion, kind, statement or f"{' '.join(text.split()):.300} is {kind.value}{under}")
+    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
     facts, ranges = assumed(assume)
     numbers |= {r.name: r.low for r in ranges if r.is_point and r.low is not None and r.name not in numbers}
     facts = {name: fact for name, fact in facts.items() if name not in numbers}
+    made = partial(Verdict, kind, None, statement=statement, asked=(text, numbers, facts))
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
     if (
         plain is not None
@@ -147,25 +148,23 @@ def of_text(
         and symbols(plain) <= {"s", *numbers}
     ):
         # with what numerator and denominator have in common, and 1/0
-        return _exact(made, kind, of_tree(plain, numbers), (text, numbers, {}))
+        return _exact(made, of_tree(plain, numbers))
     graph = Graph(facts)
     value = read(graph, text, numbers)
     question = Question(graph, value, CLAIMS[kind], text, numbers)
     names = {graph.nodes[n][1][0] for n in needed(graph, value[1]) if graph.nodes[n][0] == "name"}
     if not names:
-        made = partial(made, asked=(text, numbers, facts))
         return _with_numbers(made, kind, question, next(random_values(ranges)))
     if plain is None or "line(" in text or any(facts[name][0] == "disc" for name in names):
         return _with_names(made, question, ranges)
     return _with_parameters(made, kind, question, [r for r in ranges if r.name in names])
 
 
-def _exact(made: partial, kind: Kind, r: RationalFunction, asked: tuple) -> Conclusion:
-    verdict = check(r, kind)
-    return made(verdict.status, verdict.why or verdict.budget, oracle=verdict, asked=asked)
+def _exact(made: partial, r: RationalFunction) -> Verdict:
+    return replace(check(r, made.args[0]), **made.keywords)
 
 
-def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping[str, Fraction]) -> Conclusion:
+def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping[str, Fraction]) -> Verdict:
     """The first of the ways that leads to an answer; each has its own budget."""
     graph, value = question.graph, question.value
     long, prover = len(graph.nodes) > _LONG, Prover(graph)
@@ -173,7 +172,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
         if long and (found := _at_once(made, question, prover)):
             return found[0]
         try:
-            return _exact(made, kind, function_of(graph, value[1]) * value[0], made.keywords["asked"])
+            return _exact(made, function_of(graph, value[1]) * value[0])
         except ExpressionError as error:
             if not long or "too" not in error.problem.split():
                 raise
@@ -202,10 +201,10 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
         except UndecidedError as error:
             missing.append(str(error))
     why = f"no rule applies, no counterexample was found, and balls do not settle it: {'; '.join(missing)}"
-    return made(Status.UNDECIDED, why)
+    return made(Status.UNDECIDED, reason=why)
 
 
-def _at_once(made: partial, question: Question, prover: Prover) -> list[Conclusion]:
+def _at_once(made: partial, question: Question, prover: Prover) -> list[Verdict]:
     """By rules along the structure as it stands, in time that grows as its length does."""
     try:
         with budget(_EACH + _EACH_NODE * len(question.graph.nodes)):
@@ -214,17 +213,17 @@ def _at_once(made: partial, question: Question, prover: Prover) -> list[Conclusi
         return []
 
 
-def _proved(made: partial, question: Question, prover: Prover, depths: tuple[int, ...]) -> list[Conclusion]:
-    proof = prove(question, made.args[1], prover, depths)
+def _proved(made: partial, question: Question, prover: Prover, depths: tuple[int, ...]) -> list[Verdict]:
+    proof = prove(question, made.keywords["statement"], prover, depths)
     why = f"it follows in {len(proof['steps'])} steps from what it is made of" if proof else ""
-    return [made(Status.PROVED, why, proof=proof)] if proof else []
+    return [made(Status.PROVED, reason=why, certificate=proof)] if proof else []
 
 
-def _refuted(made: partial, found: Witness | None) -> list[Conclusion]:
-    return [made(Status.REFUTED, found.why, witness=found)] if found else []
+def _refuted(made: partial, found: Witness | None) -> list[Verdict]:
+    return [made(Status.REFUTED, reason=found.why, witness=found)] if found else []
 
 
-def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:
+def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> list[Verdict]:
     """Refuted exactly, as a function of t = tanh(unit s/2), if it is rational in that."""
     waves = Waves(question.graph)
     r = waves.function(question.value[1])
@@ -236,18 +235,18 @@ def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> 
         return _refuted(made, search.rounded(((1 + t) / (1 - t)).log() / of_fraction(waves.unit)))
 
 
-def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) -> list[Conclusion]:
+def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) -> list[Verdict]:
     pole = find_pole(kind, question.graph, question.value)
     if pole is None:
         return []
     s = f"{digits(near(pole.place.real))} + {digits(near(pole.place.imag))}j"
-    why = f"{'H' if question.bounded else 'Z'} has a {pole.word} at s = {s}"
-    return [made(Status.REFUTED, why, witness=search.around(pole.place), pole=pole)]
+    why = f"{kind.letter} has a {pole.word} at s = {s}"
+    return [made(Status.REFUTED, reason=why, witness=search.around(pole.place), pole=pole)]
 
 
 def _in_balls(
     made: partial, kind: Kind, question: Question, search: Search, prover: Prover, active: list[tuple[int, int, Line]]
-) -> list[Conclusion]:
+) -> list[Verdict]:
     """By balls about the load of the line farthest from the input that rules do not find passive, else about all."""
     for _, _, (_, _, load) in active[:1]:
         if if_affordable(_EACH * 3 // 4, prover.strictly, Kind.PR, load) and (
@@ -263,7 +262,7 @@ def _in_balls(
         raise
 
 
-def _with_names(made: partial, question: Question, ranges: list[Range]) -> Conclusion:
+def _with_names(made: partial, question: Question, ranges: list[Range]) -> Verdict:
     """For any values of the names, and any functions."""
     prover = Prover(question.graph)
     try:
@@ -276,25 +275,21 @@ def _with_names(made: partial, question: Question, ranges: list[Range]) -> Concl
     except UndecidedError as error:
         limit = str(error)
     helps = settling(question.graph, question.value, question.claim)
-    return made(Status.UNDECIDED, f"{limit}; it would be settled by {' or '.join(helps)}" if helps else limit)
+    return made(Status.UNDECIDED, reason=f"{limit}; it would be settled by {' or '.join(helps)}" if helps else limit)
 
 
-def _with_parameters(made: partial, kind: Kind, question: Question, ranges: list[Range]) -> Conclusion:
+def _with_parameters(made: partial, kind: Kind, question: Question, ranges: list[Range]) -> Verdict:
     """For any values of parameters: by polynomials too, which tell the exact condition."""
     from passivity.symbolic.check import decide
 
     with budget(VERDICT):
-        verdict = decide(question, kind, tuple(ranges), made.args[1])
+        verdict = decide(question, kind, tuple(ranges), made.keywords["statement"])
     if verdict.status is Status.UNDECIDED and (shown := if_affordable(_EACH, _glanced, made, question, ranges)):
         return shown[0]
-    witness = None
-    if found := verdict.counterexample:
-        values, point = {r.name: found.values[r.name] for r in ranges}, found.witness
-        witness = if_affordable(ASIDE, question.witness, point.re, point.im, values)
-    return made(verdict.status, verdict.why, proof=verdict.certificate, witness=witness, oracle=verdict)
+    return replace(verdict, asked=made.keywords["asked"])
 
 
-def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Conclusion]:
+def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Verdict]:
     scales = Scales(question)
     for names in islice(random_values(ranges), _TRIALS):
         if found := _refuted(made, Search(question, names, scales).glance()):

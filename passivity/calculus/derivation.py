@@ -13,13 +13,12 @@ from typing import Any, NamedTuple
 from flint import acb
 
 from passivity.calculus.ask import is_bounded_real, is_positive_real
-from passivity.calculus.conclusion import Conclusion
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read, statements
 from passivity.exact.report import point
-from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
+from passivity.verdict import Verdict, Witness
 
 # name of the step, left side, right side, what is put in
 _ALGEBRA = (
@@ -38,7 +37,7 @@ class Derivation(Decided):
 
     Parameters
     ----------
-    statements : tuple of (str, Conclusion)
+    statements : tuple of (str, Verdict)
         (a) H2, (b) H1, (c) G1, and (d) all at once; in place of that first the load, where `check_line` answers.
     z0, delay : Fraction or None
         Of the line, where they are numbers.
@@ -49,7 +48,7 @@ class Derivation(Decided):
         G1 at the witness, a ball with negative real part.
     """
 
-    statements: tuple[tuple[str, Conclusion], ...]
+    statements: tuple[tuple[str, Verdict], ...]
     z0: Fraction | None = None
     delay: Fraction | None = None
     witness: Witness | None = None
@@ -68,12 +67,12 @@ class Derivation(Decided):
     @property
     def load(self) -> Verdict:
         """Of Z2 as an impedance, where `check_line` answers."""
-        return self.statements[0][1].oracle
+        return self.statements[0][1]
 
     @property
     def reflection(self) -> Verdict:
         """Of H2 as a reflection, where `check_line` answers."""
-        return self.statements[1][1].oracle
+        return self.statements[1][1]
 
     def text_lines(self) -> list[str]:
         """Statement after statement, with the algebra between."""

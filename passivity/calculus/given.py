@@ -45,10 +45,10 @@ def given(what: Any, kind: Kind) -> Any:
         return what
     if isinstance(what, Real | Decimal) and not isinstance(what, bool):
         return RationalFunction.constant(exact(what, "what"))  # pyright: ignore[reportArgumentType]
-    from passivity.exact.verdict import Network
     from passivity.rational.matrix import RationalMatrix
     from passivity.rational.state_space import StateSpace, from_system
     from passivity.sampled.response import SampledResponse
+    from passivity.verdict import Network
 
     if isinstance(what, SampledResponse | Network):
         return what
@@ -75,9 +75,10 @@ def checked(what: Any, kind: Kind) -> Any:
     from passivity.exact.positive_real import check
     from passivity.sampled.check import check_samples
     from passivity.sampled.response import SampledResponse
+    from passivity.verdict import Verdict
 
     if isinstance(what, Decided):
-        return what
+        return what if isinstance(what, Verdict) else Verdict(kind, None, what.status, reason=what.why)
     if not isinstance(what, SampledResponse):
         return check(what, kind)
     if what.parameter != "S" and kind is Kind.BR:

@@ -14,12 +14,12 @@ from passivity.calculus.graph import Graph, Value
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, margins
-from passivity.exact.verdict import Verdict
 from passivity.expression.number import written
 from passivity.polynomial.roots import routh_column
 from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
+from passivity.verdict import Verdict
 
 MAX_DEGREE = 16  # above, only Re >= 0 and modulus <= 1 are tried
 

@@ -6,13 +6,19 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from passivity.calculus.fact import BOUNDED_REAL, Fact, in_texts, in_words
+from passivity.ball import near
+from passivity.calculus.fact import Fact, in_texts, in_words
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.prove import DEPTHS, Prover, Step
-from passivity.calculus.witness import Question
+from passivity.calculus.question import Question, check_file
+from passivity.calculus.search import Search
+from passivity.calculus.values import at_point, needed
 from passivity.delayed.boxes import ALL_RULES
 from passivity.errors import shorten
+from passivity.exact.certificate import verify as holds
 from passivity.expression.number import written
+from passivity.status import Kind
+from passivity.verdict import Margin, Margins, Verdict
 from passivity.verifier import FORMAT, FUNCTIONS, check, disc, read_fact, scaled
 
 Proof = dict[str, Any]
@@ -29,24 +35,47 @@ def prove(
     return None if last is None else proof_of(graph, prover.steps, last, value, claim, statement)
 
 
-def verify_proof(proof: Proof) -> bool:
-    """Whether each step of a proof, as its file is read, follows from those before it.
+def verify(evidence: Any) -> bool:
+    """Whether the facts in a certificate or a proof hold and make a proof, checked by other means than the prover's.
+
+    Parameters
+    ----------
+    evidence : Certificate, StorageCertificate or dict
+        ``certificate`` of a verdict: on rational functions and matrices, or the ``proof`` of one on expressions.
 
     Examples
     --------
-    >>> from passivity.calculus.ask import is_positive_real
-    >>> verify_proof(is_positive_real("1/(1 + sqrt(s))").proof)
+    >>> from passivity import RationalFunction, check_positive_real, is_positive_real
+    >>> verify(check_positive_real(RationalFunction.from_expression("(s^2 + s + 1)/(s^2 + s + 4)")).certificate)
+    True
+    >>> verify(is_positive_real("1 + exp(-s)").proof)
     True
     """
-    return check(json.loads(json.dumps(proof)), ALL_RULES) is None
+    if isinstance(evidence, tuple):
+        return all(verify(mode.load.certificate) and verify(mode.reflection.certificate) for mode in evidence)
+    return check_evidence(json.loads(json.dumps(evidence))) is None if isinstance(evidence, dict) else holds(evidence)
 
 
-def sharpest(proof: Proof) -> Fraction | None:
-    """The bound of Re Z, or of |H|, that the last step of a proof tells of."""
-    ends: Any = disc(scaled(read_fact(proof["steps"][-1][1]), Fraction(proof["root"][0])))
-    if read_fact(proof["claim"]) == BOUNDED_REAL:
-        return ends and max(-ends[0], ends[1])
-    return ends and ends[0]
+def check_evidence(told: dict[str, Any]) -> str | None:
+    """None if a proof or a witness, as its file is read, shows what it says; else what is wrong."""
+    return check(told, ALL_RULES) if told["format"] == FORMAT else check_file(told)
+
+
+def margins_of(verdict: Verdict) -> Margins:
+    """The smallest Re Z(jw) or the largest |H(jw)|, sampled, and the bound that the last step of the proof tells of."""
+    question = verdict.question
+    if any(question.graph.nodes[n][0] == "name" for n in needed(question.graph, question.value[1])):
+        return Margins()
+    w = Search(question, {}).lowest()
+    there = None if w is None else at_point(question.graph, question.value, Fraction(0), Fraction(w))
+    if w is None or there is None or not there.is_finite():
+        return Margins()
+    ends: Any = None
+    if proof := verdict.proof:
+        ends = disc(scaled(read_fact(proof["steps"][-1][1]), Fraction(proof["root"][0])))
+    if verdict.kind is Kind.PR:
+        return Margins(Margin(ends and ends[0], near(there.real), w))
+    return Margins(reflection=Margin(near(abs(there)), ends and max(-ends[0], ends[1]), w, largest=True))
 
 
 def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fact, statement: str) -> Proof:

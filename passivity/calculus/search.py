@@ -10,10 +10,12 @@ from flint import acb, ctx
 from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
+from passivity.calculus.question import Question
 from passivity.calculus.rewrite import Line
 from passivity.calculus.values import Array, in_balls, in_floats, needed
-from passivity.calculus.witness import Question, Witness
 from passivity.expression.number import double
+from passivity.status import Kind
+from passivity.verdict import Witness
 
 _RADII, _ANGLES = 240, 16  # of a logarithmic grid
 _AXIS = 4000
@@ -190,7 +192,7 @@ class Search:
             v1, v2, v3 = z0, 2 * z0, z0 * acb(0, 1)
             seen = [z0 * (v + z0 * wave) / (z0 + v * wave) / over for v in (v1, v2, v3)]
             w1, w2, w3 = (in_balls(graph, [value], s, self.names, {part: w**e}, whole)[0] for w in seen)
-            goal = acb(2) if self.question.bounded else -w1
+            goal = acb(2) if self.question.kind is Kind.BR else -w1
             ratio = (goal - w1) * (w2 - w3) / ((goal - w3) * (w2 - w1))
             return load - (v1 * (v2 - v3) - ratio * v3 * (v2 - v1)) / (v2 - v3 - ratio * (v2 - v1))
 
@@ -237,7 +239,7 @@ class Search:
 
     def check(self, re: Fraction, im: Fraction) -> Witness | None:
         """The point as a witness, if it is one."""
-        return self.question.witness(re, im, self.names)
+        return self.question.fails(re, im, self.names)
 
     def values(self, s: Array, value: Value | None = None) -> Array:
         """Of the function, or of a part of it."""
@@ -251,7 +253,7 @@ class Search:
         f = self.values(s)
         size = np.abs(f)
         with np.errstate(all="ignore"):
-            found = size - 1 if self.question.bounded else -f.real / (size if relative else 1)
+            found = size - 1 if self.question.kind is Kind.BR else -f.real / (size if relative else 1)
         return np.where(np.isfinite(found), found, -np.inf)
 
     def _candidates(self) -> Iterator[tuple[Fraction, Fraction]]:
@@ -275,7 +277,7 @@ class Search:
         """Functions whose zeros in Re s > 0 may be poles of the whole, or zeros of an impedance."""
         graph, root = self.question.graph, self.question.value
         yield graph.inverse(root)
-        if not self.question.bounded:
+        if self.question.kind is not Kind.BR:
             yield root
         for n in reversed(self.scales.order):
             kind, parts = graph.nodes[n]

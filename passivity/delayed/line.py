@@ -12,23 +12,23 @@ difference of the ports turn it, by a rotation M, into z0 coth(Ts/2) and z0 tanh
 circuit or an open end. Z = M^T diag(...) M is positive real if and only if both are.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
-from flint import acb, arb, ctx
+from flint import acb, ctx
 
 from passivity.ball import of_fraction, of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
-from passivity.calculus.conclusion import Conclusion
 from passivity.calculus.derivation import Derivation
 from passivity.errors import ExpressionError, shown
 from passivity.exact.positive_real import check_bounded_real, check_positive_real
-from passivity.exact.verdict import Verdict, Witness
 from passivity.expression.number import digits
 from passivity.rational.evaluate import Exact, exact, positive
 from passivity.rational.function import RationalFunction
-from passivity.status import Decided, Kind, Status
+from passivity.status import Kind, Status
 from passivity.symbolic.question import delayed_witness
+from passivity.verdict import Verdict, Witness
 
 
 def check_line(load: RationalFunction | str, z0: Exact, delay: Exact) -> Derivation:
@@ -65,10 +65,10 @@ def check_line(load: RationalFunction | str, z0: Exact, delay: Exact) -> Derivat
     def chain(h1: str, g1: str, witness: Witness | None = None, there: acb | None = None) -> Derivation:
         last = reflection.status
         told = (
-            ("load", Conclusion(Kind.PR, f"G2 = Z2/z0 is {Kind.PR}", verdict.status, verdict.why, oracle=verdict)),
-            ("a", Conclusion(Kind.BR, f"H2 = (G2 - 1)/(G2 + 1) is {Kind.BR}", last, reflection.why, oracle=reflection)),
-            ("b", Conclusion(Kind.BR, f"H1 = exp(-2Ts) H2 is {Kind.BR}", last, h1)),
-            ("c", Conclusion(Kind.PR, f"G1 = (1 - H1)/(1 + H1) is {Kind.PR}", last, g1)),
+            ("load", replace(verdict, statement=f"G2 = Z2/z0 is {Kind.PR}")),
+            ("a", replace(reflection, statement=f"H2 = (G2 - 1)/(G2 + 1) is {Kind.BR}")),
+            ("b", Verdict(Kind.BR, None, last, statement=f"H1 = exp(-2Ts) H2 is {Kind.BR}", reason=h1)),
+            ("c", Verdict(Kind.PR, None, last, statement=f"G1 = (1 - H1)/(1 + H1) is {Kind.PR}", reason=g1)),
         )
         return Derivation(told, reference, travel, witness, there)
 
@@ -108,34 +108,21 @@ def _port(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> str:
 
 def _input(witness: Witness, delay: Fraction) -> acb:
     """G1 at the witness, with twelve certain digits of its real part."""
-    if witness.value_re is None or witness.value_im is None:
+    if witness.image is None:
         return acb(-1)
     bits = 64
     while True:
         spend(20 * bits + 10_000, "the value at the input port")
         with ctx.workprec(bits):
             turn = of_point(-2 * delay * witness.re, -2 * delay * witness.im)
-            h1 = turn.exp() * of_point(witness.value_re, witness.value_im)
+            h1 = turn.exp() * of_point(*witness.image[0])
             there = (1 - h1) / (1 + h1)
         if there.real < 0 and there.real.rel_accuracy_bits() > 40:
             return there
         bits *= 2
 
 
-@dataclass(frozen=True)
-class LineVerdict(Decided):
-    """Answer to whether the matrix of a line is positive real."""
-
-    status: Status
-    why: str
-    modes: tuple[Derivation, ...] = ()  # the proof: half the line with its far end open, and with a short circuit
-    re: Fraction | None = None  # where it is refuted, s = re + j im with re > 0
-    im: Fraction | None = None
-    vector: tuple[tuple[int, int], ...] | None = None  # v, real and imaginary parts
-    value: arb | None = None  # v^H (Z + Z^H) v there, a ball below zero
-
-
-def check_line_two_port(z0: Exact, delay: Exact, *, through: bool = False) -> LineVerdict:
+def check_line_two_port(z0: Exact, delay: Exact, *, through: bool = False) -> Verdict:
     """Is the impedance matrix of a lossless line positive real?
 
     Parameters
@@ -155,19 +142,22 @@ def check_line_two_port(z0: Exact, delay: Exact, *, through: bool = False) -> Li
     --------
     >>> check_line_two_port("50 ohm", "3 ns").status
     <Status.PROVED: 'proved'>
-    >>> check_line_two_port(1, 1, through=True).value < 0
+    >>> check_line_two_port(1, 1, through=True).witness.form < 0
     True
     """
     reference, travel = positive(z0, "z0"), positive(delay, "delay")
     if through:  # with v = (1, j), v^H (Z + Z^H) v = 4 z0 (Re coth Ts + Im csch Ts), below zero at Ts = 1/8 + j
-        turn = of_point(Fraction(1, 8), Fraction(1))
+        s = of_point(Fraction(1, 8), Fraction(1))
         with ctx.workprec(100):
-            value = 4 * of_fraction(reference) * (turn.coth().real + turn.csch().imag)
+            z0_coth, z0_csch = (x * of_fraction(reference) for x in (s.coth(), s.csch()))
+        first, second = z0_coth - z0_csch * acb(0, 1), z0_csch + z0_coth * acb(0, 1)
+        image: Any = tuple((x.real, x.imag) for x in (first, second))
+        v: Any = (1, 0), (0, 1)
         why = "with the flow at the second end counted out of the line, v^H (Z + Z^H) v is not the power that enters"
-        place = Fraction(1, 8) / travel, 1 / travel
-        return LineVerdict(Status.REFUTED, why, (), *place, ((1, 0), (0, 1)), value)
+        witness = Witness(Kind.PR, Fraction(1, 8) / travel, 1 / travel, image, v)
+        return Verdict(Kind.PR, None, Status.REFUTED, witness=witness, reason=why)
     ends = (RationalFunction.constant(Fraction(0)), RationalFunction.constant(Fraction(0)).inverse())
     modes = tuple(check_line(end, reference, travel / 2) for end in ends)
     assert all(mode.status is Status.PROVED for mode in modes)
     why = "the even and the odd mode, z0 coth(Ts/2) and z0 tanh(Ts/2), are positive real"
-    return LineVerdict(Status.PROVED, why, modes)
+    return Verdict(Kind.PR, None, Status.PROVED, modes, reason=why)

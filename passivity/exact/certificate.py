@@ -18,12 +18,12 @@ from flint import arb, arb_poly, ctx, fmpq_poly, fmpz_mat, fmpz_poly
 
 from passivity.budget import spend
 from passivity.exact.storage import negative_direction
-from passivity.exact.verdict import Certificate, StorageCertificate
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import PolynomialMatrix, degree
 from passivity.rational.state_space import StateSpace, dissipation, identity
 from passivity.status import Kind
+from passivity.verdict import Certificate, StorageCertificate
 
 _MAX_BITS = 1_000_000
 _MINUS = fmpz_poly([0, -1])

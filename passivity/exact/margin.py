@@ -12,7 +12,6 @@ from typing import NamedTuple
 from flint import fmpz_poly
 
 from passivity.budget import ASIDE, budget
-from passivity.exact.verdict import Margin, Margins, Verdict
 from passivity.expression.number import double
 from passivity.polynomial.infimum import infimum
 from passivity.polynomial.sign import allowance, find_sign, product
@@ -22,6 +21,7 @@ from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import PolynomialMatrix, add, axis_sums, identity, scaled
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
+from passivity.verdict import Margin, Margins, Verdict
 
 MAX_ROUNDS = 30
 _BORDER = {Kind.PR: 0.0, Kind.BR: -1.0}
@@ -53,6 +53,8 @@ def margins(verdict: Verdict, z0: Exact = 1) -> Margins:
     >>> found.input[:3], found.reflection.value, found.reflection.frequency
     ((Fraction(3, 1), Fraction(3, 1), 0.0), 0.6, 1.0)
     """
+    if verdict.function is None:
+        return verdict.margins
     with budget(ASIDE):
         if isinstance(verdict.function, RationalFunction):
             return _of_one_port(verdict.function, verdict.kind, z0)

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, Margins
-from passivity.exact.verdict import Verdict
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind
+from passivity.verdict import Verdict
 from tline.style import COLOURS, INK, cells_of, styled
 
 POINTS = 1200

@@ -24,7 +24,6 @@ from flint import fmpz_poly
 from passivity.budget import VERDICT, UndecidedError, budget
 from passivity.errors import ExpressionError
 from passivity.exact.storage import lossless_storage
-from passivity.exact.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict, Witness
 from passivity.exact.witness import from_axis, from_root, of_multiport, of_one_port
 from passivity.polynomial.roots import routh_column
 from passivity.polynomial.sign import allowance, coprime, find_sign, product
@@ -34,6 +33,7 @@ from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import axis_sums
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind, Status
+from passivity.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict, Witness
 
 if TYPE_CHECKING:
     from passivity.floats.modes import Modes
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 _FLOATS_FIRST = 12  # states from which floats are asked before the minors are
 _STORAGE_MOST = 200  # states of impedances up to which it is: more take longer than some seconds
 _ONE = fmpz_poly([1])
+BROKEN = {Kind.PR: "Z + Z^H has a negative eigenvalue", Kind.BR: "S has a singular value above 1"}
 
 
 def check_positive_real(z: Network | str) -> Verdict:
@@ -121,7 +122,7 @@ def _of_one_port(function: RationalFunction, kind: Kind) -> Verdict:
             witness = from_root(of_one_port(kind, p, q), closing)
             return Verdict(kind, function, Status.REFUTED, witness=witness, lossless=lossless, hidden=hidden)
     except UndecidedError as error:
-        return Verdict(kind, function, Status.UNDECIDED, budget=str(error))
+        return Verdict(kind, function, Status.UNDECIDED, reason=str(error))
     certificate = Certificate(kind, function, (AxisSum(allowed, 0, sign),), closing, column)
     return Verdict(kind, function, Status.PROVED, certificate, lossless=lossless, hidden=hidden)
 
@@ -138,7 +139,7 @@ def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
     except UndecidedError as error:
         if isinstance(network, StateSpace) and network.states:
             return refuted_or_undecided(kind, network, str(error))
-        return Verdict(kind, network, Status.UNDECIDED, budget=str(error))
+        return Verdict(kind, network, Status.UNDECIDED, reason=str(error))
 
 
 def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
@@ -202,8 +203,9 @@ def _refuted(look: "Modes", system: StateSpace, frequency: float) -> Verdict | N
         if is_negative(kind, system, re, im, vector):
             exact = tuple((Fraction(x.real), Fraction(x.imag)) for x in vector)
             near = "near a pole" if look.has_pole_near(complex(re, im)) else f"near ω = {float(im):.6g}"
+            why = f"{BROKEN[kind]} {near} (floating point), exactly so at the witness"
             witness = Witness(kind, re, im, system, exact)
-            return Verdict(kind, system, Status.REFUTED, witness=witness, floats=look.system, place=near)
+            return Verdict(kind, system, Status.REFUTED, witness=witness, floats=look.system, reason=why)
     return None
 
 
@@ -215,7 +217,7 @@ def refuted_or_undecided(kind: Kind, system: StateSpace, reason: str) -> Verdict
     from passivity.floats.modes import Modes
     from passivity.floats.system import FloatSystem
 
-    verdict = Verdict(kind, system, Status.UNDECIDED, budget=reason)
+    verdict = Verdict(kind, system, Status.UNDECIDED, reason=reason)
     try:
         floats = FloatSystem.of(kind, system)
         look, verdict = Modes(floats), replace(verdict, floats=floats)
@@ -226,7 +228,7 @@ def refuted_or_undecided(kind: Kind, system: StateSpace, reason: str) -> Verdict
     except (OverflowError, ValueError):  # beyond the range of doubles, or the eigenvalues do not converge
         return verdict
     except UndecidedError as error:
-        return replace(verdict, budget=f"{reason}; {error}")
+        return replace(verdict, reason=f"{reason}; {error}")
 
 
 def hidden_modes(network: RationalMatrix | StateSpace) -> fmpz_poly | None:

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import fmpz_poly
+from flint import acb, arb, fmpz_poly
 
 from passivity.budget import VERDICT, if_affordable
 from passivity.errors import shorten
-from passivity.exact.certificate import verify
+from passivity.exact.positive_real import BROKEN
 from passivity.exact.robustness import Robustness
-from passivity.exact.verdict import Certificate, Margin, Margins, StorageCertificate, Verdict, Witness
 from passivity.expression.number import complex_text, digits, written
 from passivity.polynomial.roots import positive_roots, roots_on_axis, routh_column, violations
 from passivity.polynomial.sign import allowance, product, squarefree
@@ -20,6 +19,8 @@ from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import degree
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind, Status
+from passivity.verdict import Margin, Margins, StorageCertificate, Verdict, Witness
+from tline.presentation import SCREEN
 
 _MARGINS = {"input": "smallest Re Z(jω)", "output": "smallest Re 1/Z(jω)", "reflection": "largest |H(jω)|"}
 _OF_SEVERAL = {"input": "smallest eigenvalue of (Z + Zᴴ)/2", "reflection": "largest singular value of S"}
@@ -29,8 +30,8 @@ _ONE = {
     Kind.BR: ("|H(jω)| <= 1", "|H(jω)| = 1", "|H(jω)| > 1", "roots of the denominator"),
 }
 _SEVERAL = {
-    Kind.PR: ("Z + Z^H >= 0", "Z + Z^H = 0", "Z + Z^H has a negative eigenvalue", "poles of (Z + I)^-1"),
-    Kind.BR: ("S^H S <= I", "S^H S = I", "S has a singular value above 1", "poles of S"),
+    Kind.PR: ("Z + Z^H >= 0", "Z + Z^H = 0", BROKEN[Kind.PR], "poles of (Z + I)^-1"),
+    Kind.BR: ("S^H S <= I", "S^H S = I", BROKEN[Kind.BR], "poles of S"),
 }
 EXTREME = {Kind.PR: "the smallest eigenvalue of (Z + Z^H)/2", Kind.BR: "the largest singular value of S"}
 MOST_NAMED = 4  # bands or frequencies in one sentence
@@ -38,21 +39,31 @@ MOST_NAMED = 4  # bands or frequencies in one sentence
 
 def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None) -> dict[str, Any]:
     """What JSON can hold of a verdict and of what else was asked."""
-    function = verdict.function
+    from passivity.calculus.proof import verify
+
+    function, witness, found = verdict.function, verdict.witness, verdict.certificate
     told: dict[str, Any] = {"kind": verdict.kind.value, "status": verdict.status.value, "why": verdict.why}
+    told |= {"statement": verdict.statement} if verdict.statement else {}
     told |= {"ports": verdict.ports, "lossless": verdict.lossless}
     told["hidden_factor"] = coefficients(verdict.hidden) if verdict.hidden else None
     if isinstance(function, RationalFunction):
         told |= _fraction(function)
     told["margins"] = {name: _margin(margin) for name, margin in margins._asdict().items()}
-    if verdict.witness:
-        told["witness"] = point(verdict.witness)
-    if verdict.status is Status.UNDECIDED and (found := verdict.analysis):
-        bands = [[_number(x) for x in band] for band in found.bands]
-        told["analysis"] = {name: _number(x) for name, x in vars(found).items() if name != "bands"} | {"bands": bands}
-    if verdict.certificate:
-        verified = if_affordable(VERDICT, verify, verdict.certificate)
-        told["certificate"] = _certificate(verdict.certificate) | {"verified": verified}
+    if witness:
+        told["witness"] = point(witness) | ((verdict.evidence or {}) if function is None else {})
+    if verdict.pole:
+        told[verdict.pole.word] = verdict.pole.place.str(20)
+    if verdict.status is Status.UNDECIDED and (seen := verdict.analysis):
+        bands = [[_number(x) for x in band] for band in seen.bands]
+        told["analysis"] = {name: _number(x) for name, x in vars(seen).items() if name != "bands"} | {"bands": bands}
+    if found:
+        verified = if_affordable(VERDICT, verify, found)
+        proof = {"proof": found, "verified": verified}
+        told |= proof if verdict.proof else {"certificate": _certificate(found) | {"verified": verified}}
+    if function is None:
+        condition = str(verdict.condition) if verdict.condition else None
+        told |= {"assumed": [str(r) for r in verdict.ranges], "condition": condition}
+        told |= {"steps": list(verdict.steps), "note": verdict.note}
     if robust:
         told["robustness"] = {"tolerance": written(robust.tolerance), "same": robust.same}
         told["robustness"]["exception"] = robust.exception and _fraction(robust.exception)
@@ -62,11 +73,14 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
 def point(witness: Witness) -> dict[str, Any]:
     """A witness as texts: of one port with Z or H there, of several with v and the form that is negative."""
     told: dict[str, Any] = {"re": written(witness.re), "im": written(witness.im)}
+    told |= {"values": {name: written(x) for name, x in witness.names.items()}} if witness.names else {}
+    if isinstance(witness.found, acb):
+        return told | {"value": witness.found.str(20, radius=False)}
     if len(witness.vector) == 1:
-        value = {"value_re": witness.value_re, "value_im": witness.value_im}
+        value = dict(zip(("value_re", "value_im"), witness.image[0] if witness.image else (None, None), strict=True))
         return told | {name: None if x is None else written(x) for name, x in value.items()}
-    assert witness.value is not None
-    return told | {"vector": [[written(x) for x in pair] for pair in witness.vector], "value": written(witness.value)}
+    form = witness.form.str(20) if isinstance(witness.form, arb) else written(witness.form)
+    return told | {"vector": [[written(Fraction(x)) for x in pair] for pair in witness.vector], "value": form}
 
 
 def coefficients(polynomial: Any) -> list[str]:
@@ -78,7 +92,9 @@ def _fraction(function: RationalFunction) -> dict[str, list[str]]:
     return {"numerator": coefficients(function.p), "denominator": coefficients(function.q)}
 
 
-def _certificate(found: Certificate | StorageCertificate) -> dict[str, Any]:
+def _certificate(found: Any) -> dict[str, Any]:
+    if isinstance(found, tuple):
+        return {"modes": [mode.to_dict() for mode in found]}
     if isinstance(found, StorageCertificate):
         matrices = {"basis": found.basis, "storage": found.storage}
         return {key: [[str(x) for x in row] for row in m.tolist()] for key, m in matrices.items() if m is not None}
@@ -100,7 +116,8 @@ def _certificate(found: Certificate | StorageCertificate) -> dict[str, Any]:
 def _margin(margin: Margin | None) -> dict[str, Any] | None:
     if margin is None:
         return None
-    told = {"value": _number(margin.value), "low": written(margin.low), "high": written(margin.high)}
+    ends = {"low": margin.low, "high": margin.high}
+    told = {"value": _number(margin.value)} | {name: None if x is None else written(x) for name, x in ends.items()}
     return told | {"frequency": _number(margin.frequency)}
 
 
@@ -109,9 +126,10 @@ def _number(x: float) -> float | str:
 
 
 def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = None, z0: str = "1") -> list[str]:
-    """A verdict in words, line by line."""
-    several = f", {verdict.ports} ports" if not isinstance(verdict.function, RationalFunction) else ""
+    """A verdict in words, line by line, with as many steps of its proof as a screen has room for."""
+    several = f", {verdict.ports} ports" if verdict.ports > 1 or _is_matrix(verdict) else ""
     lines = [f"{verdict.kind.value}{several}: {verdict.status.value}", f"  because {verdict.why}"]
+    lines += [f"  exactly if {verdict.condition}"] if verdict.condition else []
     if verdict.witness:
         lines += _witness(verdict.witness)
     if robust:
@@ -119,30 +137,56 @@ def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = Non
         lines.append(f"  within {digits(robust.tolerance, 3)} of each coefficient: {words}")
         if robust.exception is not None:
             lines.append(f"    such as {shorten(str(robust.exception), 100)}")
-    against = f"   H = (Z - z0)/(Z + z0), z0 = {z0}" if verdict.kind is Kind.PR else ""
-    for key, margin in margins._asdict().items():
-        if margin and several:
-            proved = f"proved not beyond {margin.bound:.6g}"
-            lines.append(f"  {_OF_SEVERAL[key]} ≈ {margin.value:.6g} at ω = {margin.frequency:.6g} rad/s, {proved}")
-        elif margin:
-            value = beside_one(margin.low if margin.largest else margin.high)
-            sign, tail = "=" if margin.low == margin.high else "≈", against if key == "reflection" else ""
-            lines.append(f"  {_MARGINS[key]:<20} {sign} {value:<12} {_place(verdict, margin)}{tail}")
-    return lines
+    lines += [_margin_line(verdict, key, margin, z0) for key, margin in margins._asdict().items() if margin]
+    note = [f"  note: {verdict.note}"] if verdict.note else []
+    return lines + _first_steps(verdict, SCREEN - len(lines) - len(note)) + note
+
+
+def _is_matrix(verdict: Verdict) -> bool:
+    return verdict.function is not None and not isinstance(verdict.function, RationalFunction)
+
+
+def _first_steps(verdict: Verdict, room: int) -> list[str]:
+    """Steps of a proof, as many as there is room for lines; the last line says how many more there are."""
+    from passivity.calculus.proof import lines
+
+    steps = list(lines(verdict.proof)) if verdict.proof else verdict.steps
+    shown = len(steps) if len(steps) <= room else room - 1
+    told = [f"    {line}" for line in steps[:shown]]
+    return told + ([f"    … and {len(steps) - shown} more steps"] if len(steps) > shown else [])
 
 
 def _witness(found: Witness) -> list[str]:
-    lines = [f"  witness s = {complex_text(found.re, found.im)}"]
+    lines = [f"  {name} = {written(x)}" for name, x in found.names.items()]
+    lines.append(f"  witness s = {complex_text(found.re, found.im)}")
+    if isinstance(found.found, acb):
+        return [*lines, f"    {found.kind.letter}(s) = {found.found.str(12)}"]
     if len(found.vector) == 1 and not isinstance(found.found, StateSpace):
         value = "infinite" if found.image is None else complex_text(*found.image[0])
         return [*lines, f"    {found.kind.letter}(s) = {value}"]
     form = "vᴴ(Z + Zᴴ)v" if found.kind is Kind.PR else "|v|² − |Sv|²"
-    value = "< 0" if isinstance(found.found, StateSpace) else f"= {digits(found.value or 0)}"  # the first takes long
+    negative: Any = isinstance(found.found, StateSpace) or found.form  # of a state space the value takes long
+    v = ", ".join(complex_text(*map(Fraction, x)) for x in found.vector)
     return [
         *lines,
-        f"    v = ({', '.join(complex_text(*x) for x in found.vector)})",
-        f"    {form} {value}",
+        f"    v = ({v})",
+        f"    {form} {f'= {digits(negative)}' if isinstance(negative, Fraction) else '< 0'}",
     ]
+
+
+def _margin_line(verdict: Verdict, key: str, margin: Margin, z0: str) -> str:
+    where = f"at ω = {margin.frequency:.6g} rad/s"
+    if _is_matrix(verdict):
+        return f"  {_OF_SEVERAL[key]} ≈ {margin.value:.6g} {where}, proved not beyond {margin.bound:.6g}"
+    if verdict.function is None:
+        bound = margin.high if margin.largest else margin.low
+        known = ", sampled" if bound is None else f", proved not to pass {digits(bound)}"
+        value = f"{margin.value:.6g}"
+        return f"  {_MARGINS[key]:<20} {'about' if bound is None else '≈'} {value:<12} {where}{known}"
+    value = beside_one(margin.low if margin.largest else margin.high)
+    sign = "=" if margin.low == margin.high else "≈"
+    against = f"   H = (Z - z0)/(Z + z0), z0 = {z0}" if verdict.kind is Kind.PR and key == "reflection" else ""
+    return f"  {_MARGINS[key]:<20} {sign} {value:<12} {_place(verdict, margin)}{against}"
 
 
 def _place(verdict: Verdict, margin: Margin) -> str:
@@ -164,7 +208,7 @@ def reason(verdict: Verdict) -> str:
     kind, network = verdict.kind, verdict.function
     bounded, equal, broken, closing = (_ONE if isinstance(network, RationalFunction) else _SEVERAL)[kind]
     if verdict.status is Status.UNDECIDED:
-        return "; ".join(filter(None, (verdict.budget, verdict.analysis and _seen(verdict))))
+        return "; ".join(filter(None, (verdict.reason, verdict.analysis and _seen(verdict))))
     if isinstance(verdict.certificate, StorageCertificate):
         if verdict.lossless:
             return "all energy that enters is stored: the stored energy is x^T P x/2 >= 0"
@@ -176,8 +220,6 @@ def reason(verdict: Verdict) -> str:
         return f"{axis}, and all {closing} lie in Re s < 0{_hidden(verdict)}"
     if verdict.negative:
         return f"{broken} {in_words(violations(verdict.negative))}{_hidden(verdict)}"
-    if verdict.place:
-        return f"{broken} {verdict.place} (floating point), exactly so at the witness"
     if kind is Kind.BR:
         return f"{'H' if verdict.ports == 1 else 'S'} has a pole in Re s > 0{_hidden(verdict)}"
     if isinstance(network, RationalFunction):

@@ -18,12 +18,12 @@ from flint import fmpz, fmpz_poly
 
 from passivity.errors import ExpressionError, shown
 from passivity.exact.positive_real import check_positive_real
-from passivity.exact.verdict import Verdict, Witness
 from passivity.polynomial.roots import routh_column
 from passivity.polynomial.sign import SignProof, find_sign, parts
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
+from passivity.verdict import Verdict, Witness
 
 _X = fmpz_poly([0, 1])
 

@@ -7,11 +7,11 @@ from flint import arb, fmpq, fmpq_mat, fmpz_poly
 
 from passivity.budget import bits_of, spend
 from passivity.exact.storage import negative_direction
-from passivity.exact.verdict import Parts, Witness
 from passivity.polynomial.roots import candidates, power_of_two, reducing_cost, scaled_value, square_roots, to_fmpq
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.state_space import identity
 from passivity.status import Kind
+from passivity.verdict import Parts, Witness
 
 Test = Callable[[Fraction, Fraction], Witness | None]  # a point as a witness, None if it is none
 

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError
 from passivity.exact.certificate import verify
-from passivity.exact.verdict import Verdict
 from passivity.sampled.check import check_samples, worst_name
 from passivity.sampled.extremes import (
     MANY,
@@ -45,6 +44,7 @@ from passivity.sampled.extremes import (
 from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 from passivity.status import Decided, Status
+from passivity.verdict import Verdict
 
 MAX_ROUNDS = 30
 MAX_SPREAD = 1e16  # of the moduli and real parts of poles: more is lost in rounding

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from passivity.budget import UndecidedError
 from passivity.exact.positive_real import by_storage, check
-from passivity.exact.verdict import Verdict
 from passivity.floats.axis import AxisAnalysis, analyse
 from passivity.floats.system import FloatSystem
 from passivity.polynomial.roots import violations
@@ -18,6 +17,7 @@ from passivity.sampled.check import excess, worst_first, worst_values
 from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter
 from passivity.status import Status
+from passivity.verdict import Verdict
 
 FEW, MANY = 4, 40  # ports and poles up to which the exact test takes seconds
 BEYOND = 1e6  # times the largest frequency: stands for infinity, its inverse for zero

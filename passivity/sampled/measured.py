@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError
-from passivity.exact.verdict import Verdict
 from passivity.floats.axis import AxisAnalysis
 from passivity.rational.state_space import MAX_STATES
 from passivity.sampled.check import check_samples
@@ -32,6 +31,7 @@ from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
 from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
+from passivity.verdict import Verdict
 
 SCOUT = 6  # poles with which the delay is looked for
 MOST_SCOUTS = 8  # poles up to which it is improved for each order; beyond, each order begins with the one before

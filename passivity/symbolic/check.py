@@ -1,15 +1,17 @@
 """Is an impedance positive real, or a reflection bounded real, for all values its parameters may have?"""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from itertools import islice
 
 from passivity.budget import VERDICT, UndecidedError, budget
-from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
+from passivity.calculus.fact import CLAIMS
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.proof import Proof, lines, prove
+from passivity.calculus.proof import Proof, prove
+from passivity.calculus.question import Question as Asked
 from passivity.calculus.read import read
-from passivity.calculus.witness import Question as Asked
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
@@ -17,9 +19,9 @@ from passivity.expression.tree import Node, symbols
 from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, collect, meet, trials
-from passivity.symbolic.formula import Claim, Joined
+from passivity.symbolic.formula import Claim, Condition, Joined
 from passivity.symbolic.question import Question
-from passivity.symbolic.verdict import Condition, Counterexample, SymbolicVerdict
+from passivity.verdict import Verdict, Witness
 
 MAX_PARAMETERS = 200
 MAX_TRIALS = 600
@@ -29,7 +31,7 @@ _SHOWN = 200  # characters of all values in a reason
 
 def check_symbolic(
     text: str, kind: Kind, assumptions: Iterable[str | Range], parameters: Mapping[str, Exact] | None = None
-) -> SymbolicVerdict:
+) -> Verdict:
     """Is a function with parameters positive real or bounded real for all values that satisfy the assumptions?
 
     Values for which the expression is 0/0 when multiplied out are left out, for there is no function.
@@ -47,7 +49,7 @@ def check_symbolic(
 
     Returns
     -------
-    SymbolicVerdict
+    Verdict
         Proved along the expression or by the signs of expanded polynomials; or refuted with values, by the exact test
         at these. The exact condition is added for degree two in s at most, and where one factor decides.
 
@@ -66,7 +68,7 @@ def check_symbolic(
     >>> check_symbolic("R + s*L + 1/(s*C)", Kind.PR, ["R > 0", "L > 0", "C > 0"]).status
     <Status.PROVED: 'proved'>
     >>> verdict = check_symbolic("k*(1 - s*t)/(1 + s*t)", Kind.BR, ["t > 0", "k real"])
-    >>> print(verdict.status, "/", verdict.condition, "/", verdict.counterexample.values["k"])
+    >>> print(verdict.status, "/", verdict.condition, "/", verdict.witness.names["k"])
     refuted / -1 <= k <= 1 / 2
     """
     tree = parse(text)
@@ -78,19 +80,19 @@ def check_symbolic(
             value = _read(graph, tree, text, numbers)
         except UndecidedError as error:
             why = f"{error}; to settle it: values for the parameters"
-            return SymbolicVerdict(kind, ranges, Status.UNDECIDED, why)
-        asked = Asked(graph, value, POSITIVE_REAL if kind is Kind.PR else BOUNDED_REAL, text, numbers)
+            return Verdict(kind, None, Status.UNDECIDED, reason=why, ranges=ranges)
+        asked = Asked(graph, value, CLAIMS[kind], text, numbers)
         under = ", ".join(map(str, ranges))
-        return decide(asked, kind, ranges, f"{' '.join(text.split()):.300} is {kind.value} for all {under}")
+        verdict = decide(asked, kind, ranges, f"{' '.join(text.split()):.300} is {kind.value} for all {under}")
+        return replace(verdict, asked=(text, numbers, graph.names))
 
 
-def decide(asked: Asked, kind: Kind, ranges: tuple[Range, ...], statement: str) -> SymbolicVerdict:
+def decide(asked: Asked, kind: Kind, ranges: tuple[Range, ...], statement: str) -> Verdict:
     """The verdict by rules, then by polynomials in the parameters, with a search for values that refute."""
-    free, text, numbers = tuple(r for r in ranges if not r.is_point), asked.text, asked.numbers
+    free, text = tuple(r for r in ranges if not r.is_point), asked.text
+    made = partial(Verdict, kind, None, statement=statement, ranges=ranges)
     if proof := _proof(asked, statement):
-        return SymbolicVerdict(
-            kind, ranges, Status.PROVED, "so is each of its parts", tuple(lines(proof)), certificate=proof
-        )
+        return made(Status.PROVED, reason="so is each of its parts", certificate=proof)
     question, formula, limit = None, None, "neither a proof nor a counterexample was found"
     try:
         with budget(VERDICT // 3):
@@ -100,28 +102,29 @@ def decide(asked: Asked, kind: Kind, ranges: tuple[Range, ...], statement: str) 
         limit = str(error)
     if question and formula is True:
         why = "the exact test holds, whatever the parameters are"
-        return SymbolicVerdict(kind, ranges, Status.PROVED, why, tuple(question.lines()), note=question.note())
+        return made(Status.PROVED, reason=why, steps=tuple(question.lines()), note=question.note())
     condition, note = None, question.note() if question else ""
     if question and isinstance(formula, Claim | Joined):
         condition = Condition(formula, free, question.whole)
 
-    def trial(values: dict[str, Fraction]) -> tuple[Counterexample | None, int]:
+    def trial(values: dict[str, Fraction]) -> tuple[tuple[Witness, str] | None, int]:
         if condition and condition.formula.holds(values):
             return None, len(text)
         assert question is not None
-        return question.refutation(values, numbers), question.work
+        return question.refutation(values, asked), question.work
 
     if question and (found := _search(free, trial)):
-        at = ", ".join(f"{name} = {written(x)}" for name, x in found.values.items()) or "these numbers"
-        why = f"not for {shorten(at, _SHOWN)}: {found.why}"
-        return SymbolicVerdict(kind, ranges, Status.REFUTED, why, (), condition, found, note)
+        witness, why = found
+        at = ", ".join(f"{name} = {written(x)}" for name, x in witness.names.items()) or "these numbers"
+        why = f"not for {shorten(at, _SHOWN)}: {why}"
+        return made(Status.REFUTED, reason=why, condition=condition, witness=witness, note=note)
     help_ = f"whether the assumptions imply {condition}" if condition else "values for the parameters"
-    return SymbolicVerdict(kind, ranges, Status.UNDECIDED, f"{limit}; to settle it: {help_}", (), condition, note=note)
+    return made(Status.UNDECIDED, reason=f"{limit}; to settle it: {help_}", condition=condition, note=note)
 
 
 def _search(
-    ranges: tuple[Range, ...], test: Callable[[dict[str, Fraction]], tuple[Counterexample | None, int]]
-) -> Counterexample | None:
+    ranges: tuple[Range, ...], test: Callable[[dict[str, Fraction]], tuple[tuple[Witness, str] | None, int]]
+) -> tuple[Witness, str] | None:
     """The first counterexample in many trials; a test also tells what part of MAX_WORK it took."""
     work = 0
     for values in islice(trials(ranges), MAX_TRIALS):

@@ -1,4 +1,4 @@
-"""Claims on parameters: polynomials that must be >= 0, > 0 or = 0, joined by "and" and "or".
+"""Conditions on parameters: polynomials that must be >= 0, > 0 or = 0, joined by "and" and "or".
 
 They are simplified with what is assumed: factors of known sign are dropped, claims that always or never hold vanish.
 """
@@ -13,8 +13,11 @@ from typing import TypeAlias
 
 from flint import fmpz_mpoly
 
+from passivity.calculus.expand import Pair
+from passivity.errors import ExpressionError, shorten, shown
+from passivity.rational.evaluate import Exact, exact
 from passivity.symbolic.assumption import Range
-from passivity.symbolic.domain import Domain, factored, is_small
+from passivity.symbolic.domain import Domain, coefficients, factored, is_small
 
 _RELATIONS: dict[str, Callable[[Fraction | int, int], bool]] = {">=": ge, ">": gt, "=": eq}
 
@@ -179,3 +182,51 @@ def quotient_text(p: fmpz_mpoly, q: fmpz_mpoly) -> str:
     if under == "1":
         return polynomial_text(p)
     return f"{over}/({under})" if len(q) > 1 or "*" in under else f"{over}/{under}"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What the parameters must satisfy, besides the assumptions: exactly then the property holds.
+
+    Parameters
+    ----------
+    formula : Claim or Joined
+        In the parameters, by their names.
+    ranges : tuple of Range
+        What is assumed.
+    function : Pair
+        Numerator and denominator as the expression gives them when multiplied out.
+    """
+
+    formula: Formula
+    ranges: tuple[Range, ...]
+    function: Pair
+
+    def holds(self, values: Mapping[str, Exact]) -> bool:
+        """Whether it is true of a value for each parameter, decided exactly.
+
+        Raises
+        ------
+        ExpressionError
+            If a parameter has no value, none that is a number, or one against the assumptions; and for 0/0.
+        """
+        numbers = {}
+        for r in self.ranges:
+            if r.name not in values:
+                raise ExpressionError(f"parameter {r.name}", "no value", f"a number with {r}")
+            numbers[r.name] = exact(values[r.name], f"parameter {r.name}")
+            if numbers[r.name] not in r:
+                raise ExpressionError(
+                    f"parameter {r.name}", "against the assumption", str(r), shorten(shown(values[r.name]))
+                )
+        if all(_vanishes(f, numbers) for f in self.function):
+            raise ExpressionError("parameters", "0/0 has no value", "a numerator or a denominator that is not zero")
+        return self.formula.holds(numbers)
+
+    def __str__(self) -> str:
+        return str(self.formula)
+
+
+def _vanishes(f: fmpz_mpoly, values: Mapping[str, Fraction]) -> bool:
+    """Whether a polynomial is 0 for all s and delays."""
+    return all(value(c, values) == 0 for part in coefficients(f) for c in coefficients(part, 1))

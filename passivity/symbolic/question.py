@@ -7,16 +7,16 @@ unless H2 = 0.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb, fmpq
 
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.graph import Graph, Value
+from passivity.calculus.question import Question as Asked
 from passivity.errors import ExpressionError, shorten
 from passivity.exact.positive_real import check
-from passivity.exact.verdict import Verdict, Witness
 from passivity.exact.witness import from_axis, from_root, of_one_port
 from passivity.polynomial.sign import allowance as allowance_on_axis
 from passivity.polynomial.sign import find_sign
@@ -26,7 +26,7 @@ from passivity.symbolic.assumption import Range
 from passivity.symbolic.conditions import allowance, as_impedance, low_degree_condition, positivity_condition
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, claim, join, polynomial_text, quotient_text, value
-from passivity.symbolic.verdict import Counterexample
+from passivity.verdict import Verdict, Witness
 
 _SHOWN = 400  # characters of a line
 _E = 1  # the generator exp(-tau s)
@@ -88,16 +88,21 @@ class Question:
         sides = [[value(c, values) for c in reversed(coefficients(f))] for f in self.function]
         return check(RationalFunction.from_coefficients(*sides), self.kind)
 
-    def refutation(self, values: Mapping[str, Fraction], numbers: Mapping[str, Fraction]) -> Counterexample | None:
-        """The refutation for values of the free parameters, beside the numbers of others; None too where it is 0/0."""
+    def refutation(self, values: Mapping[str, Fraction], asked: Asked) -> tuple[Witness, str] | None:
+        """The refutation for values of the free parameters, and the reason; None too where it is 0/0."""
         over, under = (value(f, values) for f in self.delay)
         try:
             verdict = self.verdict(values)
         except ExpressionError:
             return None
         delay = over / under if under else Fraction(0)
-        witness = delayed_witness(verdict, delay) if under else None
-        return Counterexample({**numbers, **values}, verdict, witness, delay) if witness else None
+        point = delayed_witness(verdict, delay) if under else None
+        witness = asked.fails(point.re, point.im, values) if point and delay else point
+        if witness is None:
+            return None
+        why = f"of the reflection H behind the delay, {verdict.why}" if delay else verdict.why
+        why = "exp(-delay*s) with a negative delay grows without bound" if delay < 0 else why
+        return replace(witness, names={**asked.numbers, **values}), why
 
     def _with_numbers(self) -> bool | None:
         status = self.verdict({}).status

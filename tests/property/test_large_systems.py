@@ -73,7 +73,7 @@ def test_a_largest_singular_value_a_millionth_below_one_is_proved_and_one_above_
     beyond = check_bounded_real(with_gain(states, 3, 1 + 1e-4))
     assert beyond.refuted
     assert beyond.witness.re > 0
-    assert beyond.witness.value < 0
+    assert beyond.witness.form < 0
 
 
 def ladder(sections):

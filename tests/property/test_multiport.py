@@ -110,7 +110,7 @@ def is_proved(network, kind=Kind.PR):
     assert verdict.status is Status.REFUTED
     matrix = network.transfer if isinstance(network, StateSpace) else network
     assert verdict.witness.re > 0
-    assert power(matrix, kind, verdict.witness) == verdict.witness.value < 0
+    assert power(matrix, kind, verdict.witness) == verdict.witness.form < 0
     return False
 
 

@@ -5,9 +5,9 @@ import pytest
 from flint import fmpq_mat
 
 from passivity import Kind, StateSpace, Status, check_positive_real, verify
-from passivity.exact.verdict import StorageCertificate
 from passivity.floats.axis import analyse
 from passivity.floats.system import FloatSystem
+from passivity.verdict import StorageCertificate
 
 
 def port_hamiltonian(seed, states, ports, unit):

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passivity import ExpressionError, Kind, RationalFunction, Status, check_positive_real
+from passivity.calculus.proof import lines
 from passivity.exact.positive_real import check
 from passivity.symbolic.assumption import Range, parse_assumption
 from passivity.symbolic.check import check_symbolic
@@ -119,7 +120,7 @@ def test_ladders_with_names_are_proved_by_structure(ladder, random):
     names = [name for _, section in ladder for name in section]
     verdict = check_symbolic(text_of(ladder), Kind.PR, [f"{name} > 0" for name in names])
     assert verdict.status is Status.PROVED
-    elements = [line for line in verdict.proof if "a constant" in line]
+    elements = [line for line in lines(verdict.proof) if "a constant" in line]
     assert all(any(name in line for line in elements) for name in names)
     values = {name: Fraction(random.randint(1, 99), random.randint(1, 99)) for name in names}
     z = impedance(ladder, values, Complex(Fraction(random.randint(1, 50), 20), random.randint(-9, 9)))
@@ -133,11 +134,11 @@ def test_ladders_with_one_negative_element_are_refuted(ladder, which):
     names = [name for _, section in ladder for name in section]
     negative = names[which % len(names)]
     assumptions = [f"{name} {'<' if name == negative else '>'} 0" for name in names]
-    found = check_symbolic(text_of(ladder), Kind.PR, assumptions).counterexample
+    found = check_symbolic(text_of(ladder), Kind.PR, assumptions).witness
     assert found
-    assert all((x < 0) == (name == negative) for name, x in found.values.items())
-    assert found.witness.re > 0
-    z = impedance(ladder, found.values, Complex(found.witness.re, found.witness.im))
+    assert all((x < 0) == (name == negative) for name, x in found.names.items())
+    assert found.re > 0
+    z = impedance(ladder, found.names, Complex(found.re, found.im))
     assert z is None or z.re < 0
 
 
@@ -159,8 +160,8 @@ def test_no_verdict_on_any_expression_is_against_the_exact_test(text, kind, data
         verdict = check_symbolic(text, kind, assumptions.values())
     except ExpressionError:  # 0/0
         return
-    if found := verdict.counterexample:
-        assert check(RationalFunction.from_expression(text, found.values), kind).status is Status.REFUTED
+    if found := verdict.witness:
+        assert check(RationalFunction.from_expression(text, found.names), kind).status is Status.REFUTED
     ranges = [parse_assumption(assumption) for assumption in assumptions.values()]
     values = {r.name: data.draw(numbers.filter(r.__contains__)) for r in ranges}
     try:

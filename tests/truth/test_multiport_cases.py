@@ -127,7 +127,7 @@ def test_verdict_and_evidence(case):
         assert verdict.certificate is None
         w = verdict.witness
         assert w.re > 0
-        assert power(case, w.re, w.im, w.vector) == w.value < 0
+        assert power(case, w.re, w.im, w.vector) == w.form < 0
 
 
 @pytest.mark.parametrize("case", REFUTED, ids=name)
@@ -184,9 +184,10 @@ def test_lines(case):
     verdict = check_line_two_port(1, 1, through=through)
     assert verdict.status is (Status.PROVED if case["verdict"] else Status.REFUTED)
     if case["verdict"]:
-        assert all(verify_one_port(mode.reflection.certificate) for mode in verdict.modes)
+        assert all(verify_one_port(mode.reflection.certificate) for mode in verdict.certificate)
         return
-    points = [(verdict.re, verdict.im, verdict.vector, verdict.value)]
+    found = verdict.witness
+    points = [(found.re, found.im, found.vector, found.form)]
     points += [(*(Fraction(case["witness"][key]) for key in ("re", "im")), case["witness"]["vector"], None)]
     for re, im, vector, value in points:
         with mpmath.workdps(30):
@@ -201,9 +202,9 @@ def test_lines(case):
 def test_the_modes_of_a_line_are_half_of_it_open_and_short(z0, delay, half):
     """coth Ts +- csch Ts = coth(Ts/2) and tanh(Ts/2), as seen at a point of the right half plane."""
     verdict = check_line_two_port(z0, delay)
-    assert [mode.load.function.is_zero for mode in verdict.modes] == [True, False]
-    assert [mode.load.function.is_infinite for mode in verdict.modes] == [False, True]
-    assert {mode.delay for mode in verdict.modes} == {Fraction(half)}
+    assert [mode.load.function.is_zero for mode in verdict.certificate] == [True, False]
+    assert [mode.load.function.is_infinite for mode in verdict.certificate] == [False, True]
+    assert {mode.delay for mode in verdict.certificate} == {Fraction(half)}
     s = mpmath.mpc(0.3, 1.7)
     assert abs(mpmath.coth(s) + mpmath.csch(s) - mpmath.coth(s / 2)) < 1e-12
     assert abs(mpmath.coth(s) - mpmath.csch(s) - mpmath.tanh(s / 2)) < 1e-12

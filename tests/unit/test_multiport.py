@@ -16,7 +16,6 @@ from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real, check_positive_real
 from passivity.exact.report import as_dict, in_words
 from passivity.exact.storage import is_semidefinite, negative_direction
-from passivity.exact.verdict import Certificate, Margins, StorageCertificate
 from passivity.polynomial.roots import violations
 from passivity.polynomial.sign import SignProof
 from passivity.rational.elements import impedances, scattering, transformer_scattering
@@ -24,6 +23,7 @@ from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import minor_sums
 from passivity.rational.state_space import StateSpace, from_system
 from passivity.status import Kind
+from passivity.verdict import Certificate, Margins, StorageCertificate
 
 PI = [["1 + 1/(s^2 + s + 1)", "(s + 1)/(s^2 + s + 1)"], ["(s + 1)/(s^2 + s + 1)", "s + (s + 1)/(s^2 + s + 1)"]]
 GYRATOR = RationalMatrix.from_rows([[0, -7], [7, 0]])

@@ -10,12 +10,12 @@ import pytest
 from passivity import Status
 from passivity.exact.positive_real import check_positive_real, refuted_or_undecided
 from passivity.exact.report import as_dict
-from passivity.exact.verdict import Margins, Verdict, Witness
 from passivity.floats.axis import AxisAnalysis, analyse, crossings
 from passivity.floats.system import FloatSystem
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.state_space import StateSpace
 from passivity.status import Kind
+from passivity.verdict import Margins, Verdict, Witness
 
 TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
 ONE = (Fraction(1), Fraction(0))
@@ -29,7 +29,7 @@ def test_scales_do_not_matter():
     broken = RationalMatrix.from_rows([["1 + 1n*s", "1n*s"], ["1n*s", "2 + 999999999/1000000000*1n*s"]])
     witness = check_positive_real(broken).witness
     assert witness.re > 0
-    assert witness.value < 0
+    assert witness.form < 0
 
 
 @pytest.mark.parametrize("kind", list(Kind))
@@ -97,7 +97,7 @@ def test_an_exact_value_that_takes_too_long_is_not_begun():
 def test_methods_that_disagree_say_so():
     analysis = AxisAnalysis(((1.0, 2.0),), 1e-9, -0.25, 1e-9, 1.5, -1.0, agree=False)
     network = StateSpace.from_entries(*TRIANGLE)
-    verdict = Verdict(Kind.PR, network, Status.UNDECIDED, budget="too large", floats=SimpleNamespace(analysis=analysis))
+    verdict = Verdict(Kind.PR, network, Status.UNDECIDED, reason="too large", floats=SimpleNamespace(analysis=analysis))
     assert verdict.why == (
         "too large; in floating point, by two methods that disagree, the smallest eigenvalue of (Z + Z^H)/2 is "
         "-0.25 ± 1e-09 at ω = 1.5, Z + Z^H has a negative eigenvalue for 1 < ω < 2; "

@@ -15,6 +15,7 @@ from passivity import (
     check_positive_real,
     reflection_identity,
 )
+from passivity.calculus.proof import lines
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.symbolic.assumption import Range, parse_assumption
@@ -149,7 +150,7 @@ def test_proved(text, kind, assumptions):
     """What is proved is not broken at points of the right half plane, for values here and there, with 30 digits."""
     verdict = check_symbolic(text, Kind[kind], assumptions)
     assert verdict.status is Status.PROVED
-    assert verdict.proof
+    assert verdict.proof or verdict.steps
     for u in ("1/3", "1", "7"):
         values = {r.name: _inside(r, Fraction(u)) for r in verdict.ranges}
         for s in (mpmath.mpc(x, y) / 1000 for x, y in [(10, 700), (1, 1300), (2000, 5000), (100, 0)]):
@@ -177,7 +178,7 @@ def test_a_ladder_too_large_to_multiply_out_is_proved_element_by_element():
     verdict = check_symbolic(z, Kind.PR, [f"{name} > 0" for name in names])
     assert verdict.status is Status.PROVED
     assert all(
-        any(line.split(":")[0] in (name, f"{name}*s") for line in verdict.proof)
+        any(line.split(":")[0] in (name, f"{name}*s") for line in lines(verdict.proof))
         for name in names[1:]
         if name[0] in "RL"
     )
@@ -189,7 +190,7 @@ def test_numbers_and_assumptions_mix():
     assert mixed == given
     assert mixed.status is Status.PROVED
     active = check_symbolic("R + 1/(s*C)", Kind.PR, ["C > 0"], {"R": "-1 ohm"})
-    assert active.counterexample.values == {"C": 1, "R": -1}
+    assert active.witness.names == {"C": 1, "R": -1}
 
 
 # ---- conditions and counterexamples
@@ -211,7 +212,7 @@ def test_conditions_are_simple(text, kind, assumptions, condition):
     assert verdict.status is Status.REFUTED
     if condition:
         assert str(verdict.condition) == condition
-    assert not verdict.condition.holds(verdict.counterexample.values)
+    assert not verdict.condition.holds(verdict.witness.names)
 
 
 def test_a_condition_refuses_values_against_the_assumptions():
@@ -241,10 +242,10 @@ def test_a_condition_refuses_values_against_the_assumptions():
 )
 def test_refuted(text, kind, assumptions):
     """The witness is one, put into the text with 60 digits."""
-    found = check_symbolic(text, Kind[kind], assumptions).counterexample
+    found = check_symbolic(text, Kind[kind], assumptions).witness
     with mpmath.workdps(60):
-        re, im = (mpmath.mpf(x.numerator) / x.denominator for x in (found.witness.re, found.witness.im))
-        value = _value(text, mpmath.mpc(re, im), found.values)
+        re, im = (mpmath.mpf(x.numerator) / x.denominator for x in (found.re, found.im))
+        value = _value(text, mpmath.mpc(re, im), found.names)
         assert re > 0
         assert value.real < 0 if kind == "PR" else abs(value) > 1
 

@@ -16,7 +16,7 @@ from tline.words.wording import place
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from passivity import Conclusion, Margins, RationalFunction, Verdict
+    from passivity import Margins, RationalFunction, Verdict
     from passivity.sampled.response import SampledResponse
     from tline.solver.description.passive import CircuitVerdict
 
@@ -89,8 +89,8 @@ def expression(text: str, asked: Asked) -> Output:
         found = check_symbolic(text, kind, assumed, known)
         return answer(found.status, found.text_lines(), found.to_dict())
     verdict = of_text(text, kind, (), with_values(text, known)[1])
-    if verdict.rational is not None:
-        found = _one_port(verdict.rational.function, asked)
+    if verdict.function is not None:
+        found = _one_port(verdict.function, asked)
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
     asked.refuse("functions that are not rational", "z0", "delay", "within")
     return _concluded(verdict)
@@ -108,11 +108,11 @@ def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str])
     return answer(last.status, derived.text_lines(), last.to_dict(), certificate=_certificate(last))
 
 
-def _concluded(verdict: "Conclusion") -> Output:
+def _concluded(verdict: "Verdict") -> Output:
     return answer(verdict.status, verdict.text_lines(), verdict.to_dict(), certificate=_certificate(verdict))
 
 
-def _certificate(verdict: "Conclusion") -> Callable[[str], str | None]:
+def _certificate(verdict: "Verdict") -> Callable[[str], str | None]:
     """What writes a file that anyone can check."""
 
     def save(file: str) -> str | None:
@@ -127,8 +127,7 @@ def _certificate(verdict: "Conclusion") -> Callable[[str], str | None]:
 
 def verified(path: str) -> Output:
     """Check a file with a proof or a witness."""
-    from passivity.calculus.proof import proved_by
-    from passivity.evidence import check_evidence
+    from passivity.calculus.proof import check_evidence, proved_by
     from passivity.verifier import FORMAT
 
     try:

@@ -1,14 +1,16 @@
-"""What a verdict on a one-port or a multiport says, and the exact facts it rests on; one port is the 1 by 1 case."""
+"""What a verdict says, and what it rests on: proofs and witnesses; one port is the 1 by 1 case."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from flint import arb, fmpq_mat, fmpz_poly
+from flint import acb, arb, fmpq_mat, fmpz_poly
 
+from passivity.ball import of_point
 from passivity.budget import ASIDE, if_affordable
-from passivity.expression.number import double
+from passivity.expression.number import digits, double
 from passivity.polynomial.sign import SignProof
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
@@ -17,8 +19,12 @@ from passivity.rational.state_space import StateSpace
 from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
+    from passivity.calculus.question import Question
+    from passivity.delayed.poles import Pole
     from passivity.floats.axis import AxisAnalysis
     from passivity.floats.system import FloatSystem
+    from passivity.symbolic.assumption import Range
+    from passivity.symbolic.formula import Condition
 
 Network: TypeAlias = RationalFunction | RationalMatrix | StateSpace
 Parts: TypeAlias = tuple[Fraction, Fraction]  # real and imaginary part
@@ -82,48 +88,62 @@ class StorageCertificate:
 
 @dataclass(frozen=True)
 class Witness:
-    """A point of the right half plane and a direction in which the property fails, in exact numbers.
+    """A point of the right half plane, and of several ports a direction, where the property fails.
 
     Parameters
     ----------
     kind : Kind
     re, im : Fraction
         The point s = re + j im, re > 0.
-    found : tuple of (Fraction, Fraction), StateSpace or None
-        The image; or the state space that has it, which may take seconds to be found.
+    found : tuple of (Fraction, Fraction), StateSpace, acb or None
+        The image; the state space that has it, which may take seconds to be found; a ball around the value; None where
+        it is infinite.
     vector : tuple of (Fraction, Fraction)
         v; 1 of one port.
+    names : mapping of str to Fraction
+        Values of names in the function.
     """
 
     kind: Kind
     re: Fraction
     im: Fraction
-    found: tuple[Parts, ...] | StateSpace | None
+    found: Any
     vector: tuple[Parts, ...] = _ONE
+    names: Mapping[str, Fraction] = field(default_factory=dict)
 
     @cached_property
     def image(self) -> tuple[Parts, ...] | None:
-        """Z v or S v there, real and imaginary part of each component; None where it is infinite."""
-        return self.found.image(self.re, self.im, self.vector) if isinstance(self.found, StateSpace) else self.found
+        """Z v or S v there, real and imaginary part of each component; None where it is infinite, or in a ball."""
+        if isinstance(self.found, StateSpace):
+            return self.found.image(self.re, self.im, self.vector)
+        return None if isinstance(self.found, acb) else self.found
 
     @property
-    def value(self) -> Fraction | None:
-        """v^H (Z + Z^H) v, or |v|^2 - |S v|^2: negative."""
+    def value(self) -> acb | None:
+        """Z(s) or H(s) of one port, in a ball; None where it is infinite."""
+        return of_point(*self.image[0]) if self.image else self.found
+
+    @property
+    def form(self) -> Any:
+        """v^H (Z + Z^H) v, or |v|^2 - |S v|^2: negative; in a ball if the value is known so."""
+        if isinstance(self.found, acb):
+            return 2 * self.found.real if self.kind is Kind.PR else 1 - abs(self.found) ** 2
         if self.image is None:
             return None
         if self.kind is Kind.PR:
-            return 2 * sum((a * c + b * d for (a, b), (c, d) in zip(self.vector, self.image, strict=True)), Fraction(0))
-        return sum((a * a + b * b for a, b in self.vector), Fraction(0)) - sum(a * a + b * b for a, b in self.image)
+            return 2 * sum(a * c + b * d for (a, b), (c, d) in zip(self.vector, self.image, strict=True))
+        return sum(a * a + b * b for a, b in self.vector) - sum(a * a + b * b for a, b in self.image)
 
     @property
-    def value_re(self) -> Fraction | None:
-        """Real part of Z(s) or H(s) of one port; of several, of the first component of the image."""
-        return self.image[0][0] if self.image else None
-
-    @property
-    def value_im(self) -> Fraction | None:
-        """The same for the imaginary part."""
-        return self.image[0][1] if self.image else None
+    def why(self) -> str:
+        """What is wrong there with a function whose value is known in a ball, in words."""
+        s, value = f"s = {digits(self.re)} + {digits(self.im)}j", self.found
+        s += "".join(f", {name} = {digits(x)}" for name, x in self.names.items())
+        if not self.im and value.imag != 0:
+            return f"the value at {s} is not real, as if a branch cut ran there"
+        if self.kind is Kind.BR:
+            return f"|H(s)| = {abs(value).str(15, radius=False)} at {s}"
+        return f"Re Z(s) = {value.real.str(6, radius=False)} at {s}"
 
 
 class Margin(NamedTuple):
@@ -131,17 +151,17 @@ class Margin(NamedTuple):
 
     Parameters
     ----------
-    low, high : Fraction or float
+    low, high : Fraction, float or None
         The value lies between them; equal where it is known exactly, infinite where it is. Of several ports one end is
-        proved, the other computed in floats.
+        proved, the other computed in floats; of what is not rational it is sampled, and None where nothing is proved.
     frequency : float
         Angular frequency where it is attained, rad/s; ``math.inf`` for the limit.
     largest : bool
         A largest value; else a smallest.
     """
 
-    low: Fraction | float
-    high: Fraction | float
+    low: Any
+    high: Any
     frequency: float
     largest: bool = False
 
@@ -176,17 +196,19 @@ class Margins(NamedTuple):
 
 @dataclass(frozen=True)
 class Verdict(Decided):
-    """Answer to whether a function or a matrix is positive real or bounded real.
+    """Answer to whether a function or a matrix is positive real or bounded real, and what anyone can check of it.
 
     Parameters
     ----------
     kind : Kind
         The property asked for.
-    function : RationalFunction, RationalMatrix or StateSpace
-        As given.
+    function : RationalFunction, RationalMatrix, StateSpace or None
+        As given, where the exact test answers; None of an expression that is not rational, or has names.
     status : Status
-        `PROVED` comes with a certificate, `REFUTED` with a witness, `UNDECIDED` with the budget that ran out.
-    certificate : Certificate, StorageCertificate or None
+        `PROVED` comes with a proof, `REFUTED` with a witness or a pole, `UNDECIDED` with what was not resolved.
+    certificate : Certificate, StorageCertificate, dict, tuple of Derivation or None
+        The proof: exact facts, or along the expression (what `passivity.verifier` checks and
+        `passivity.calculus.proof.save` writes), or that of two halves of a line.
     witness : Witness or None
     lossless : bool
         Re Z = 0 or |H| = 1, Z + Z^H = 0 or S^H S = I, on the whole imaginary axis.
@@ -195,25 +217,43 @@ class Verdict(Decided):
         of a state space. The verdict is about the function without it.
     negative : tuple of fmpz_poly
         What must not be negative on the axis, in x = w^2, if it is somewhere (see `AxisSum`).
-    budget : str
-        What ran out, if undecided.
+    reason : str
+        Why, where the function does not tell; what was not resolved, if undecided.
     floats : FloatSystem or None
         The state space in floating point, if it was looked at so; then hidden modes are not looked for.
-    place : str
-        Where floating point sees a violation that was then proved.
+    statement : str
+        What was asked, with the assumptions.
+    asked : tuple of (str, dict, dict)
+        The text, the numbers for names in it, and what was assumed of others, if the question was one.
+    pole : Pole or None
+        Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
+    ranges : tuple of Range
+        What is assumed of parameters, where the answer is for all their values.
+    condition : Condition or None
+        For which of them the property holds, where that is known and not all.
+    steps : tuple of str
+        A proof by polynomials in them.
+    note : str
+        Where the function is infinite, if that can be.
     """
 
     kind: Kind
     function: Any
     status: Status
-    certificate: Certificate | StorageCertificate | None = None
+    certificate: Any = None
     witness: Witness | None = None
     lossless: bool = False
     hidden: fmpz_poly | None = None
     negative: tuple[fmpz_poly, ...] = ()
-    budget: str = ""
+    reason: str = ""
     floats: "FloatSystem | None" = None
-    place: str = ""
+    statement: str = ""
+    asked: tuple[str, Mapping[str, Fraction], Mapping[str, Any]] = field(default=("", {}, {}), repr=False)
+    pole: "Pole | None" = None
+    ranges: "tuple[Range, ...]" = ()
+    condition: "Condition | None" = None
+    steps: tuple[str, ...] = ()
+    note: str = ""
 
     @cached_property
     def analysis(self) -> "AxisAnalysis | None":
@@ -226,11 +266,15 @@ class Verdict(Decided):
     @property
     def ports(self) -> int:
         """Number of ports."""
+        if self.function is None:
+            return len(self.witness.vector) if self.witness else 1
         return 1 if isinstance(self.function, RationalFunction) else self.function.size
 
     @cached_property
     def why(self) -> str:
         """The reason in plain words: band, pole, residue, degree."""
+        if self.function is None or (self.reason and self.status is not Status.UNDECIDED):
+            return self.reason
         from passivity.exact.report import reason
 
         short = "it fails at the witness" if self.witness else "the exact test holds"
@@ -239,18 +283,45 @@ class Verdict(Decided):
     @cached_property
     def margins(self) -> Margins:
         """How much room there is to the border, and at which frequency, z0 = 1 (see `passivity.exact.margin`)."""
+        if self.function is None:
+            from passivity.calculus.proof import margins_of
+
+            return margins_of(self) if self.asked[0] else Margins()
         from passivity.exact.margin import margins
 
         return margins(self)
 
+    @property
+    def proof(self) -> dict[str, Any] | None:
+        """The proof along the expression."""
+        return self.certificate if isinstance(self.certificate, dict) else None
+
+    @property
+    def question(self) -> "Question":
+        """The text that was asked about, as a graph."""
+        from passivity.calculus.question import Question
+
+        return Question.of(self.kind, *self.asked)
+
+    @cached_property
+    def evidence(self) -> dict[str, Any] | None:
+        """What a file can hold of a proof or a witness: for rational functions too."""
+        from passivity.calculus.proof import prove
+
+        if self.proof or not self.asked[0]:
+            return self.proof
+        if point := self.witness:
+            return self.question.file(point)
+        return prove(self.question, self.statement) if self.proved else None
+
     def text_lines(self) -> list[str]:
-        """The verdict, its reason, the witness, and the margins where they are affordable."""
+        """The verdict, its reason, the witness, the margins where they are affordable, and the steps of the proof."""
         from passivity.exact.report import in_lines
 
         return in_lines(self, self._margins)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it, with the certificate."""
+        """All of it as JSON can hold it, with the proof, and whether it was verified."""
         from passivity.exact.report import as_dict
 
         return as_dict(self, self._margins)
