@@ -12,10 +12,12 @@ B. Gustavsen, "Optimal time delay extraction for transmission line modeling", IE
 (2017), 45-54 (the best delay is that of the least misfit, which is searched).
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
+from time import process_time
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -41,6 +43,7 @@ STEP = 1 / 8  # of the shortest period; a shorter delay is left to the poles
 FINE = 1e-9  # radians at the highest frequency, to which a delay is narrowed
 MOST_STEPS = 12  # on the way
 FARTHEST_STEP = 0.5  # radians at the highest frequency
+SECONDS = 10.0  # of the processor, after which no more poles are tried
 SEEN = 1e-6  # of what the best seen delays change; of others nothing is known
 Tried: TypeAlias = Callable[[int, float], object]  # told order and misfit of each model on the way
 
@@ -86,6 +89,21 @@ class DelayedModel:
     def error(self) -> float:
         """Largest |dS| of an entry at the samples."""
         return float(self.distance.max())
+
+    @property
+    def misfit(self) -> float:
+        """Largest |dS| of an entry at the samples before the model was made passive."""
+        return float(np.abs(self.original.matrices(2 * np.pi * self.samples.f) - self.samples.values).max())
+
+    def meets(self, tolerance: float) -> bool:
+        """Whether it is that near to the samples, or was until it was made passive, as these are not."""
+        if self.error <= tolerance or self.misfit > tolerance:
+            return self.error <= tolerance
+        try:
+            check_samples(self.samples).refuse_beyond(tolerance * self.samples.ports, "")
+        except ExpressionError:
+            return True
+        return False
 
     @cached_property
     def seen(self) -> AxisAnalysis:
@@ -143,16 +161,15 @@ def fit_behind_delay(
         T, one way, s, >= 0, where it is known; else it is found, as below 1/(4 Δf) with samples Δf apart: one longer
         by 1/(2 Δf) has the same samples.
     nearest : bool
-        Take the nearest passive model in place of a fit that is not passive. It meets the samples too, unless these
-        are themselves further than the tolerance beyond what is passive. Otherwise the fit comes back as it is, with
-        the verdict that refutes it.
+        Take the nearest passive model in place of a fit that is not passive, and the nearest to the best of all fits
+        where none `meets` the tolerance. Otherwise the fit comes back as it is, with the verdict that refutes it.
     progress : callable, optional
         Called with order and misfit of each model that is tried.
 
     Raises
     ------
     ExpressionError
-        These are no such samples, or no order meets them: says what was reached.
+        These are no such samples, or no order meets them, and the nearest is not wanted: says what was reached.
 
     Examples
     --------
@@ -165,10 +182,10 @@ def fit_behind_delay(
     if response.ports != 1 or response.parameter is not Parameter.S:
         got = f"{response.parameter} of {response.ports} port{'s' * (response.ports > 1)}"
         raise ExpressionError("samples", "not a reflection", "S of one port", got)
-    passive = _is_passive(response, tolerance, nearest)
+    _check(response, tolerance, nearest)
     longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
     otherwise = f", or the delay, if it may be over {longest:.3g} s" if delay is None else ""
-    return _first_that_meets(_candidates(response, delay), tolerance, nearest, passive, progress, otherwise)
+    return _first_that_meets(_candidates(response, delay), tolerance, nearest, progress, otherwise)
 
 
 def fit_scattering(
@@ -197,7 +214,7 @@ def fit_scattering(
     Raises
     ------
     ExpressionError
-        These are no such samples, or no order meets them: says what was reached.
+        These are no such samples, or no order meets them, and the nearest is not wanted: says what was reached.
 
     Examples
     --------
@@ -209,45 +226,40 @@ def fit_scattering(
     """
     if response.parameter is not Parameter.S:
         raise ExpressionError("samples", "not a scattering matrix", "S", response.parameter.value)
-    passive = _is_passive(response, tolerance, nearest)
-    return _first_that_meets(_candidates_of_several(response, delays), tolerance, nearest, passive, progress)
+    _check(response, tolerance, nearest)
+    return _first_that_meets(_candidates_of_several(response, delays), tolerance, nearest, progress)
 
 
-def _is_passive(response: SampledResponse, tolerance: float, nearest: bool) -> bool:
-    """Whether a passive model can meet these samples; refused are such that none does, unless the nearest is wanted."""
+def _check(response: SampledResponse, tolerance: float, nearest: bool) -> None:
+    """Refuse samples that no passive model meets, unless the nearest is wanted, and such as are too few."""
     if len(response.f) < 3:
         raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
-    what = "one-port" if response.ports == 1 else "network"
-    try:
+    if not nearest:
+        what = "one-port" if response.ports == 1 else "network"
         check_samples(response).refuse_beyond(tolerance * response.ports, what)
-    except ExpressionError:
-        if not nearest:
-            raise
-        return False
-    return True
 
 
 def _first_that_meets(
-    candidates: Iterable[DelayedModel],
-    tolerance: float,
-    nearest: bool,
-    passive: bool,
-    progress: Tried | None,
-    otherwise: str = "",
+    candidates: Iterable[DelayedModel], tolerance: float, nearest: bool, progress: Tried | None, otherwise: str = ""
 ) -> DelayedModel:
-    """The first of the models that meets the samples, passive if that is wanted; or the nearest passive one to it."""
-    reached = Reached()
+    """The first of the models that meets the samples; if the nearest passive one is wanted, else that to the best."""
+    reached, tried, begun = Reached(), [], process_time()
     for found in candidates:
-        error, noise = found.error, found.is_left_by_noise
+        fitted, noise = found.misfit <= tolerance, found.is_left_by_noise
+        found = found.nearest if fitted and nearest else found
         if progress:
-            progress(found.order, error)
-        if fitted := error <= tolerance:
-            found = found.nearest if nearest else found
-            proved, error = not nearest or found.verdict.proved, found.error
-            if proved and (error <= tolerance or not passive):
-                return found
-        if reached.is_enough(error, found.order, fitted and found.samples.ports > 1, noise):
+            progress(found.order, found.error)
+        if found.meets(tolerance) and (not nearest or found.verdict.proved):
+            return found
+        tried.append(found)
+        several = fitted and found.samples.ports > 1
+        if reached.is_enough(found.error, found.order, several, noise) or process_time() - begun > SECONDS:
             break
+    fewest = math.inf
+    for found in sorted(tried, key=lambda each: each.error) if nearest else ():
+        if found.order < fewest and (passive := found.nearest).verdict.proved:
+            return passive
+        fewest = min(fewest, found.order)  # what has more poles is no easier
     raise reached.refusal(tolerance, nearest, otherwise)
 
 

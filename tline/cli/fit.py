@@ -42,7 +42,8 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
     delay : TIME
         To each port, one way, with commas between; found if not given, of up to four ports.
     nearest
-        Take the nearest passive model where the fit is not passive, even where the file's own S is not.
+        Take the nearest passive model where the fit is not passive or not within the tolerance, even where the file's
+        own S is not passive.
     """
     from passivity.errors import ExpressionError
 
@@ -57,8 +58,8 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
         click.echo(str(told), err=True)
         raise click.exceptions.Exit(1) from None
     files = {"plot": drawn("tline.pictures.bode:plot_misfit", found, file)}
-    proved = found.verdict.status.value == "proved"
-    return Output(_text(file, found, float(tol)), lambda: as_dict(found), files, exit_code=0 if proved else 1)
+    met = found.verdict.proved and found.meets(float(tol))
+    return Output(_text(file, found, float(tol)), lambda: as_dict(found), files, exit_code=0 if met else 1)
 
 
 def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel":

@@ -225,8 +225,8 @@ def channel(
     """What a measured channel lets through: losses, crosstalk, impedances, and the eye of all bit patterns.
 
     S of a Touchstone file between single ports or differential modes of pairs, with the nearest passive model of it,
-    which is proved. With --bit its eye, exact for that model, down to error rates that no run reaches. A closed eye, or
-    one that enters the mask, exits with 1.
+    which is proved. With --bit its eye, exact for that model, down to error rates that no run reaches. A closed eye,
+    one that enters the mask, and a model farther from the file than the tolerance exit with 1.
 
     Parameters
     ----------
@@ -255,13 +255,14 @@ def channel(
     with trying() as tried:
         found = measured_channel(file, progress=tried, **given)
     edge = 0.5 / float(found.measured.f[-1]) if rise is None else rise
-    eye_seen, lines, more, exit_code = None, [], {}, 0
+    eye_seen, lines, more, exit_code = None, [], {}, int(not found.found.meets(found.tol))
     if bit is not None:
         neighbours = range(2, len(found.names))
         with options_named({"period": "--bit", "rise": "--rise"}):
             pulses = [found.pulse(bit, edge, source=k, **levels) for k in (0, *neighbours)]
         eye_seen, taps, gain = _equalised(pulses, ffe, ctle, asked)
-        told, exit_code = _told(eye_seen, taps, gain, mask)
+        told, closed = _told(eye_seen, taps, gain, mask)
+        exit_code = max(exit_code, closed)
         lines = [*eye_seen.text_lines(), *told]
         more = {"eye": eye_seen.to_dict() | {"ffe": taps, "ctle_gain": gain}}
     inputs = given | {"bit": bit, "rise": edge} | asked | levels | equalisers

@@ -17,7 +17,7 @@ from tline.scene.text_file import Folder, read_text
 
 LONGEST = 400  # characters of what is said of a card
 MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20
-COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$.*")
+COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$(?![Gg]_\w).*")  # $G_NAME is a node of Xyce, the same in all subcircuits
 WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
 FILE = re.compile(r"\.\w+\s+(?:\"([^\"]*)\"|'([^']*)'|(\S+))\s*(\S*)")
 OTHERS_LIBRARY = re.compile(r"[A-Za-z]:[\\/]")  # such as LTspice names for each diode, whether it has a model or not

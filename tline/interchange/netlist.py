@@ -15,6 +15,7 @@ from tline.interchange.subcircuits import GROUND
 Table = dict[str, Any]
 REFERENCE = "0"
 AMMETER = 1.0  # ohm, by which a current becomes the voltage that stands for it
+LINKED = ("resistor", "inductor", "capacitor", "series", "parallel", "diode")  # loads that may be links
 
 
 class Netlist:
@@ -205,3 +206,27 @@ def with_open_ends(net: Netlist) -> None:
         for node in nodes if section in ("links", "sources") else ():
             if degrees[node] == 1 and node not in ends:
                 net.add("loads", net.cards[section, name], {"at": node, "kind": "open"}, f"{node} (open)")
+
+
+def with_links(net: Netlist) -> None:
+    """Let what stands at a node where neither line nor link ends be a link to the reference, for a scene needs one."""
+    ended = {node for table in net.tables.values() for element in table.values() for node in element.get("nodes", ())}
+    ended |= {
+        node for line in net.tables["lines"].values() for key in ("nodes1", "nodes2") for node in line.get(key, ())
+    }
+    alone = {source["at"] for source in net.tables["sources"].values() if "at" in source} - ended
+    for name, load in list(net.tables["loads"].items()):
+        if (node := load["at"]) in alone and load["kind"] in LINKED:
+            nodes = [node, REFERENCE][:: -1 if load.get("reverse") else 1]
+            table = {key: value for key, value in load.items() if key not in ("at", "reverse")}
+            net.add("links", net.cards["loads", name], {"nodes": nodes} | table, name)
+            del net.tables["loads"][name]
+            alone.discard(node)
+    for name, source in net.tables["sources"].items():
+        if (node := source.get("at")) in alone and source["kind"] == "voltage" and "resistance" not in source:
+            card = net.cards["sources", name]
+            net.found.note(card.where, "it stands alone: a resistor of 1 ohm is put beside it")
+            net.add("links", card, {"nodes": [node, REFERENCE], "kind": "resistor", "resistance": 1.0}, f"{name}.r")
+            alone.discard(node)
+    if any(REFERENCE in link["nodes"] for link in net.tables["links"].values()):
+        net.tables["loads"]["reference"] = {"at": REFERENCE, "kind": "short"}

@@ -8,7 +8,15 @@ import numpy as np
 from tline.errors import InputError, SceneError
 from tline.interchange.deck import OVER_FREQUENCY, Card, Findings, read_deck
 from tline.interchange.elements import merge_shorts, take
-from tline.interchange.netlist import REFERENCE, Netlist, connected, folded, with_open_ends, without_idle_capacitors
+from tline.interchange.netlist import (
+    REFERENCE,
+    Netlist,
+    connected,
+    folded,
+    with_links,
+    with_open_ends,
+    without_idle_capacitors,
+)
 from tline.interchange.spice_commands import (
     MEASURE,
     SHOWN,
@@ -112,6 +120,7 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
     folded(net, {probe["at"] for probe in table["probes"].values()})
     without_idle_capacitors(net)
     with_open_ends(net)
+    with_links(net)
     return {key: value for key, value in (table | net.tables).items() if value != {}}, net
 
 

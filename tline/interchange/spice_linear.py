@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.interchange.deck import Card, Findings
 from tline.interchange.spice_expression import SIGNAL, computed, number
 
-LAW = re.compile(r"(?<![\w.])(value|vol|cur|v|i)\s*=\s*(.+)", re.IGNORECASE)
+LAW = re.compile(r"(?<![\w.])(value(?=\s*[={'])|(?:vol|cur|v|i)(?=\s*=))\s*=?\s*(.+)", re.IGNORECASE)
 BY_LAW = "LAW"  # behind the nodes of such a source; then V or I, and the expression in braces
 EXPECTED = "a sum of v(…) and i(…) with constant factors; else kind = 'table' in a scene"
 TRANSFERS = ("LAPLACE", "TABLE", "FREQ", "CHEBYSHEV", "DELAY", "PWL", "OPAMP", "POLE", "FOSTER")

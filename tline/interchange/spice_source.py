@@ -95,7 +95,7 @@ def said_of(card: Card, found: Findings) -> Said:
             alternating = True
         elif word == "DC":
             if len(own) != 1:
-                raise card.refuse("DC without a level", "DC 5")
+                raise card.refuse("DC without a level", "DC 5, then perhaps " + EXPECTED, f"'{' '.join(own):.40}'")
             level = card.value(own[0])
         elif shape:
             raise card.refuse("has two waveforms", "one", f"{shape} and {word}")
@@ -153,7 +153,8 @@ def _single(card: Card, assigned: dict[str, list[str]], key: str) -> float:
 
 def _named(card: Card, shape: str, assigned: dict[str, list[str]]) -> list[float]:
     """Numbers of a shape by their names, in their order; those that are left out are zero."""
-    given = {name: _single(card, assigned, name) for name in ARGUMENTS[shape] if name in assigned}
+    full = {key: name for key in assigned for name in ARGUMENTS[shape] if name.startswith(key) and len(key) > 1}
+    given = {name: _single(card, assigned, key) for key, name in full.items()}
     last = max((ARGUMENTS[shape].index(name) for name in given), default=-1)
     return [given.get(name, 0.0) for name in ARGUMENTS[shape][: last + 1]]
 

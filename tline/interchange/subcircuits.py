@@ -12,6 +12,7 @@ from tline.interchange.spice_linear import BY_LAW, law_words, with_outside_names
 from tline.interchange.spice_source import PORTNUM
 
 GROUND = {"0", "gnd", "gnd!", "ground"}
+GLOBAL = "$g_"  # begin of the names of nodes that Xyce has everywhere
 PORTS = {"T": 4, "O": 4, "Y": 4, "E": 4, "G": 4, "U": 3, "S": 4, "Q": 3, "J": 3, "Z": 3, "M": 4}  # nodes; others have 2
 TYPES = ("VCVS", "VCCS", "CCCS", "CCVS")  # of HSPICE, said once more
 
@@ -214,4 +215,4 @@ def _renamed(inner: Card, outer: Card, names: Mapping[str, str], opening: _Openi
 
 
 def _outside(names: Mapping[str, str], inside: str, shared: set[str], node: str) -> str:
-    return node if node.lower() in shared else names.get(node.lower(), f"{inside}.{node}")
+    return node if node.lower() in shared or node[:3].lower() == GLOBAL else names.get(node.lower(), f"{inside}.{node}")

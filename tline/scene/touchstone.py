@@ -99,6 +99,9 @@ def model_of(path: Path, stamp: int, tolerance: float, delay: Any, nearest: bool
     else:
         got = f"{response.ports} port{'s' * (response.ports > 1)}"
         raise ExpressionError("samples", "not one port for each node", f"{ports}", got)
+    if nearest and not found.meets(tolerance):
+        problem = f"the nearest passive model with {found.order} poles is not that near to the samples"
+        raise ExpressionError("tolerance", problem, f"at least {found.error:.3g}", f"{tolerance:g}")
     if found.verdict.status is not Status.PROVED:
         problem = f"the model with {found.order} poles is not proved passive: {found.why}"
         undecided = ports > 1 and found.verdict.status is not Status.REFUTED

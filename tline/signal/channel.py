@@ -50,6 +50,8 @@ class Channel(Presentation):
         Of S between them, proved passive.
     title : str
         Name of the file.
+    tol : float
+        What distance of S from the samples was asked for.
     """
 
     measured: "SampledResponse"
@@ -57,6 +59,7 @@ class Channel(Presentation):
     modes: "SampledResponse"
     found: "DelayedModel"
     title: str = ""
+    tol: float = np.inf
     picture = "tline.pictures.channel:plot_channel"
 
     @cached_property
@@ -101,6 +104,8 @@ class Channel(Presentation):
         cost = f", of which being passive cost {found.cost:.2g}" if found.cost else ""
         proved = f"{found.verdict.status.value} passive, |ΔS| up to {found.error:.2g}{cost}"
         yield f"model of {found.order} poles behind {delays}: {proved}"
+        if not found.meets(self.tol):
+            yield f"the model is farther from the samples than the tolerance of {self.tol:g}"
         for what, name, value, f in self.worst:
             word = "down to" if what == "insertion" else "up to"
             yield f"{what} {name} {word} {value:.3g} dB at {engineering(f, 'Hz')}"
@@ -256,14 +261,14 @@ def measured_channel(
         Which send and receive: ports with blanks between, pairs with a comma, as ``"1,3 2,4 5,7"``. The first sends,
         the second receives, others are neighbours that send too.
     tol : float or str
-        Largest distance of the model's S from the samples', above 0.
+        Largest distance of the model's S from the samples', above 0. Where no model is that near, the text says so.
     progress : callable, optional
         Called with order and misfit of each model that is tried.
 
     Raises
     ------
     InputError
-        The file cannot be read, has no such ports, or no model meets the tolerance.
+        The file cannot be read, or has no such ports.
 
     Examples
     --------
@@ -288,5 +293,5 @@ def measured_channel(
     modes = file.between([[int(port) - 1 for port in name.split(",")] for name in names])
     n = len(names)
     between = SampledResponse(modes.f, modes.values[:, :n, :n], "S", modes.z0[:n])
-    found = fit_scattering(between, float(FIT_TOLERANCE.parse(tol, "")), nearest=True, progress=progress)
-    return Channel(file, names, modes, found, title)
+    near = float(FIT_TOLERANCE.parse(tol, ""))
+    return Channel(file, names, modes, fit_scattering(between, near, nearest=True, progress=progress), title, near)
