@@ -66,6 +66,9 @@ def test_its_pictures_need_no_preparation(surge):
 def test_probes_stand_where_something_is_operated_or_where_they_are_wanted(surge):
     assert {"c", "b"} <= {*surge.result.probes}
     assert [*tl.operate(TOWN, t_end=1, at="lake").result.probes] == ["lake"]
+    lines = tl.read(TOWN).table()["lines"]
+    town = tl.read(TOWN).with_changes(lines={"c": lines["bc"], **lines})  # a pipe with the name of a node
+    assert {"c"} <= {*tl.operate(town, t_end=1, demand="c:1 L/s@0s").result.probes}
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,14 @@
 """Columns that separate in an operated network: cavities are laid where the liquid would boil, and the run made again.
 
 They are of vapour alone, at nodes and at equal stretches along the pipes beside them, and delays are rounded to whole
-slabs. What spikes between cavities do depends on their places (`tline.design.columns`), so there is a second run with
-twice the places and slabs half as wide, and how far it moves the highest pressure is told as its band.
+slabs. What spikes between cavities do depends on their places (`tline.design.columns`), so there are further runs with
+twice the places and slabs half as wide each time, until they leave one class or agree; how far the last two moved the
+highest pressure is told as its band.
 """
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
+from itertools import pairwise
 from math import ceil, log2
 from typing import Any, NamedTuple
 
@@ -18,15 +20,19 @@ from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.scene import Scene
 from tline.scene.vessel import MOST_PLACES, with_cavities
+from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import LineRecord, Result
 from tline.solver.result.states import StateTrace
+from tline.solver.tolerance.grids import CAUTION
 from tline.solver.tolerance.ladder import Budget
-from tline.surge.worst import BOILS, CAVITIES, boils, extremes
+from tline.surge.worst import BOILS, CAVITIES, boils, class_of, extremes
 
-STRETCHES = 4, 8  # of the longest pipe that boils; shorter ones have as many fewer
-ROUNDS = 8  # of runs in which more nodes may boil
+FEWEST = 2  # stretches of the longest pipe that boils, in the first run; shorter ones have as many fewer
+RUNS = 3  # at least, each with twice the places
+ROUNDS = 12  # of runs, in which more nodes may boil
 PLACES = 12  # of a pipe at which it is looked whether it boils
-SAMPLES, FINER = 4e6, 4.0  # line-end samples of the finer run; times that it may take as long as the coarser one
+SAMPLES, WIDEST = 4e6, 4.0  # line-end samples of the finest run, and so many times those of the first
+FINER = 4.0  # times that a run may take as long as the one before it
 GONE = 1e-2  # of its largest volume, below which a cavity has collapsed
 LARGEST = 3  # cavities that are told
 ROUGHLY = {"rounded": True, "tol": 1e-2}  # solver of a run that finds slabs for others
@@ -35,7 +41,7 @@ ROUGHLY = {"rounded": True, "tol": 1e-2}  # solver of a run that finds slabs for
 class Columns(NamedTuple):
     """What came of columns that separate."""
 
-    places: tuple[int, ...]  # cavities at nodes and inside pipes, of each run
+    places: tuple[int, ...]  # cavities at nodes and inside pipes, of the last two runs
     spread: float  # how far the number of places moves the highest pressure, Pa; 0 if there was time for one alone
     cavities: tuple["Vapour", ...]  # the largest first
 
@@ -54,8 +60,7 @@ def separated(
 ) -> tuple[Result, Columns | None, tuple[str, ...]]:
     """The run with cavities where the first one boils, what these do, and notes; the first one where nothing boils."""
     scene, nodes, pipes = result.scene, set[str](), set[str]()
-    still = held_nodes(scene) | {load.at for load in scene.loads.values() if load.kind in (*CAVITIES, "air valve")}
-    seen, found, notes, takes = result, list[Result](), list[str](), result.seconds
+    still, seen, found, notes, takes = _still(scene), result, list[Result](), list[str](), result.seconds
     try:
         for _ in range(ROUNDS):
             wet = {one.node for one in extremes(seen) if boils(one) and one.before >= BOILS} - still - nodes
@@ -63,29 +68,51 @@ def separated(
             if wet or inner:
                 found, nodes = [], nodes | wet
                 pipes |= inner | {name for name, line in scene.lines.items() if wet & {*line.nodes}}
-            if len(found) == 2 or not nodes | pipes:
+            if not nodes | pipes or _are_enough(found):
                 break
             if budget.left < takes:
                 notes.append(f"columns that separate: another run would take the total beyond {budget.seconds:g} s")
                 break
             if not result.resolution.rounded:
                 result = run(scene.with_changes(solver=ROUGHLY))
-            before, parts = budget.left, len(found)
-            slab = result.resolution.h * 2.0 ** max(ceil(log2(result.samples / SAMPLES)), 0) * (2 - parts)
-            seen = run(laid(scene, nodes, pipes, STRETCHES[parts], slab))
-            found, takes = [*found, seen], (before - budget.left) * (1 if parts else FINER)
+            before, finer = budget.left, 2 ** len(found)
+            slab = result.resolution.h * 2.0 ** max(ceil(log2(WIDEST * result.samples / SAMPLES)), 0) / finer
+            seen = run(laid(scene, nodes, pipes, FEWEST * finer, slab))
+            if found:
+                seen = replace(seen, envelope=_envelope(seen).compared(_envelope(found[-1]), CAUTION))
+            found, takes = [*found, seen], FINER * (before - budget.left)
     except InputError as error:
         notes.append(f"columns that separate could not be computed: {error}")
     if not found:
         return result, None, tuple(notes)
-    coarse, fine = found[0], found[-1]
-    assert fine.envelope is not None
-    assert coarse.envelope is not None
-    told = Columns(
-        tuple(_places(each) for each in found), abs(_highest(fine) - _highest(coarse)), tuple(_cavities(fine))
-    )
-    envelope = fine.envelope.compared(coarse.envelope, 1.0) if len(found) > 1 else fine.envelope
-    return replace(fine, envelope=envelope), told, tuple(notes)
+    places = tuple(map(_places, found[-2:]))
+    return found[-1], Columns(places, _spread(found), tuple(_cavities(found[-1]))), tuple(notes)
+
+
+def surely(result: Result) -> bool:
+    """Whether water boils at a node where a cavity may follow, whatever errors are told: no finer run is needed."""
+    free = (one for one in extremes(result) if one.node not in _still(result.scene))
+    return any(one.lowest + one.lowest_error < BOILS <= one.before for one in free)
+
+
+def _still(scene: Scene) -> set[str]:
+    """Nodes at which no cavity is laid."""
+    return held_nodes(scene) | {load.at for load in scene.loads.values() if load.kind in (*CAVITIES, "air valve")}
+
+
+def _are_enough(found: list[Result]) -> bool:
+    """Whether two comparisons agree as far as is asked, or leave one class; or a finer run would be too long."""
+    if len(found) < RUNS:
+        return False
+    highest, spread = _highest(found[-1]), _spread(found)
+    decided = class_of(highest - spread) == class_of(highest + spread)
+    return decided or spread <= ROUGHLY["tol"] * highest or found[-1].samples > SAMPLES / 2
+
+
+def _spread(found: list[Result]) -> float:
+    """Error of the highest pressure by its last two differences, Pa, where errors halve with each run."""
+    off = [abs(_highest(one) - _highest(two)) for one, two in pairwise(found)]
+    return max((CAUTION * each / 2**k for k, each in enumerate(off[-1:-RUNS:-1])), default=0.0)
 
 
 def laid(scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches: int, slab: float) -> Scene:
@@ -134,10 +161,14 @@ def _inside(record: LineRecord, place: float, a1: NDArray, a2: NDArray, b1: NDAr
     return (from_1 + from_2) / 2
 
 
+def _envelope(result: Result) -> Envelope:
+    assert result.envelope is not None
+    return result.envelope
+
+
 def _highest(result: Result) -> float:
     """Highest gauge pressure at nodes and places, Pa."""
-    seen = (result.parts or result).envelope
-    assert seen is not None
+    seen = _envelope(result.parts or result)
     return float((seen.highest - np.nan_to_num(seen.weight)).max())
 
 

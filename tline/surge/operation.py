@@ -2,8 +2,10 @@
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import count
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +19,13 @@ from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, as_seconds, simulated
 from tline.solver.tolerance.ladder import Budget
 from tline.surge.band import Band, band_of
-from tline.surge.columns import ROUGHLY, Columns, separated
+from tline.surge.columns import ROUGHLY, Columns, separated, surely
 from tline.surge.control import acting, read_control, triggered
-from tline.surge.event import OPERATIONS, Event, each_of, read_event
+from tline.surge.event import FLOWING, OPERATIONS, Event, each_of, read_event
 from tline.surge.operate import Network, gate_of, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import save_tables
-from tline.surge.worst import ALONE, Extreme, Worst, extremes, worst
+from tline.surge.worst import ALONE, Extreme, Worst, extremes, is_decided, worst
 from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
@@ -206,7 +208,7 @@ def operate(
     tol : float, 1e-13 to 0.1
         Largest error at the probes at any instant, relative to their amplitudes. If neither it nor `order` is given,
         delays are rounded to whole slabs, which are halved until the highest and lowest pressures at all nodes are
-        known within 0.01 of the largest.
+        known within 0.01 of the largest, or well enough that nothing boils and one class is left.
     order : int, 1 to 16
         One run of this order instead, in the slabs that suit it.
     inertia : number or text, optional
@@ -351,13 +353,19 @@ def carried_out(
     progress: bool = False,
 ) -> Operation:
     """Run an operated scene, with cavities where columns separate, and until no extreme lies at its end, if wanted."""
-    half = KEPT * budget.left
+    half, compared, rough = KEPT * budget.left, count(1), scene.solver.rounded
 
-    def kept(last: Result) -> float:
-        found = worst(last)
+    def kept(best: Result) -> float:
+        if cavities and surely(best):
+            return inf
+        if next(compared) > 1 and rough and is_decided(best):
+            return inf
+        found = worst(best)
         return half if (cavities and found.boiling) or (until_settled and found.unfinished) else 0.0
 
     result, columns, notes = run(scene, record, progress, budget.keeping(kept)), None, ()
+    if result.accuracy and rough and is_decided(result):  # a tolerance that nobody asked
+        result = replace(result, accuracy=replace(result.accuracy, tol=None, limit=""))
     if cavities:
         result, columns, notes = separated(result, lambda laid: run(laid, record, progress, budget), budget)
     found = Operation(result, (*guesses, *notes), columns)
@@ -382,6 +390,9 @@ def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Seq
     nodes = {node for line in scene.lines.values() for node in line.nodes}
     found: list[str] = []
     for event in events:
+        if event.kind in FLOWING:  # at a node, which may have the name of a pipe
+            found.append(event.name)
+            continue
         link, load, pipe = scene.links.get(event.name), scene.loads.get(event.name), scene.lines.get(event.name)
         here = link.nodes if link else [load.at] if load else [event.name]
         found += [gate_of(event.name), pipe.nodes[1]] if pipe else here

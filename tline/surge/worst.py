@@ -92,9 +92,19 @@ def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") 
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
     untold = SEPARATES if boiling else EMPTIES if emptied(result) else untold or (RISES if rising else "")
-    spread = max(spread, float(np.nan_to_num(highest.highest_error)))
+    bound = max(node.highest + float(np.nan_to_num(node.highest_error)) for node in nodes)
+    spread = max(spread, bound - highest.highest)
     needed = None if untold else class_of(highest.highest + spread)
     return Worst(risen[:most], fallen[:most], boiling, highest, needed, untold, spread, [*rising, *falling])
+
+
+def is_decided(result: Result) -> bool:
+    """Whether the largest error of all nodes leaves one class, and nothing boils: no finer run is needed for that."""
+    nodes, found = extremes(result), worst(result)
+    error = max(error for node in nodes for error in (node.lowest_error, node.highest_error))
+    lowest, highest = min(node.lowest for node in nodes), found.highest.highest
+    one = class_of(highest - error) == class_of(highest + error)
+    return one and not found.untold and lowest - error >= BOILS
 
 
 def class_of(pressure: float) -> float | None:

@@ -54,7 +54,7 @@ class Budget:
     def __init__(self, seconds: float | None = None, shown: bool = False):
         self.asked, self.seconds, self._shown = seconds is not None, seconds or MOST_SECONDS, shown
         self._started = self._begun = _passed()
-        self._keeps: Callable[[Any], float] = lambda last: 0.0
+        self._keeps: Callable[[Any], float] = lambda best: 0.0
 
     @property
     def left(self) -> float:
@@ -62,27 +62,29 @@ class Budget:
         return self.seconds - (_passed() - self._started)
 
     def keeping(self, keeps: Callable[[Any], float]) -> "Budget":
-        """The same for a search from now on that leaves so many seconds to others, by its last result."""
+        """The same for a search from now on that leaves so many seconds to others, or all, by its best result."""
         other = copy(self)
         other._begun, other._keeps = _passed(), keeps
         return other
 
-    def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0, last: Any = None) -> str:
+    def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0, best: Any = None) -> str:
         """What forbids one more run beside these, each with the time of its comparison; empty if nothing does.
 
-        No run is of use that has not `least` times as many samples as the last one, whose result is `last`.
+        No run is of use that has not `least` times as many samples as the last one; the best result is `best`.
         """
-        passed, seconds = self.seconds - self.left, self.seconds - self._keeps(last)
+        passed, kept = self.seconds - self.left, self._keeps(best)
         stepping = sum(attempt.seconds for attempt in attempts)
         takes = (_passed() - self._begun) * attempts[-1].seconds / stepping if stepping else 0.0
         growth = max([SAMPLES, *(fine.samples / rough.samples for rough, fine in pairwise(attempts[-2:]))])
         if self._shown and passed > DELAY:
             self._shown = False
             sys.stderr.write(f"some {_expected(attempts, tol, takes, growth):.2g} s more are expected\n")
-        if passed + max(growth, least) * takes <= seconds:
+        if passed + max(growth, least) * takes <= self.seconds - kept:
             return ""
+        if kept == inf:
+            return "all the time that is left is kept for runs that follow"
         wanted = "a finer run" if least <= growth else "a run in which no oscillation passes unseen"
-        return f"{wanted} would take the total beyond {seconds:g} s"
+        return f"{wanted} would take the total beyond {self.seconds - kept:g} s"
 
 
 def _passed() -> float:
@@ -182,14 +184,14 @@ class Ladder:
     """The runs so far, and the best of them.
 
     `last` is the finest run, `told` its errors after the last step, and whether that converged (`helps`); `stale`
-    counts halvings of the slab in a row that brought nothing.
+    counts halvings of the slab in a row that brought nothing; `best` is what is given out.
     """
 
     def __init__(self, grids: Grids, first: Result):
         self._grids, self.search = grids, grids.search
         self.last, self.helps, self.stale, self.attempts = first, True, 0, [Attempt.of(first)]
         self.told, self.differences = Accuracy(self.search.tol), []
-        self._best, self._accuracy, self._steps = first, self.told, [self.told]
+        self.best, self._accuracy, self._steps = first, self.told, [self.told]
         self._pair = None
 
     @property
@@ -211,7 +213,7 @@ class Ladder:
         self.attempts[-1] = replace(self.attempts[-1], estimate=self.told.worst)
         self.attempts.append(Attempt.of(finer))
         if self._grids.latest or rank(self.told) <= rank(self._accuracy):
-            self._best, self._accuracy = with_errors(step.result, self.last, step.by), self.told
+            self.best, self._accuracy = with_errors(step.result, self.last, step.by), self.told
             self._pair = step.differences and (self.last, finer, self.search.tol, [*self.differences])
         self._steps.append(steps)
         self.differences += [step.differences] if step.differences else []
@@ -232,7 +234,7 @@ class Ladder:
 
     def result(self, limit: str) -> Result:
         """The best run, and how accurate it is; `limit` is what forbade to go on, if anything did."""
-        best, accuracy, tol = self._best, self._accuracy, self.search.tol
+        best, accuracy, tol = self.best, self._accuracy, self.search.tol
         if self._pair and accuracy.at_slab_ends > tol:
             accuracy = compare(self.search.description, *self._pair, self._grids.unknown, whole=True).errors
         damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
@@ -260,7 +262,7 @@ def refined(grids: Grids) -> Result:
         else:
             if grids.is_enough(ladder):
                 break
-            asked = ladder.attempts, grids.search.tol, ladder.least, ladder.last
+            asked = ladder.attempts, grids.search.tol, ladder.least, ladder.best
             limit = grids.search.budget.limit(*asked) or grids.limit(ladder)
     return ladder.result(limit)
 
