@@ -150,7 +150,7 @@ def test_functions_that_cannot_be_sent_stay_here_or_are_told():
 
 UNGUARDED = """
 import tline as tl
-tl.sweep("scenes/valve_closure.toml", {"loads.valve.kv": "40:60:5"}, tol=1e-3, workers=2)
+tl.sweep("scenes/valve_closure.toml", {"t_end": "4:6:5"}, tol=1e-3, workers=2)
 """
 
 

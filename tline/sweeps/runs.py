@@ -102,8 +102,8 @@ def sweep(
 
     Notes
     -----
-    Lossless linear scenes from rest, of which no function is kept, run side by side in compiled code
-    (docs/sweeps.md), 10⁵ of them a second, and use no executor.
+    Lossless scenes of which no function is kept, linear or with one valve or diode at a node, run side by side in
+    compiled code (docs/sweeps.md), 10³ to 10⁵ of them a second, and use no executor.
 
     Examples
     --------

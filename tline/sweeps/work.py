@@ -16,6 +16,7 @@ from tline.scene.quantity import LARGEST, SMALLEST
 from tline.solver.description.given import Scene
 from tline.solver.many import ManyRuns, many_runs
 from tline.solver.many.copies import variable
+from tline.solver.many.elements import within_element
 from tline.solver.tolerance.ladder import Start
 from tline.sweeps.design import Design
 from tline.sweeps.executors import (
@@ -31,6 +32,7 @@ from tline.sweeps.executors import (
     sent,
     workers_of,
 )
+from tline.sweeps.keep import ESTIMATE
 from tline.sweeps.table import Sweep
 
 LONG = 10.0  # s of work left that are worth starting processes
@@ -146,14 +148,15 @@ def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]])
         raise InputError("", "functions of results are kept" if task.keep.functions else "order or slab are fixed")
     known = variable(scene)
     for path, values in inputs.items():
-        if path not in known or values.dtype.kind != "f":
-            raise InputError(path, "is no number of lossless lines, resistances, R, L and C")
+        if not (path in known or within_element(scene, path)) or values.dtype.kind != "f":
+            raise InputError(path, "is no number of lossless lines, resistances, R, L and C, or within an element")
     for run, scene_of_run in samples:
-        expected, found = known | {path: values[run] for path, values in inputs.items()}, variable(scene_of_run)
+        given = {path: values[run] for path, values in inputs.items() if path in known}
+        expected, found = known | given, variable(scene_of_run)
         if expected.keys() != found.keys() or not all(isclose(found[key], expected[key]) for key in expected):
             raise InputError("", "what varies has an effect on other numbers")
-    columns = np.stack([*inputs.values()])
-    fit = np.all((columns >= SMALLEST) & (columns <= LARGEST), axis=0)
+    columns = np.array([values for path, values in inputs.items() if path in known])
+    fit = np.all((columns >= SMALLEST) & (columns <= LARGEST), axis=0) & np.ones(len(table.done), bool)
     found = many_runs(task.prepared.description, {path: values[fit] for path, values in inputs.items()}, task.tol)
     if found.estimate > task.tol:
         raise InputError("solver.tol", f"the estimated error is {found.estimate:.1g} side by side")
@@ -165,4 +168,5 @@ def batches(task: Task, found: ManyRuns, rows: NDArray, copies: NDArray) -> Iter
     for k in range(0, len(rows), CHUNK):
         mine = slice(k, k + CHUNK)
         kept = task.keep.of_copies(found, copies[mine])
-        yield rows[mine], Batch([*range(len(rows[mine]))], kept, {}, 0.0)
+        done = np.flatnonzero(kept[ESTIMATE] <= (task.tol or 0.0))  # the others are run one at a time
+        yield rows[mine], Batch(done.tolist(), {name: array[done] for name, array in kept.items()}, {}, 0.0)

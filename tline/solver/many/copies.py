@@ -9,79 +9,20 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
+from tline.scene.law import NonLinear
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.rational import Parallel, Series
 from tline.scene.refuse import refuse_cavities
 from tline.solver.description.description import Description
-from tline.solver.description.given import Scene, Shape
-from tline.solver.description.nodes import UNIT, Node, lowered
+from tline.solver.description.given import Scene
 from tline.solver.description.slab import WHOLE, common_parts
+from tline.solver.many.elements import WHAT, laws_by_node, scenes_of
+from tline.solver.many.nodes import ELEMENTS, NodeOfCopies, junction_of
+from tline.solver.many.steady import before
 from tline.words.wording import place
 
 Floats = NDArray[np.float64]
-ELEMENTS = ("resistance", "inductance", "capacitance")
 MOST_UNITS = 1000  # in the shortest delay
-
-
-class Load(NamedTuple):
-    """dx/dt = A x + b w, u = c x + d w, from a node's Thévenin wave to its effort; n states, the copies last."""
-
-    A: Floats  # (n, n, copies)
-    b: Floats  # (n, copies)
-    c: Floats  # (n, copies)
-    d: Floats  # (copies,)
-
-
-def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -> Load:
-    """L and C side by side, R being part of z.
-
-    Impedances, H and F are positive, shape (copies,); states are u, and z times the inductor's flow.
-
-    Examples
-    --------
-    >>> parallel(np.array([50.0]), None, np.array([2e-3])).A.tolist()  # -1/(z C)
-    [[[-10.0]]]
-    """
-    zero, one = np.zeros_like(z), np.ones_like(z)
-    back = zero if inductance is None else z / inductance
-    if capacitance is None:
-        return _stacked([[-back]], [back], [-one], one)
-    rate = 1 / (z * capacitance)
-    if inductance is None:
-        return _stacked([[-rate]], [rate], [one], zero)
-    return _stacked([[-rate, -rate], [back, zero]], [rate, zero], [one, zero], zero)
-
-
-def series(z: Floats, resistance: Floats | float, inductance: Floats | None, capacitance: Floats | None) -> Load:
-    """R, L and C one after the other; states are z times the flow, and the capacitor's effort.
-
-    Examples
-    --------
-    >>> series(np.array([50.0]), 30.0, np.array([4.0]), None).A.tolist()  # -(R + z)/L
-    [[[-20.0]]]
-    """
-    zero, one, total = np.zeros_like(z), np.ones_like(z), resistance + z
-    if inductance is None:
-        assert capacitance is not None
-        rate = 1 / (total * capacitance)
-        return _stacked([[-rate]], [rate], [z / total], 1 - z / total)
-    rate, back = total / inductance, z / inductance
-    if capacitance is None:
-        return _stacked([[-rate]], [back], [-one], one)
-    return _stacked([[-rate, -back], [1 / (z * capacitance), zero]], [back, zero], [-one, zero], one)
-
-
-def _stacked(A: list[list[Floats]], b: list[Floats], c: list[Floats], d: Floats) -> Load:
-    return Load(np.array(A), np.array(b), np.array(c), d)
-
-
-class NodeOfCopies(NamedTuple):
-    """A node in all copies."""
-
-    ends: list[int]
-    weights: Floats  # (ends, copies) share of an arriving wave in the Thévenin wave
-    drives: list[tuple[Shape, Floats]]  # waveforms, and their shares (copies,) of the Thévenin wave
-    load: Load | None  # None where nothing has a state
 
 
 class Copies(NamedTuple):
@@ -91,12 +32,21 @@ class Copies(NamedTuple):
     delay: NDArray[np.int64]  # (L,) delays in units, the same in all copies
     z0: Floats  # (L, N)
     junctions: list[NodeOfCopies]
+    start: Floats  # (2, 2 L, N) efforts at line ends, and waves that arrive there, before t = 0
+    alike: bool  # whether no number varies within elements or waveforms
+    valid: NDArray  # (N,) whether those numbers fit there
+
+    @property
+    def linear(self) -> bool:
+        """Whether no element has a law."""
+        return all(junction.law is None for junction in self.junctions)
 
 
 def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
     """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
-    scene = description.scene
-    numbers = _numbers(scene, vary)
+    scene, count = description.scene, len(next(iter(vary.values())))
+    numbers = {where: vary.get(where, np.full(count, value)) for where, value in variable(scene).items()}
+    scenes, valid = scenes_of(scene, vary, count)
     z0, delays = (
         np.array([numbers[place("lines", name, key)] for name in description.lines]) for key in ("z0", "delay")
     )
@@ -112,36 +62,48 @@ def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
         expected = f"whole multiples of a part of the shortest, at most a {MOST_UNITS}th"
         raise InputError("lines", "their delays have no common measure", expected)
     delay = np.round(ratio[:, 0] * parts).astype(np.int64)
-    junctions = [_junction(node, z0, numbers) for node in description.nodes.values()]
-    return Copies(delays[shortest] / parts, delay, z0, junctions)
+    laws = laws_by_node(description, scenes, count)
+    junctions = [
+        junction_of(node, z0, numbers, scenes)._replace(law=laws.get(name))
+        for name, node in description.nodes.items()
+        if node.ends
+    ]
+    for node in description.nodes.values():
+        if laws and node.load is not None:
+            raise InputError(node.load_name, "keeps a state beside elements with a law", WHAT)
+    start = before(description, junctions, z0, delays)
+    return Copies(delays[shortest] / parts, delay, z0, junctions, start, len(scenes) == 1, valid)
 
 
 def _refuse(scene: Scene) -> None:
-    what = "a scene of single lossless lines, resistances, R, L and C, from rest, for many runs"
-    if scene.start != "rest":
-        raise InputError("start", "many runs begin at rest", "'rest'", f"'{scene.start}'")
     for key in ("order", "slab"):
         if getattr(scene.solver, key) is not None:
             raise InputError(place("solver", key), "many runs choose order and slabs themselves", "a tolerance")
     refuse_cavities(scene.lines, "many runs")
+    laws = {place("links", name) for name, link in scene.links.items() if isinstance(link, NonLinear)}
     for where, _ in scene.between:
-        raise InputError(where, "stands between two nodes", what)
+        if where not in laws:
+            raise InputError(where, "stands between two nodes", WHAT)
     for name, line in scene.lines.items():
         if isinstance(line, Coupled) or line.losses is not None:
             problem = "has coupled conductors" if isinstance(line, Coupled) else "has losses"
-            raise InputError(place("lines", name), problem, what)
+            raise InputError(place("lines", name), problem, WHAT)
     states: set[str] = set()
     for name, load in scene.loads.items():
-        if not isinstance(load, NoFlow | Short | Reservoir | Matched | Resistor | Series | Parallel):
-            raise InputError(place("loads", name), f"a load of kind '{load.kind}'", what)
+        if not isinstance(load, NoFlow | Short | Reservoir | Matched | Resistor | Series | Parallel | NonLinear):
+            raise InputError(place("loads", name), f"a load of kind '{load.kind}'", WHAT)
         if isinstance(load, Series | Parallel) and load.ratio.degree:
             if load.at in states:
                 raise InputError(place("loads", name), f"a second L or C at node '{load.at}'", "one load with a state")
             states.add(load.at)
+            if load.inductance is not None and scene.start == "steady":
+                raise InputError(
+                    place("loads", name), "an inductance in a steady state", "start = 'rest', for many runs"
+                )
             height, path = scene.heights.get(load.at), load.ratio.at_zero()
             if height and height.above_level and load.inductance is not None and path != inf:
                 problem = f"lets a steady flow out through an inductance below the highest node, at '{load.at}'"
-                raise InputError(place("loads", name), problem, what)
+                raise InputError(place("loads", name), problem, WHAT)
 
 
 def variable(scene: Scene) -> dict[str, float]:
@@ -156,46 +118,3 @@ def variable(scene: Scene) -> dict[str, float]:
             given = {key: getattr(element, key, None) for key in ELEMENTS}
             found |= {place(section, name, key): float(value) for key, value in given.items() if value}
     return found
-
-
-def _numbers(scene: Scene, vary: Mapping[str, Floats]) -> dict[str, Floats]:
-    n = len(next(iter(vary.values())))
-    return {where: vary.get(where, np.full(n, value)) for where, value in variable(scene).items()}
-
-
-def _junction(node: Node, z0: Floats, numbers: Mapping[str, Floats]) -> NodeOfCopies:
-    own = 1 / z0[np.array(node.ends) // 2]
-    if node.held is not None:
-        return NodeOfCopies(node.ends, 0.0 * own, [(node.held, np.ones(z0.shape[1]))], None)
-    total, to_air = own.sum(axis=0), np.zeros(z0.shape[1])
-    flows: list[tuple[Shape, Floats | float]] = []
-    dynamic: tuple[Series | Parallel, Floats | None, Floats | None, Floats | None] | None = None
-    for where, load in node.loads.items():
-        R, L, C = (numbers.get(f"{where}.{element}") for element in ELEMENTS)
-        if L is not None or C is not None:
-            assert isinstance(load, Series | Parallel)
-            dynamic = load, R, L, C
-        if isinstance(load, Matched):
-            to_air = to_air + own[0]
-        elif R is not None and not (isinstance(load, Series) and dynamic and dynamic[0] is load):
-            to_air = to_air + 1 / R
-    for where, source in node.sources.items():
-        R = numbers.get(f"{where}.resistance")
-        conductance = 0.0 if R is None else 1 / R
-        if source.is_effort:
-            total = total + conductance
-            flows.append((lowered(source.value, node.height.level), conductance))
-        else:
-            to_air = to_air + conductance
-            flows.append((source.value, 1.0))
-    total = total + to_air
-    if node.above_level and np.any(to_air):
-        flows.append((UNIT, node.above_level * to_air))
-    drives = [(waveform, factor / total) for waveform, factor in flows]
-    weights = own / total
-    if dynamic is None:
-        return NodeOfCopies(node.ends, weights, drives, None)
-    load, R, L, C = dynamic
-    z = 1 / total
-    through = parallel(z, L, C) if isinstance(load, Parallel) else series(z, 0.0 if R is None else R, L, C)
-    return NodeOfCopies(node.ends, weights, drives, through)

@@ -1,8 +1,8 @@
 """Many runs of one scene: copies side by side in the kernel, slabs and loads' maps of their own for each copy."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import repeat
-from math import inf, isfinite
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +14,9 @@ from tline.scene.quantity import Role
 from tline.solver.description.description import Description
 from tline.solver.many.batches import ProbeOfCopies, run
 from tline.solver.many.copies import Copies, copies_of
-from tline.solver.many.period import breaks_of, front_places, slab_edges
-from tline.solver.tolerance.compare import ROUNDING, SILENT
+from tline.solver.many.period import breaks_of, cut, front_places, slab_edges
+from tline.solver.result.accuracy import SLOWEST
+from tline.solver.tolerance.compare import BETWEEN, ROUNDING
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -24,37 +25,78 @@ GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what die
 OVERHEAD = 20  # points of a load's map that cost as much as all else that is done with a point
 WANTED = 0.5  # of the tolerance, for what the sample does not show
 SAFELY = 1e-4  # of the tolerance: who may expect that needs no finer slabs
-COMPARED, SPREAD = 16, 211  # copies, beside those with extreme numbers, and instants at which runs are compared
+COMPARED = 16  # copies that are judged, beside those with extreme numbers
+BY_HALVES = (5, 8)  # orders where slabs are halved
+SPARE = 0.1  # of the tolerance: what they are to leave in the sample
+MOST_SLABS, HALVINGS = 400, 20  # of a period, and of one of them
+NOTHING = np.empty(0)
+CAUTION = BETWEEN / (1 - SLOWEST)  # errors of the finer run at any instant over differences at points
+Found = tuple[Floats, int, float]
+Apart = Callable[[Floats, int], Floats]
 TOLERANCE = Role("tolerance", "", at_least=1e-9, at_most=0.1)
 
 
 def resolve(
     description: Description, vary: Mapping[str, Floats], copies: Copies, breaks: Floats, tol: float
 ) -> tuple[Floats, int, float]:
-    """Edges of slabs (slabs + 1, copies), order, and estimated error, at least cost.
-
-    Those are tried whose polynomials may follow a load's modes from front to front, and where that is not enough,
-    those that follow them by so much better.
-    """
+    """Edges of slabs (slabs + 1, copies), order, and estimated error of some copies, at least cost."""
     loads = [junction.load.A for junction in copies.junctions if junction.load is not None]
     ends = [pick(numbers) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
     ends += [np.abs(A).max(axis=(0, 1)).argmax() for A in loads]
     rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
-    t = np.linspace(0.0, description.t_end, SPREAD)
     fronts = front_places(breaks, copies.unit)
-    choices = _choices(fronts[:, rows], _rates(description, loads, rows) * copies.unit[rows], tol)
+
+    def apart(edges: Floats, s: int) -> Floats:
+        """The largest difference to the next order, in each slab of a period."""
+        found = run(description, copies, edges, s, rows, NOTHING, judged=True).values()
+        return np.nan_to_num(np.max([seen.apart[copies.valid[rows]].max(axis=0) for seen in found], axis=0), nan=inf)
+
+    if not copies.linear:
+        return min((_halved(apart, fronts, s, tol) for s in BY_HALVES), key=lambda found: _cost(found, tol))
+    return _foreseen(apart, fronts, _rates(description, loads, rows) * copies.unit[rows], rows, tol)
+
+
+def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol: float) -> Found:
+    """Those are tried whose polynomials may follow a load's modes from front to front.
+
+    Where that is not enough, those that follow them by so much better.
+    """
+    choices = _choices(fronts[:, rows], rates, tol)
     best, excess = (np.empty(0), 0, inf), 1.0
     for k, (_, expected, parts, growth, s) in enumerate(choices):
         if expected * excess > WANTED * tol and k + 1 < len(choices):
             continue
         edges = slab_edges(fronts, parts, growth)
-        runs = (run(description, copies, edges, order, rows, t) for order in (s, s + 1))
-        estimate = _apart(description, copies, rows, *runs)
+        estimate = float(apart(edges, s).max())
         best = min(best, (edges, s, estimate), key=lambda found: found[-1])
         if estimate <= WANTED * tol:
             break
         excess = max(excess, estimate / max(expected, ROUNDING))
     return best
+
+
+def _halved(apart: Apart, fronts: Floats, s: int, tol: float) -> Found:
+    """Slabs from front to front are halved where they leave more than a share of the tolerance.
+
+    As no load keeps a state, what arrives at a node has no other place in its period than what leaves: each slab
+    answers for itself.
+    """
+    shares = [np.array([0.0, 1.0])] * (len(fronts) - 1)
+    edges = cut(fronts, shares)
+    for _ in range(HALVINGS):
+        told = CAUTION * apart(edges, s)
+        if told.max() <= SPARE * tol or len(told) > MOST_SLABS:
+            break
+        beyond = np.split(told > SPARE * tol, np.cumsum([len(each) - 1 for each in shares])[:-1])
+        middles = [(each[:-1] + each[1:])[far] / 2 for each, far in zip(shares, beyond, strict=True)]
+        shares = [np.sort(np.append(each, more)) for each, more in zip(shares, middles, strict=True)]
+        edges = cut(fronts, shares)
+    return edges, s, CAUTION * float(apart(edges, s).max())
+
+
+def _cost(found: Found, tol: float) -> tuple[bool, int]:
+    edges, s, estimate = found
+    return estimate > tol, len(edges) * s
 
 
 def _rates(description: Description, loads: list[Floats], rows: NDArray) -> Complexes:
@@ -91,31 +133,6 @@ def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, 
     return sorted(found)
 
 
-def _apart(
-    description: Description,
-    copies: Copies,
-    rows: NDArray,
-    coarse: Mapping[str, ProbeOfCopies],
-    fine: Mapping[str, ProbeOfCopies],
-) -> float:
-    """Largest difference of two runs relative to the amplitude of each copy."""
-    worst, lines = ROUNDING, list(description.lines)
-    for name, seen in fine.items():
-        probe, other = description.probes[name], coarse[name]
-        z0, weight = copies.z0[lines.index(probe.line), rows], probe.height.weight
-        amplitude = np.maximum(weight - seen.lowest, seen.highest - weight)
-        flow = z0 * np.abs(seen.y).max(axis=1)
-        pairs = [(seen.u, other.u), (seen.lowest[:, None], other.lowest[:, None])]
-        pairs += [(seen.highest[:, None], other.highest[:, None])]
-        efforts = np.max([np.abs(a - b).max(axis=1) for a, b in pairs], axis=0)
-        flows = z0 * np.abs(seen.y - other.y).max(axis=1)
-        for difference, scale in ((efforts, amplitude), (flows, flow)):
-            heard = ~(scale <= SILENT * np.maximum(amplitude, flow))
-            found = float((difference[heard] / scale[heard]).max(initial=0.0))
-            worst = max(worst, found if isfinite(found) else inf)
-    return worst
-
-
 class ManyRuns(NamedTuple):
     """A scene in copies, ready to run."""
 
@@ -124,27 +141,37 @@ class ManyRuns(NamedTuple):
     # (slabs + 1, copies) edges of the slabs in a period, the common measure of a copy's delays, as shares of it
     edges: Floats
     order: int  # points in a slab
-    # largest difference to the next higher order, at any instant and in the extremes, relative to the amplitude, in a
-    # sample of the copies that holds the smallest and the largest of each number that varies
+    # largest error at any instant, by the difference to the next higher order, relative to the amplitude, in a sample
+    # of the copies that holds the smallest and the largest of each number that varies
     estimate: float
 
-    def run(self, rows: NDArray, t: Floats) -> dict[str, ProbeOfCopies]:
-        """Run the copies of some rows, and see them at instants t, s."""
-        return run(self.description, self.copies, self.edges, self.order, rows, t)
+    def run(self, rows: NDArray, t: Floats) -> tuple[dict[str, ProbeOfCopies], Floats]:
+        """Run the copies of some rows, and see them at instants t, s; and the estimated error of each.
+
+        Those with laws, or waveforms of their own, are judged one by one, as single runs are.
+        """
+        judged = not (self.copies.linear and self.copies.alike)
+        seen = run(self.description, self.copies, self.edges, self.order, rows, t, judged=judged)
+        if not judged:
+            return seen, np.full(len(rows), self.estimate)
+        worst = np.max([CAUTION * probe.apart.max(axis=1) for probe in seen.values()], axis=0)
+        return seen, np.where(self.copies.valid[rows], worst, inf)
 
 
 def many_runs(description: Description, vary: Mapping[str, Floats], tol: float) -> ManyRuns:
     """Make a scene ready to run many times with other numbers, as finely as a tolerance takes.
 
-    Scenes start from rest and have single lossless lines in any topology, whose delays are whole multiples of a common
-    measure; sources; resistances, R, L and C in series or parallel, reservoirs, shorts, open and matched ends; probes
-    at nodes. Numbers vary by their place: ``lines.NAME.z0`` and ``lines.NAME.delay`` of lines that are given by them,
+    Scenes have single lossless lines in any topology, whose delays are whole multiples of a common measure; sources;
+    resistances, R, L and C in series or parallel, reservoirs, shorts, open and matched ends; valves, diodes and what
+    else has a law and no state, one at a node, to the reference or a held effort; probes at nodes. Numbers vary by
+    their place: ``lines.NAME.z0`` and ``lines.NAME.delay`` of lines that are given by them,
     ``sources.NAME.resistance``, and ``resistance``, ``inductance`` and ``capacitance`` of ``loads.NAME``, all above
-    zero; the delays of a copy keep their proportions. Errors are relative to the amplitude; where no slabs reach the
-    tolerance, 1e-9 to 0.1, the estimate says what was reached.
+    zero; the delays of a copy keep their proportions. So do those within elements with a law, and within waveforms of
+    sources. Errors are relative to the amplitude; where no slabs reach the tolerance, 1e-9 to 0.1, the estimate says
+    what was reached.
     """
     TOLERANCE.parse(tol, "")
-    copies, breaks = copies_of(description, vary), breaks_of(description)
+    copies = copies_of(description, vary)
     if not description.probes:
         raise InputError("probes", "there are none", "at least one, for many runs")
-    return ManyRuns(description, copies, *resolve(description, vary, copies, breaks, tol))
+    return ManyRuns(description, copies, *resolve(description, vary, copies, breaks_of(description, copies), tol))
