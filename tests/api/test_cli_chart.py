@@ -6,14 +6,10 @@ import re
 import shlex
 from pathlib import Path
 
-import click
 import pytest
 from click.testing import CliRunner
 
-from tline.cli.chart import chart
 from tline.cli.main import main
-
-COMMANDS = ("work-precision", "peers", "growth", "stability")
 
 
 @pytest.fixture(autouse=True)
@@ -84,8 +80,3 @@ def test_the_help_names_every_map() -> None:
     from tline.study.charts.maps import MAPS
 
     assert re.findall(r"^ +([a-z_]+)   ?", run("stability --help").stdout, re.MULTILINE)[: len(MAPS)] == list(MAPS)
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_option_has_a_help_text(command: str) -> None:
-    assert all(option.help for option in chart.commands[command].params if isinstance(option, click.Option))

@@ -5,12 +5,10 @@ import re
 import shlex
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tline.cli.frequency import frequency as command
 from tline.cli.main import main
 
 CABLE = """
@@ -140,18 +138,6 @@ def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith(sentence)
     assert done.stderr.count("\n") == 1
-
-
-def test_every_example_of_the_help_runs() -> None:
-    examples = re.findall(r"^ +tline frequency (.*)$", run("--help").stdout, re.MULTILINE)
-    assert len(examples) == 3
-    for example in examples:
-        done = run(example)
-        assert done.exit_code == 0, done.output
-
-
-def test_every_option_has_a_help_text() -> None:
-    assert all(option.help for option in command.params if isinstance(option, click.Option))
 
 
 def test_angular_frequencies_are_converted() -> None:

@@ -1,7 +1,6 @@
 """`tline friction`: texts, exit codes, numbers in full, files; and the package's surface."""
 
 import csv
-import inspect
 import json
 import shlex
 
@@ -173,24 +172,6 @@ def test_pictures_show_something(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(f"{command} out.png").exit_code == 0
     assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
-
-
-def test_help_shows_examples_that_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    shown = run("--help").output
-    commands = [line.strip() for line in shown.splitlines() if line.strip().startswith("tline friction ")]
-    assert len(commands) >= 5
-    for command in commands:
-        result = run(command.removeprefix("tline friction "))
-        assert result.exit_code == 0, (command, result.stderr)
-
-
-def test_public_names_are_documented():
-    for name in friction.__all__:
-        thing = getattr(friction, name)
-        assert callable(thing) or isinstance(thing, dict)
-        if callable(thing):
-            assert inspect.getdoc(thing), name
 
 
 def test_angular_frequencies_are_no_frequencies():

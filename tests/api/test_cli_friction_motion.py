@@ -116,14 +116,6 @@ def test_mistakes(command, sentence):
     assert (result.exit_code, result.stdout) == (2, "")
 
 
-def test_examples_of_the_help_run():
-    shown = run("--help").output
-    commands = [line.strip() for line in shown.splitlines() if line.strip().startswith("tline friction motion ")]
-    assert len(commands) >= 4
-    for command in commands:
-        assert run(command.removeprefix("tline friction motion ")).exit_code == 0, command
-
-
 def test_parameters_from_a_file(folder):
     moved = friction.prescribe(friction.Dahl(), velocity=friction.Sine(0.05, 1.0), t_end=2.0, times=TIMES)
     rows = [f"{1e3 * t:.17g};{1e3 * v:.17g};{f:.17g}" for t, v, f in zip(moved.t, moved.v, moved.F_f, strict=True)]

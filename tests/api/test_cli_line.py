@@ -200,22 +200,6 @@ def test_every_argument_is_documented_and_no_other(medium: LineMedium) -> None:
     assert sorted(named) == sorted(inspect.signature(medium.build).parameters)
 
 
-@MEDIA
-def test_every_example_of_the_help_runs(medium: LineMedium) -> None:
-    text = run("line", medium.name, "--help").stdout
-    examples = re.sub(r"\\\n\s*", "", text.split("Examples:\n")[1]).strip().splitlines()
-    assert len(examples) >= 3
-    for example in examples:
-        program, *arguments = shlex.split(example)
-        assert program == "tline"
-        assert run(*arguments).exit_code == 0, example
-
-
-def test_the_examples_of_the_group_run() -> None:
-    examples = run("line", "--help").stdout.split("Examples:\n")[1].strip().splitlines()
-    assert [run(*shlex.split(example)[1:]).exit_code for example in examples] == [0, 0]
-
-
 def _imported_by(arguments: list[str]) -> tuple[int, set[str]]:
     code = (
         "import sys\nfrom tline.cli.main import main\n"

@@ -5,13 +5,11 @@ import re
 import shlex
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from tline.cli.main import main
-from tline.cli.signal import eye, tdr
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATISTICAL = "eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 1e-3 --statistical"
@@ -152,16 +150,6 @@ def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> No
     done = run(line)
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith(sentence)
-
-
-@pytest.mark.parametrize("command", [tdr, eye])
-def test_every_option_has_a_help_text_and_every_example_runs(command: click.Command) -> None:
-    assert all(option.help for option in command.params if isinstance(option, click.Option))
-    examples = re.findall(rf"^ +tline ({command.name} .*)$", run(f"{command.name} --help").stdout, re.MULTILINE)
-    assert len(examples) >= 2
-    for example in examples:
-        done = run(example)
-        assert done.exit_code == 0, done.output
 
 
 PAIR = """

@@ -8,14 +8,12 @@ from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 import xarray
 from click.testing import CliRunner
 
 from tline.cli.main import main
-from tline.cli.sweep import sweep
 from tline.errors import InputError
 from tline.sweeps.work import SweepWork
 
@@ -225,14 +223,3 @@ def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
     assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr.startswith(sentence)
     assert done.stderr.count("\n") == 1
-
-
-def test_every_option_has_a_help_text_and_every_example_runs(folder: Path) -> None:
-    assert all(option.help for option in sweep.params if isinstance(option, click.Option))
-    text = run("sweep --help").stdout.replace("\\\n", "")
-    examples = re.findall(r"^ +tline (sweep .*)$", text, re.MULTILINE)
-    assert len(examples) == 3
-    for example in examples:
-        done = run(example.replace("20 ns", "8 ns"))
-        assert done.exit_code == 0, done.output
-    assert (folder / "runs.csv").exists()

@@ -6,13 +6,11 @@ import re
 import shlex
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from touchstone_files import SHIPPED, behind_cable, frequencies, write
 
-from tline.cli.fit import fit
 from tline.cli.main import main
 from tline.errors import SceneError
 from tline.scene.file import read_scene, scene_from, scene_text
@@ -185,7 +183,3 @@ def test_mistakes_on_the_command_line(line, code, told):
     assert done.exit_code == code
     assert done.output.startswith(told)
     assert done.output.count("\n") == 1
-
-
-def test_every_option_of_fit_is_explained():
-    assert all(option.help for option in fit.params if isinstance(option, click.Option))

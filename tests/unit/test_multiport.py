@@ -28,7 +28,6 @@ from passivity.verdict import Certificate, Margins, StorageCertificate
 PI = [["1 + 1/(s^2 + s + 1)", "(s + 1)/(s^2 + s + 1)"], ["(s + 1)/(s^2 + s + 1)", "s + (s + 1)/(s^2 + s + 1)"]]
 GYRATOR = RationalMatrix.from_rows([[0, -7], [7, 0]])
 CIRCULATOR = RationalMatrix.from_rows([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
-TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
 
 
 def random_symmetric(rng, n, rank):
@@ -86,19 +85,6 @@ def test_common_denominator():
         for row, entries in zip(n, z.rows, strict=True):
             for p, entry in zip(row, entries, strict=True):
                 assert fmpq(p(t), d(t)) == fmpq(entry.p(t), entry.q(t))
-
-
-def test_the_value_at_a_point():
-    z = RationalMatrix.from_rows([["1/s", "s"], ["2", "s^2"]])
-    s = 1 / 2 + 2j
-    u = z.at(Fraction(1, 2), Fraction(2))
-    value = np.array([[float(Fraction(int(x.p), int(x.q))) for x in row] for row in u.tolist()])
-    expected = np.array([[1 / s, s], [2, s**2]])
-    assert np.allclose(value[:2, :2], expected.real)
-    assert np.allclose(value[2:, :2], expected.imag)
-    assert np.allclose(value[:2, 2:], -expected.imag)
-    assert np.allclose(z(s), expected)
-    assert z.at(Fraction(0), Fraction(0)) is None
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,10 @@
 import copy
 import math
 import pickle
-import subprocess
-import sys
 from decimal import Decimal
 from fractions import Fraction
 
 import control
-import mpmath
 import numpy as np
 import pytest
 import scipy.signal
@@ -29,23 +26,6 @@ def pair(z):
 
 
 # ---- making
-
-
-def test_series_circuit():
-    z = of("R + s*L + 1/(s*C)", {"R": "50 ohm", "L": "10 nH", "C": "4 pF"})
-    assert pair(z) == ((1, 5 * 10**9, 25 * 10**18), (10**8, 0))
-    assert all(type(c) is Fraction for c in z.numerator + z.denominator)
-    assert z.degree == 2
-
-
-@pytest.mark.parametrize("value", [Fraction(1, 10), "0.1", "1/10", "100m", Decimal("0.1")])
-def test_decimals_are_exact(value):
-    assert of("R", {"R": value}) == coefficients([value], [1]) == of("1/10") == of("0.1")
-
-
-def test_floats_are_their_binary_value():
-    assert of("R", {"R": 0.1}) == coefficients([0.1], [1]) == coefficients([3602879701896397], [2**55])
-    assert of("R", {"R": 0.1}) != of("0.1")
 
 
 @pytest.mark.parametrize("number", [np.float64(0.5), np.float32(0.5), np.array(0.5), np.int64(3), 3])
@@ -189,12 +169,6 @@ def test_non_finite_operands_are_refused():
         s + math.inf
 
 
-def test_powers():
-    assert of("1 + s") ** 3 == of("1 + 3*s + 3*s^2 + s^3")
-    assert s**-2 == of("1/s^2")
-    assert s**0 == of("1")
-
-
 def test_common_factors_stay_until_reduced():
     two_capacitors = of("1/(2*s) + 1/(3*s)")
     assert pair(two_capacitors) == ((5, 0), (6, 0, 0))
@@ -240,16 +214,6 @@ def test_ends_of_the_axis(text, at_zero, at_infinity):
     assert all(type(x) is Fraction or x == math.inf for x in (z.at_zero(), z.at_infinity()))
 
 
-def test_value_is_accurate_where_float_polynomials_are_not():
-    z = of("1/(1 + s)^200 + s*1e-300")
-    for point in (1j, 0.3 + 2j, -1.05, -1 + 0.05j, 1e200j, 5e-324):
-        with mpmath.workdps(3000):  # enough to be exact for these points
-            x = mpmath.mpmathify(point)
-            truth = complex(1 / (1 + x) ** 200 + x * mpmath.mpf(10) ** -300)
-        assert z(point).real == pytest.approx(truth.real, rel=2e-16, abs=0)  # as promised; 2**-53 would be the best
-        assert z(point).imag == pytest.approx(truth.imag, rel=2e-16, abs=0)
-
-
 @pytest.mark.parametrize(
     ("text", "point", "value"),
     [
@@ -291,13 +255,6 @@ def test_values_leave_the_working_precision_alone():
 def test_no_value_where_s_is_not_finite(point):
     with pytest.raises(ExpressionError, match="s: no value here, expected a finite complex number"):
         s(point)
-
-
-def test_floats_are_scaled_exactly():
-    assert of("5 + 1e-9*s").to_floats() == ([2e-10, 1.0], [0.2])
-    assert coefficients([10**400, 10**399], [3 * 10**400]).to_floats() == ([1 / 3, 1 / 30], [1.0])
-    assert SHORT.to_floats() == ([0.0], [1.0])
-    assert OPEN.to_floats() == ([1.0], [0.0])
 
 
 def test_floats_are_refused_where_they_would_vanish():
@@ -353,9 +310,3 @@ def test_hidden_modes_of_a_state_space_stay():
 def test_refused_systems(system, message):
     with pytest.raises(ExpressionError, match=message):
         RationalFunction.from_system(system)
-
-
-def test_importing_passivity_loads_nothing_heavy():
-    heavy = {"numpy", "scipy", "sympy", "control", "tline.line", "tline.scene"}
-    code = f"import passivity, sys; print(*({heavy} & {{*sys.modules}}))"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout.strip() == b""
