@@ -4,6 +4,7 @@ Prints each seed that is answered badly, how many were answered how, and the lar
 Inputs and judges are those of the tests, which take a few seeds; `python -m benchmarks.fuzz` attacks the commands.
 """
 
+import argparse
 import sys
 import tempfile
 import time
@@ -321,14 +322,17 @@ def attack(kind: str, first: int, after: int) -> int:
     return bad
 
 
-def main(arguments: list[str]) -> int:
+def main() -> int:
     """All kinds, or one, on its usual seeds or those given."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("kind", nargs="?", choices=KINDS)
+    parser.add_argument("first", nargs="?", type=int, default=0, help="seed")
+    parser.add_argument("after", nargs="?", type=int, help="the seed after the last")
+    asked = parser.parse_args()
     warnings.simplefilter("ignore")
-    if arguments and arguments[0] not in KINDS:
-        raise InputError("attack", "unknown kind", " or ".join(KINDS), f"'{arguments[0]}'")
-    bounds = [int(text) for text in arguments[1:]]
-    return sum(attack(kind, *(bounds or (0, KINDS[kind][1]))) for kind in arguments[:1] or KINDS)
+    kinds = [asked.kind] if asked.kind else [*KINDS]
+    return sum(attack(kind, asked.first, asked.after or KINDS[kind][1]) for kind in kinds)
 
 
 if __name__ == "__main__":
-    sys.exit(min(main(sys.argv[1:]), 1))
+    sys.exit(min(main(), 1))
