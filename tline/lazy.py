@@ -27,9 +27,9 @@ def lazy(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     >>> import tline
     >>> "simulate" in dir(tline), tline.line.ElectricalLine is tline.ElectricalLine
     (True, True)
-    >>> tline.simulat
+    >>> tline.simulat  # doctest: +ELLIPSIS
     Traceback (most recent call last):
-    AttributeError: module 'tline' has no attribute 'simulat'
+    AttributeError: module 'tline' has no attribute 'simulat'...
     """
 
     @cache

@@ -85,7 +85,7 @@ def scenes(draw):
         links = {}
     return {
         "medium": "electrical", "t_end": 8 * NS, "start": start, "lines": lines, "sources": sources, "loads": loads,
-        "links": links, "probes": probes, "solver": {"order": 5, "slab": 0.05 * NS},
+        "links": links, "probes": probes, "solver": {"order": 7, "slab": 0.05 * NS},
     }  # fmt: skip
 
 

@@ -54,9 +54,10 @@ def integrated(
     nodes, unit = describe(scene).nodes, shortest_delay(scene)
     at = node_of_end(nodes.values())
     select = sparse.csr_array((np.ones(len(at)), (range(len(at)), at)), (len(at), len(nodes)))
-    lines = sparse.block_diag([chain.A for chain in chains], "csr")
-    b = sparse.block_diag([chain.b for chain in chains], "csr") @ select
-    c = select.T @ sparse.block_diag([chain.c for chain in chains], "csr")
+    lines, b, c = (
+        sparse.block_diag([sparse.coo_array(part) for part in parts], "csr") for parts in zip(*chains, strict=True)
+    )
+    b, c = b @ select, select.T @ c
     own, out = (sparse.csr_array(block_diag(*(s[k] for s in systems))) for k in (0, 2))
     by_lines, by_sources = (sparse.csr_array(block_diag(*(s.B[:, k : k + 1] for s in systems))) for k in (0, 1))
     through, directly = (sparse.diags_array([s.D[0, k] for s in systems]) for k in (0, 1))
@@ -157,7 +158,7 @@ def pade(scene: Scene, n: float) -> BaselineRun:
         share[node.ends] = 1 / impedances_of(scene)[np.array(node.ends) // 2] / (np.inf if node.held else node.total)
     A, b, c, chains = np.array([[-4.0, 1.0], [-6.0, 0.0]]), np.array([[-2.0], [6.0]]), np.array([[1.0, 0.0]]), []
     for j, (N, width) in enumerate(zip(cells, delays_of(scene) / cells / unit, strict=True)):
-        one_way = sparse.kron(sparse.eye(N), A) + sparse.kron(sparse.eye(N, k=-1), b @ c)
+        one_way = sparse.kron(sparse.eye_array(N), A) + sparse.kron(sparse.eye_array(N, k=-1), b @ c)
         enter, leave = np.vstack([b, np.zeros((2 * N - 2, 1))]), np.hstack([np.zeros((1, 2 * N - 2)), c])
         back, none = -enter @ sparse.csr_array(leave), np.zeros((1, 2 * N))  # sent is 2 u less what arrives
         both = sparse.block_array([[one_way, back], [back, one_way]]) / width
