@@ -132,13 +132,19 @@ class Convolved:
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
 
-        Beside laws waves are no sums over fronts: there is one lead, for moves of laws before fronts of sources.
+        Laws see all fronts at once, on slabs at whose edges they move. Fronts of sources elsewhere come before.
         """
-        for instants in (self.instants, self.moves) if self.laws else (self.instants,):
-            found = leads(instants / h)
-            if len(found) and (self.laws is None or len(found) == 1):
-                return found
-        return np.zeros(1)
+        found = leads(self.instants / h)
+        if self.laws is None or len(found) < 2:
+            return found if len(found) else np.zeros(1)
+        moves = leads(self.moves / h)
+        fronts = leads(np.concatenate([changes.at for changes in self.changes]) / h)
+        return np.append(fronts if self.parts_into(len(fronts)) else [], moves if len(moves) == 1 else 0.0)
+
+    def parts_into(self, families: int) -> bool:
+        """Whether what drives the scene is a sum of so many families of fronts: one that is curved has one front."""
+        several = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
+        return families <= (1 if several else MOST_FAMILIES)
 
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""
@@ -148,8 +154,8 @@ class Convolved:
         n = slabs.number
         whole = self._whole(order, h)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n, self.padded)
-        late = np.outer(rule.late, whole)
-        records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
+        lines = self.network.admittances(rule.points * self.network.second, np.outer(rule.late, whole))
+        records = (self._record(rule, order, lines, ahead, k) for k in range(len(ahead)))
         if self.layered:
             waves, noted = self._layers(order, h, whole, chosen.near).corrected(
                 next(records), n, description.t_end, chosen.layers
@@ -158,20 +164,20 @@ class Convolved:
             waves, noted = summed(records, ahead, n, order)
         else:
             waves, noted = next(records), concatenated([], order.s)
-        lines = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
+        seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
         at_nodes = {
-            node: self._effort(node, 2 * len(lines) + k, waves, noted, order, h)
+            node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
             for k, node in enumerate(description.probed_nodes)
         }
-        probes = probed(description, lines, at_nodes, slabs)
+        probes = probed(description, seen, at_nodes, slabs)
         narrow = noted.values[:, 0].size if self.layered else 0
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         done = chosen._replace(convolved=True)
-        result = Result(description.scene, slabs, probes, lines, done, done.notes, start, samples, seconds, Tally())
+        result = Result(description.scene, slabs, probes, seen, done, done.notes, start, samples, seconds, Tally())
         if self.envelope:
-            kept = {name: line for name, line in lines.items() if name in self.kept}
+            kept = {name: line for name, line in seen.items() if name in self.kept}
             result = replace(result, lines=kept, envelope=envelope_of(description, result))
         return result
 
@@ -188,46 +194,43 @@ class Convolved:
         ]
         return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings)
 
-    def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
-        """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""
+    def _parts(self, h: float, ahead: float, families: NDArray, k: int | None) -> tuple[list[Excitation], ...]:
+        """Of efforts held and flows at each node what is due to a family of fronts, or to all; slabs begin earlier."""
 
         def part(changes: Changes) -> Waveform:
-            return changes.part(family_of(changes.at / h, ahead) == k, float(ahead[k]) * h)
+            chosen = np.full(len(changes.at), True) if k is None else family_of(changes.at / h, families) == k
+            return changes.part(chosen, ahead * h)
 
-        held, flows = ([[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows))
-        return held, flows
+        return tuple([[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows))
 
     def _record(
-        self,
-        rule: Quadrature,
-        order: Basis,
-        h: float,
-        late: NDArray,
-        parts: tuple[list[Excitation], list[Excitation]],
-        ahead: float,
+        self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], leads_: NDArray, k: int
     ) -> NDArray:
         """What waveforms add, on as many slabs as the rule has: (rows, 2, slabs * s) what arrives, what leaves.
 
-        Rows are ends of recorded lines, and behind them probed nodes without a line.
+        Slabs begin by one of some leads earlier; `lines` are admittances at all points. Rows are ends of recorded
+        lines, and behind them probed nodes without a line.
         """
+        ahead, alone = float(leads_[k]), self.laws is None or len(leads_) == 1
+        at_laws = self.laws if k == len(leads_) - 1 else None
+        families = leads_ if alone else leads_[:-1]
+        parts = self._parts(rule.h, ahead, families, None if at_laws else k)
 
         def driven(rows: list[Excitation]) -> NDArray:
             values = np.zeros((rule.n, order.s, len(rows)))
             for row, waveforms in enumerate(rows):
                 for waveform, share in waveforms:
-                    values[:, :, row] += share * projected(waveform, order, h, 0, rule.n)
+                    values[:, :, row] += share * projected(waveform, order, rule.h, 0, rule.n)
             return values
 
         given = [driven(each) for each in parts]
         least = SILENT * max(np.abs(each).max(initial=0.0) for each in (given[0], given[1] * self.network.z0.max()))
         held, flows = map(rule.forward, given)
-        s = rule.points * self.network.second
-        lines = self.network.admittances(s, late)
-        found = self.network.efforts(s, held, flows, lines)
+        found = self.network.efforts(rule.points * self.network.second, held, flows, lines)
         efforts = found.driven
-        if self.laws is not None:
-            waves = self.laws.waves(rule, order, h, ahead, found)
-            efforts = efforts + (found.from_laws @ waves[:, :, None])[:, :, 0]
+        if at_laws is not None:
+            waves = at_laws.waves(rule, order, rule.h, ahead, found)
+            efforts = efforts * alone + (found.from_laws @ waves[:, :, None])[:, :, 0]
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
         at = {int(end): node for node, each in enumerate(self.network.ends) for end in each}
@@ -308,8 +311,7 @@ def _stays(description: Description) -> bool:
 def is_affordable(scene: Convolved, s: int, h: float) -> bool:
     """Whether a scene is convolved on slabs of an order and a width within some seconds."""
     leads = np.zeros(1) if scene.layered else scene.leads(h)
-    several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
     points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
     if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
         return False
-    return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
+    return (scene.laws is not None or scene.parts_into(len(leads))) and points * ends * max(ends / FEW, 1) ** 2 <= MOST
