@@ -88,3 +88,36 @@ def test_what_is_told_is_no_less_than_a_third_of_the_difference_to_a_closer_run(
         u = probe.at(t).u
         off = np.abs(rough.probes[probe.name].at(t).u - u).max() / np.abs(u).max()
         assert off < 3 * max(rough.accuracy.inside[probe.name].u, 5e-5) + 1e-9
+
+
+@pytest.mark.parametrize("corner", [0.30123, 0.57823, 0.76277])
+def test_a_ramp_between_edges_of_slabs_beside_a_switch(corner):
+    """What a matched source sees of a cable with skin effect before its far end answers, by Talbot's contour.
+
+    The switch there moves at an edge of a slab, and corners of the ramp lie inside others, at places that change with
+    their width: that two runs agree by accident says nothing of the next.
+    """
+    skin, per_root = mp.mpf(0.1) / mp.sqrt(mp.pi), {"resistance": 0.1, "frequency": 1}
+
+    def answer(s):
+        zc = mp.sqrt(1 + skin / mp.sqrt(s))
+        return zc / (zc + 1) / s**2
+
+    def risen(t):
+        return np.array([float(mp.invertlaplace(answer, at, method="talbot", degree=16)) if at > 0 else 0 for at in t])
+
+    value = {"shape": "piecewise linear", "points": [[0, 0], [corner, 0], [corner + 0.1, 1]]}
+    table = {
+        "medium": "electrical",
+        "t_end": 1.9,
+        "lines": {"l": {"nodes": ["a", "b"], "z0": 1, "delay": 1, "length": 1, "skin": per_root}},
+        "sources": {"s": {"at": "a", "kind": "voltage", "resistance": 1, "value": value}},
+        "loads": {"w": {"at": "b", "kind": "switch", "before": 1, "after": 2, "time": 0.25}},
+        "probes": {"a": {"at": "a"}},
+    }
+    result = simulate(table, tol=1e-3)
+    wide = np.linspace(-1.5, 1.5, 13) * result.resolution.h
+    t = np.concatenate([corner + wide, corner + 0.1 + wide])
+    exact = (risen(t - corner) - risen(t - corner - 0.1)) / 0.1
+    assert result.accuracy.met
+    assert np.abs(result.probes["a"].at(t).u - exact).max() < 2 * result.accuracy.inside["a"].u * np.abs(exact).max()

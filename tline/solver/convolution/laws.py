@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tline.compiled.structure import Packed, empty, pack
 from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
-from tline.solver.convolution.nodal import Efforts, LinearRest
+from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE, Shape
@@ -57,14 +57,17 @@ class LawsAtPorts:
         moves = np.unique(np.concatenate([np.empty(0), *(control.breaks(t_end) for control in self.controls)]))
         return moves[moves > 0]
 
-    def waves(self, rule: Quadrature, order: Basis, h: float, ahead: float, efforts: Efforts) -> NDArray:
+    def waves(
+        self, rule: Quadrature, order: Basis, h: float, ahead: float, driven: NDArray, from_laws: NDArray
+    ) -> NDArray:
         """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K).
 
-        Slabs of width h, s, begin `ahead` of them before t = 0; efforts are those at all points of the rule.
+        Slabs of width h, s, begin `ahead` of them before t = 0; efforts are those at all points of the rule,
+        under sources (points, N) and under each law (points, N, K).
         """
         ports, K = self.network.ports, len(self.elements)
-        given = rule.backward(2 * efforts.driven @ ports.T)
-        weights = rule.weights(2 * ports @ efforts.from_laws - np.eye(K))
+        given = rule.backward(2 * driven @ ports.T)
+        weights = rule.weights(2 * ports @ from_laws - np.eye(K))
         seen = np.abs(weights[0].reshape(K, order.s, K, order.s)).max(axis=(1, 3)) > APART
         here, there = np.nonzero(seen)
         part = parts(here, there, K)

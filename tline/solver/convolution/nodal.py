@@ -22,9 +22,9 @@ CHUNK = 1e6  # complex entries of matrices held at once
 
 
 class Efforts(NamedTuple):
-    """Efforts at n places in s, of N nodes, under all sources and under waves of 1 from each of K laws."""
+    """Efforts at n places in s, of N nodes, under k sets of sources and under waves of 1 from each of K laws."""
 
-    driven: NDArray  # (n, N)
+    driven: NDArray  # (n, N, k)
     from_laws: NDArray  # (n, N, K)
 
 
@@ -126,26 +126,30 @@ class LinearRest(Scattering):
         own, other = zip(*found, strict=True)
         return np.concatenate(own, axis=1), np.concatenate(other, axis=1)
 
-    def efforts(self, s: NDArray, held: NDArray, flows: NDArray, lines: tuple[NDArray, NDArray]) -> Efforts:
-        """Efforts under all sources, and under each law.
+    def efforts(
+        self, s: NDArray, at: NDArray, held: NDArray, flows: NDArray, lines: tuple[NDArray, NDArray]
+    ) -> Efforts:
+        """Efforts under sets of sources, and under each law.
 
-        Sources hold efforts and drive flows, shape (n, N) each; `lines` are the `admittances` of lines, shape (n, P)
-        each.
+        Sources at some nodes hold efforts and drive flows, shape (n, nodes, k) each; `lines` are the `admittances` of
+        lines, shape (n, P) each.
         """
         size = self.known_by.shape[1] + sum(len(branch.nodes) for _, branches in self.groups for branch in branches)
-        parts = int(len(s) * size * (size + len(self.laws)) / CHUNK) + 1
+        parts = int(len(s) * size * (size + held.shape[2] + len(self.laws)) / CHUNK) + 1
         split = (np.array_split(each, parts) for each in (s, held, flows, *lines))
-        found = [self._efforts(*part) for part in zip(*split, strict=True)]
+        found = [self._efforts(at, *part) for part in zip(*split, strict=True)]
         return Efforts(*(np.concatenate(each) for each in zip(*found, strict=True)))
 
-    def _efforts(self, s: NDArray, held: NDArray, flows: NDArray, same: NDArray, other: NDArray) -> Efforts:
+    def _efforts(
+        self, at: NDArray, s: NDArray, held: NDArray, flows: NDArray, same: NDArray, other: NDArray
+    ) -> Efforts:
         matrix, p = self.system(s, (same, other))
-        right = np.zeros((*matrix.shape[:2], 1 + len(self.laws)), complex)
-        unknown = p.shape[1]
-        right[:, :unknown, 0] = (held @ self.known_by) + p * (flows @ self.known_by)  # none at modes
-        right[:, :unknown, 1:] = p[:, :, None] * (self.ports @ self.known_by / self.impedances[:, None]).T
+        unknown, sets = p.shape[1], held.shape[2]
+        right, known = np.zeros((*matrix.shape[:2], sets + len(self.laws)), complex), self.known_by[at].T
+        right[:, :unknown, :sets] = known @ held + p[:, :, None] * (known @ flows)  # none at modes
+        right[:, :unknown, sets:] = p[:, :, None] * (self.ports @ self.known_by / self.impedances[:, None]).T
         found = self.known_by @ np.linalg.solve(matrix, right)[:, :unknown]
-        return Efforts(found[:, :, 0], found[:, :, 1:])
+        return Efforts(found[:, :, :sets], found[:, :, sets:])
 
     def system(self, s: NDArray, lines: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
         """What unknown efforts, and behind them flows into branches, are multiplied by; and p at these efforts."""

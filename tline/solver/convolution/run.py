@@ -9,7 +9,7 @@ Which scenes are convolutions, and on which slabs these are is_affordable.
 """
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
@@ -42,6 +42,8 @@ LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
 MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
+MOST_HELD = 4e6  # efforts in s at once, of all families of fronts
+SHARED = 4  # families of fronts that cost as much as one run
 MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
 
 
@@ -88,6 +90,8 @@ class Convolved:
         self.held = [[] if node.held is None else [self._changes(node.held, 1.0)] for node in nodes]
         self.flows = [[self._changes(*flow) for flow in node.flows] for node in nodes]
 
+        self.driving = np.flatnonzero([bool(held or flows) for held, flows in zip(self.held, self.flows, strict=True)])
+
     def _changes(self, waveform: Shape, share: float) -> tuple[Changes, float]:
         return changes_of(waveform, self.description.steady, self.description.t_end), share
 
@@ -132,13 +136,19 @@ class Convolved:
     def leads(self, h: float) -> NDArray:
         """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
 
-        Beside laws waves are no sums over fronts: there is one lead, for moves of laws before fronts of sources.
+        Laws see all fronts at once, on slabs at whose edges they move. Fronts of sources elsewhere come before.
         """
-        for instants in (self.instants, self.moves) if self.laws else (self.instants,):
-            found = leads(instants / h)
-            if len(found) and (self.laws is None or len(found) == 1):
-                return found
-        return np.zeros(1)
+        found = leads(self.instants / h)
+        if self.laws is None or len(found) < 2:
+            return found if len(found) else np.zeros(1)
+        moves = leads(self.moves / h)
+        fronts = leads(np.concatenate([changes.at for changes in self.changes]) / h)
+        return np.append(fronts if self.parts_into(len(fronts)) else [], moves if len(moves) == 1 else 0.0)
+
+    def parts_into(self, families: int) -> bool:
+        """Whether what drives the scene is a sum of so many families of fronts: one that is curved has one front."""
+        several = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
+        return families <= (1 if several else MOST_FAMILIES)
 
     def run(self, chosen: Resolution) -> Result:
         """The result on slabs of a given order and width."""
@@ -148,8 +158,8 @@ class Convolved:
         n = slabs.number
         whole = self._whole(order, h)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n, self.padded)
-        late = np.outer(rule.late, whole)
-        records = (self._record(rule, order, h, late, self._parts(h, ahead, k), lead) for k, lead in enumerate(ahead))
+        lines = self.network.admittances(rule.points * self.network.second, np.outer(rule.late, whole))
+        records = self._records(rule, order, lines, ahead)
         if self.layered:
             waves, noted = self._layers(order, h, whole, chosen.near).corrected(
                 next(records), n, description.t_end, chosen.layers
@@ -158,20 +168,20 @@ class Convolved:
             waves, noted = summed(records, ahead, n, order)
         else:
             waves, noted = next(records), concatenated([], order.s)
-        lines = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
+        seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
         at_nodes = {
-            node: self._effort(node, 2 * len(lines) + k, waves, noted, order, h)
+            node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
             for k, node in enumerate(description.probed_nodes)
         }
-        probes = probed(description, lines, at_nodes, slabs)
+        probes = probed(description, seen, at_nodes, slabs)
         narrow = noted.values[:, 0].size if self.layered else 0
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
         done = chosen._replace(convolved=True)
-        result = Result(description.scene, slabs, probes, lines, done, done.notes, start, samples, seconds, Tally())
+        result = Result(description.scene, slabs, probes, seen, done, done.notes, start, samples, seconds, Tally())
         if self.envelope:
-            kept = {name: line for name, line in lines.items() if name in self.kept}
+            kept = {name: line for name, line in seen.items() if name in self.kept}
             result = replace(result, lines=kept, envelope=envelope_of(description, result))
         return result
 
@@ -188,56 +198,60 @@ class Convolved:
         ]
         return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings)
 
-    def _parts(self, h: float, ahead: NDArray, k: int) -> tuple[list[Excitation], list[Excitation]]:
-        """Of efforts held and flows at each node what is due to fronts of one family, on slabs that begin earlier."""
+    def _parts(self, h: float, ahead: NDArray, k: int) -> list[list[Excitation]]:
+        """Efforts held and flows at nodes due to one family of fronts, or what laws see: all; slabs begin earlier."""
+        families = ahead[:-1] if self.laws and len(ahead) > 1 else ahead
+        all_ = self.laws is not None and k == len(ahead) - 1
 
         def part(changes: Changes) -> Waveform:
-            return changes.part(family_of(changes.at / h, ahead) == k, float(ahead[k]) * h)
+            chosen = np.full(len(changes.at), True) if all_ else family_of(changes.at / h, families) == k
+            return changes.part(chosen, float(ahead[k]) * h)
 
-        held, flows = ([[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows))
-        return held, flows
+        return [[[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows)]
 
-    def _record(
-        self,
-        rule: Quadrature,
-        order: Basis,
-        h: float,
-        late: NDArray,
-        parts: tuple[list[Excitation], list[Excitation]],
-        ahead: float,
-    ) -> NDArray:
+    def _records(
+        self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], ahead: NDArray
+    ) -> Iterator[NDArray]:
         """What waveforms add, on as many slabs as the rule has: (rows, 2, slabs * s) what arrives, what leaves.
 
-        Rows are ends of recorded lines, and behind them probed nodes without a line.
+        Slabs begin by one lead earlier each; `lines` are admittances at all points. Rows are ends of recorded lines,
+        and behind them probed nodes without a line.
         """
+        s, N, last = rule.points * self.network.second, len(self.network.names), len(ahead) - 1
+        for some in np.array_split(np.arange(last + 1), min(int(len(s) * N * (last + 1) / MOST_HELD) + 1, last + 1)):
+            given = [self._driven(rule, order, self._parts(rule.h, ahead, k)) for k in some.tolist()]
+            driven = rule.forward(np.concatenate(given, axis=2)).reshape(len(s), len(some), 2, -1)
+            held, flows = driven.transpose(2, 0, 3, 1)
+            found = self.network.efforts(s, self.driving, held, flows, lines)
+            for column, k in enumerate(some.tolist()):
+                efforts = found.driven[:, :, column]
+                if self.laws and k == last:
+                    waves = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
+                    efforts = efforts * (last == 0) + (found.from_laws @ waves[:, :, None])[:, :, 0]
+                record = self._recorded(rule, efforts, lines)
+                if self.laws is None:  # which may be what drives
+                    sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
+                    least = SILENT * max(sizes * [1.0, self.network.z0.max()])
+                    record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
+                yield record
 
-        def driven(rows: list[Excitation]) -> NDArray:
-            values = np.zeros((rule.n, order.s, len(rows)))
-            for row, waveforms in enumerate(rows):
-                for waveform, share in waveforms:
-                    values[:, :, row] += share * projected(waveform, order, h, 0, rule.n)
-            return values
+    def _driven(self, rule: Quadrature, order: Basis, parts: list[list[Excitation]]) -> NDArray:
+        """Efforts held at nodes with sources, and behind them flows there, on slabs, (n, s, 2 nodes)."""
+        values = np.zeros((rule.n, order.s, 2, len(self.driving)))
+        for kind, rows in enumerate(parts):
+            for column, node in enumerate(self.driving):
+                for waveform, share in rows[node]:
+                    values[:, :, kind, column] += share * projected(waveform, order, rule.h, 0, rule.n)
+        return values.reshape(rule.n, order.s, -1)
 
-        given = [driven(each) for each in parts]
-        least = SILENT * max(np.abs(each).max(initial=0.0) for each in (given[0], given[1] * self.network.z0.max()))
-        held, flows = map(rule.forward, given)
-        s = rule.points * self.network.second
-        lines = self.network.admittances(s, late)
-        found = self.network.efforts(s, held, flows, lines)
-        efforts = found.driven
-        if self.laws is not None:
-            waves = self.laws.waves(rule, order, h, ahead, found)
-            efforts = efforts + (found.from_laws @ waves[:, :, None])[:, :, 0]
+    def _recorded(self, rule: Quadrature, efforts: NDArray, lines: tuple[NDArray, NDArray]) -> NDArray:
+        """What efforts at nodes in s send into recorded lines, and what arrives there."""
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
-        at = {int(end): node for node, each in enumerate(self.network.ends) for end in each}
         probed = [self.network.names.index(node) for node in self.description.probed_nodes]
         arrives = rule.backward(np.hstack([self.network.arriving(efforts, lines, ends), efforts[:, probed]]))
-        u = rule.backward(efforts[:, [*(at[end] for end in ends.tolist()), *probed]])
-        record = np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(-1, 2, rule.n * order.s)
-        if self.laws is None:  # which may be what drives
-            record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
-        return record
+        u = rule.backward(efforts[:, [*self.network.node_of[ends], *probed]])
+        return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(len(ends) + len(probed), 2, -1)
 
     def _whole(self, order: Basis, h: float) -> NDArray:
         """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy.
@@ -308,8 +322,7 @@ def _stays(description: Description) -> bool:
 def is_affordable(scene: Convolved, s: int, h: float) -> bool:
     """Whether a scene is convolved on slabs of an order and a width within some seconds."""
     leads = np.zeros(1) if scene.layered else scene.leads(h)
-    several = len(leads) > 1 and any(changes.curved and len(changes.at) > 1 for changes in scene.changes)
-    points, ends = scene.description.t_end / h * s * len(leads), scene.network.size
+    points, ends = scene.description.t_end / h * s * max(len(leads) / SHARED, 1.0), scene.network.size
     if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
         return False
-    return not several and len(leads) <= MOST_FAMILIES and points * ends * max(ends / FEW, 1) ** 2 <= MOST
+    return (scene.laws is not None or scene.parts_into(len(leads))) and points * ends * max(ends / FEW, 1) ** 2 <= MOST

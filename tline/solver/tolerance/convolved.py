@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.convolution.families import leads
+from tline.solver.convolution.families import NEAR, leads
 from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved, is_affordable, is_slow, suits
@@ -18,6 +18,7 @@ from tline.solver.result.result import ProbeResult, Result, Wave
 from tline.solver.run import accounts_of
 from tline.solver.tolerance.compare import BETWEEN, added, relative
 from tline.solver.tolerance.difference import Difference, on_slabs, ways
+from tline.solver.tolerance.kinks import kinking
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
 from tline.words.wording import place
 
@@ -65,8 +66,9 @@ class Convolutions(Grids):
     """Slabs halved, and ever narrower ones beside fronts.
 
     The error of a run is told by its difference to the one before: where each step leaves the share r of the
-    difference, the next ones leave r + r² + …. Beside a jump, nearer than a hundredth of the delay, polynomials cannot
-    follow it; there no tolerance is asked, but what is off is told.
+    difference, the next ones leave r + r² + …. Where waves bend inside slabs one step says nothing of the next.
+    Beside a jump, nearer than a hundredth of the delay, polynomials cannot follow it; there no tolerance is asked, but
+    what is off is told.
     """
 
     def __init__(self, search: Search, *, clocked: bool = True, slow: bool = False):
@@ -105,7 +107,8 @@ class Convolutions(Grids):
             for name, probe in finer.probes.items()
         }
         found = Accuracy(self.search.tol, *relative(differences))
-        share = max(found.worst / self.off, LEAST_SHARE) if self.off < inf else self.share
+        left = SLOWEST if self._bends(finer.resolution.h) else LEAST_SHARE
+        share = max(found.worst / self.off, left) if self.off < inf else self.share
         self.share, self.off = min(share, SLOWEST), found.worst
         by = BETWEEN * self.share / (1 - self.share)
         told = replace(found.times(by, by), blurred=found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred)
@@ -127,6 +130,21 @@ class Convolutions(Grids):
             return "slabs of one width converge slowly"
         finer = is_affordable(self.scene, self.order, ladder.last.resolution.h / 2)
         return "" if finer else "narrower slabs would take too long"
+
+    def _bends(self, h: float) -> bool:
+        """Whether waves bend inside slabs of width h: errors are those of places in slabs then, small by accident.
+
+        That is where sources or laws do, or where a line that carries corners has no whole number of slabs.
+        """
+        scene, network = self.scene, self.scene.network
+        if scene.layered:
+            return False
+        if scene.laws and (len(leads(scene.instants / h)) > 1 or kinking(self.search.description)):
+            return True
+        smooth = [k for k, line in network.lossy.items() if not line.constant]
+        smooth += [k for bundle in network.bundles.values() if bundle.skin.any() for k in bundle.lines]
+        slabs = np.delete(network.delays * network.second / h, smooth)
+        return bool((np.abs(slabs - np.round(slabs)) > NEAR).any())
 
     def _first_slab(self) -> float:
         """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.

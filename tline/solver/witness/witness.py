@@ -9,7 +9,7 @@ windows, and how far two plain runs are apart tells how well they know these.
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from itertools import islice
-from math import ceil, log2
+from math import ceil, inf, log2, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.resolution import Resolution, short_lines
+from tline.solver.description.slab import cells_in
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.run import run
 from tline.solver.witness.nodes import lines_at, watched
@@ -24,6 +25,7 @@ from tline.solver.witness.seen import Doubt, Seen, balance_doubts, line_doubts, 
 
 WINDOWS = 8  # of the run, over which is integrated
 SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # of the samples of all runs to the tolerance, that plain ones may take
+CELLS = 10  # of lines that remember, that take as long as a sample
 INSTANTS = 128  # of a window, at which a mean is taken
 FEW = 16  # slabs of a window, at least
 CAUTION = 4.0  # times that two plain runs differ by, within which nothing is told
@@ -65,8 +67,10 @@ def _slab(description: Description, result: Result) -> float | None:
     least = max(ceil(description.t_end / shortest), FEW * WINDOWS)
     if slabs < least:
         return None
-    parts = 2 ** int(log2(slabs / least))  # narrower where that is affordable
-    return min(shortest, description.t_end / (FEW * WINDOWS)) / parts
+    widest = min(shortest, description.t_end / (FEW * WINDOWS))
+    cells = 5 * cells_in(description, widest) / CELLS  # of both runs, which four times as many have on half the slab
+    narrower = min(slabs / least, sqrt(affordable / cells) if cells else inf)
+    return widest / 2 ** int(log2(max(narrower, 1.0)))
 
 
 def _means(probe: ProbeResult, t_end: float) -> NDArray:
