@@ -134,9 +134,9 @@ def of_text(
     """The verdict on a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = [assume] if isinstance(assume, str) else list(assume)
-    under = f" for all {', '.join(assume)}" if assume else ""
-    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
     facts, ranges = assumed(assume)
+    under = f" for all {', '.join(map(str, assume))}" if assume else ""
+    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
     numbers |= {r.name: r.low for r in ranges if r.is_point and r.low is not None and r.name not in numbers}
     facts = {name: fact for name, fact in facts.items() if name not in numbers}
     made = partial(Verdict, kind, None, statement=statement, asked=(text, numbers, facts))

@@ -15,7 +15,6 @@ from flint import acb
 from passivity.calculus.ask import is_bounded_real, is_positive_real
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read, statements
-from passivity.exact.report import point
 from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict, Witness
@@ -93,7 +92,7 @@ class Derivation(Decided):
         if self.z0 is not None and self.delay is not None:
             told |= {"z0": written(self.z0), "delay": written(self.delay)}
         told["steps"] = [{"claim": x.statement, "status": x.status.value, "reason": x.why} for _, x in self.statements]
-        return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
+        return told | ({"witness": self.witness.to_dict()} if self.witness else {})  # the value is that of H2
 
 
 def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[str] = ()) -> Derivation:

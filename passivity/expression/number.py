@@ -75,6 +75,12 @@ def digits(x: Fraction | float, count: int = 6) -> str:
     return f"{Context(prec=count).divide(Decimal(x.numerator), Decimal(x.denominator)).normalize():g}"
 
 
+def beside_one(x: Fraction | float) -> str:
+    """Six digits, and more where they would hide on which side of 1 a number lies."""
+    text = digits(x)
+    return f"1 {'-' if x < 1 else '+'} {digits(abs(Fraction(x) - 1), 3)}" if text == "1" and x != 1 else text
+
+
 def complex_text(re: Fraction, im: Fraction) -> str:
     """An exact complex number if it is short, else a rounded one.
 
