@@ -185,6 +185,7 @@ class Graph:
         (kind, parts), (top, bottom) = self.nodes[n], (UNITY, UNITY)
         if n in cut or kind in ("name", "s", "log"):
             top = {((n, 1),): 1}
+            self.roots.pop(n, None)  # of which no square is known here, whatever an equality before knew
         elif kind == "sum":
             top = {}
             for x, m in parts:

@@ -27,8 +27,8 @@ from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
-from passivity.expression.tree import symbols
-from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
+from passivity.expression.tree import is_rational, symbols
+from passivity.rational.evaluate import Exact, exact, of_tree
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, assumed, random_values
@@ -141,12 +141,7 @@ def of_text(
     facts = {name: fact for name, fact in facts.items() if name not in numbers}
     made = partial(Verdict, kind, None, statement=statement, asked=(text, numbers, facts))
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
-    if (
-        plain is not None
-        and is_rational(plain)
-        and not symbols(plain) & facts.keys()
-        and symbols(plain) <= {"s", *numbers}
-    ):
+    if plain is not None and is_rational(plain) and symbols(plain) <= {"s", *numbers} - facts.keys():
         # with what numerator and denominator have in common, and 1/0
         return _exact(made, of_tree(plain, numbers))
     graph = Graph(facts)
