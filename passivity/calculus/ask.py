@@ -133,6 +133,8 @@ def of_text(
 ) -> Verdict:
     """The verdict on a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
+    if "s" in numbers:
+        raise ExpressionError("parameter s", "s is the Laplace variable", "values of other names")
     assume = [assume] if isinstance(assume, str) else list(assume)
     facts, ranges = assumed(assume)
     under = f" for all {', '.join(map(str, assume))}" if assume else ""
