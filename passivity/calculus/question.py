@@ -69,7 +69,7 @@ class Question:
             "claim": in_texts(self.claim),
             "names": {name: in_texts(fact) for name, fact in self.graph.names.items()},
             "numbers": {name: written(x) for name, x in self.numbers.items()},
-            "values": {name: written(x) for name, x in witness.names.items()},
+            "values": {name: written(x) for name, x in witness.names.items() if name in self.graph.names},
             "s": [written(witness.re), written(witness.im)],
             "value": found.found.str(20, radius=False),
         }
