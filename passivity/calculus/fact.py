@@ -100,7 +100,7 @@ def _measure(of: Callable[[Any, Any], Any]) -> Callable[[Fact], Any]:
 low_of = _measure(lambda low, high: -low)  # how far it reaches to the left
 high_of = _measure(lambda low, high: high)
 size_of = _measure(lambda low, high: max(-low, high))  # the largest modulus
-width_of = _measure(lambda low, high: high - low)  # the diameter
+width_of = _measure(lambda low, high: math.inf if math.inf in (high, -low) else high - low)  # the diameter
 
 
 def angle_of(fact: Fact) -> Any:
