@@ -156,21 +156,11 @@ def is_equation(left: str, right: str) -> bool:
 
 
 class Identity(NamedTuple):
-    """An equation between the real parts of complex numbers and functions of these.
+    """An equation between the real parts of complex numbers and functions of these."""
 
-    Parameters
-    ----------
-    text : str
-        What it says, in the quantities of the line.
-    parts : str
-        The right side in real and imaginary parts.
-    definition : str
-        The left side from its definition, i being the imaginary unit.
-    """
-
-    text: str
-    parts: str
-    definition: str
+    text: str  # what it says, in the quantities of the line
+    parts: str  # the right side in real and imaginary parts
+    definition: str  # the left side from its definition, i being the imaginary unit
 
     @property
     def holds(self) -> bool:

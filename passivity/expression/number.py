@@ -15,13 +15,7 @@ _LONGEST = 40  # characters of a complex number that is written exactly
 
 
 def fraction(number: Any, where: str) -> Fraction:
-    """Exact value of an int, a float, a Fraction or one of numpy's; `where` names it in the error.
-
-    Examples
-    --------
-    >>> fraction(0.5, "R")
-    Fraction(1, 2)
-    """
+    """Exact value of an int, a float, a Fraction or one of numpy's; `where` names it in the error."""
     try:
         found = Fraction(getattr(number, "item", lambda: number)())  # the number in a numpy scalar
     except (TypeError, ValueError, OverflowError):
@@ -37,13 +31,7 @@ def not_a_number(value: object, where: str) -> ExpressionError:
 
 
 def double(x: Fraction | float) -> float:
-    """The nearest double; infinite beyond the largest.
-
-    Examples
-    --------
-    >>> double(Fraction(1, 4)), double(-Fraction(10) ** 400)
-    (0.25, -inf)
-    """
+    """The nearest double; infinite beyond the largest."""
     try:
         return float(x)
     except OverflowError:
