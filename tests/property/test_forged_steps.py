@@ -274,6 +274,8 @@ def test_a_name_that_is_there_twice_is_one():
     nodes = [["one"], ["s"], ["name", "k"], ["name", "k"], ["sum", ["1", 2], ["-1", 3]], ["mul", [4, -1]]]
     proof = {"format": FORMAT, "names": NAMES, "nodes": nodes, "root": ["1", 1], "claim": ["disc", "0", "inf"]}
     assert check(proof | {"steps": [[1, proof["claim"], "leaf", [], None]]}) == "the head: a division by 0"
+    nodes[3] = ["name", "k", "again"]
+    assert check(proof | {"steps": [[1, proof["claim"], "leaf", [], None]]}) == "the head: wrong parts in name"
 
 
 def test_a_root_is_an_atom_without_a_square_where_it_is_cut():
