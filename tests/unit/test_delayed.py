@@ -365,6 +365,7 @@ def test_the_unresolved_box_is_named():
         (g1("(1 + 1e-12)", 2), "PR"),
         ("1/(1 + s*exp(-s)/20)", "PR"),
         ("exp(s)*1e-30", "BR"),
+        ("sqrt((exp(-s) - 1/2)*(sqrt(s) - 3))", "PR"),  # of whose factors nothing is known
     ],
 )
 def test_refuted(text, kind):
