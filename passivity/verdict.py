@@ -279,7 +279,8 @@ class Verdict(Decided):
     def ports(self) -> int:
         """Number of ports."""
         if self.function is None:
-            return len(self.witness.vector) if self.witness else 1
+            modes = self.certificate if isinstance(self.certificate, tuple) else self.witness and self.witness.vector
+            return len(modes or _ONE)
         return 1 if isinstance(self.function, RationalFunction) else self.function.size
 
     @cached_property
