@@ -108,13 +108,7 @@ def bits_of(x: Fraction | int) -> int:
 
 
 def powered(base: Any, exponent: int, degree: int, bits: int) -> Any:
-    """A number or polynomial of this degree, with numbers of this length, to a whole power, if that is not too large.
-
-    Examples
-    --------
-    >>> powered(Fraction(2, 3), -2, 0, 2)
-    Fraction(9, 4)
-    """
+    """A number or polynomial of this degree and length of numbers to a whole power, if that is not too large."""
     if bits > 1 or degree > 0:
         check_size(abs(exponent) * degree, abs(exponent) * bits)
     return base**exponent

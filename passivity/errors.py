@@ -15,7 +15,7 @@ class ExpressionError(InputError):
 
 
 def shown(given: object, write: Callable[[object], str] = str) -> str:
-    """What was given, as a message quotes it: at most 60 characters, by `str` or `repr`.
+    """What was given, as a message quotes it: at most 60 characters in one line, by `str` or `repr`.
 
     Examples
     --------
@@ -23,7 +23,7 @@ def shown(given: object, write: Callable[[object], str] = str) -> str:
     ('-1 ohm', '[1, 2]', 'int of over 4300 digits')
     """
     try:
-        return write(given)[:60]
+        return " ".join(write(given)[:200].split())[:60]
     except ValueError:  # Python writes no longer ones
         return f"{type(given).__name__} of over 4300 digits"
 

@@ -10,7 +10,7 @@ from flint import acb, arb, fmpq_mat, fmpz_poly
 
 from passivity.ball import of_point
 from passivity.budget import ASIDE, if_affordable
-from passivity.expression.number import digits, double
+from passivity.expression.number import digits, double, written
 from passivity.polynomial.sign import SignProof
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
@@ -133,6 +133,18 @@ class Witness:
         if self.kind is Kind.PR:
             return 2 * sum(a * c + b * d for (a, b), (c, d) in zip(self.vector, self.image, strict=True))
         return sum(a * a + b * b for a, b in self.vector) - sum(a * a + b * b for a, b in self.image)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As texts: of one port with Z or H there, of several with v and the form that is negative."""
+        told: dict[str, Any] = {"re": written(self.re), "im": written(self.im)}
+        told |= {"values": {name: written(x) for name, x in self.names.items()}} if self.names else {}
+        if isinstance(self.found, acb):
+            return told | {"value": self.found.str(20, radius=False)}
+        if len(self.vector) == 1:
+            parts = map(written, self.image[0]) if self.image else (None, None)
+            return told | dict(zip(("value_re", "value_im"), parts, strict=True))
+        form = self.form.str(20) if isinstance(self.form, arb) else written(self.form)
+        return told | {"vector": [[written(Fraction(x)) for x in pair] for pair in self.vector], "value": form}
 
     @property
     def why(self) -> str:
@@ -267,7 +279,8 @@ class Verdict(Decided):
     def ports(self) -> int:
         """Number of ports."""
         if self.function is None:
-            return len(self.witness.vector) if self.witness else 1
+            modes = self.certificate if isinstance(self.certificate, tuple) else self.witness and self.witness.vector
+            return len(modes or _ONE)
         return 1 if isinstance(self.function, RationalFunction) else self.function.size
 
     @cached_property
@@ -275,7 +288,7 @@ class Verdict(Decided):
         """The reason in plain words: band, pole, residue, degree."""
         if self.function is None or (self.reason and self.status is not Status.UNDECIDED):
             return self.reason
-        from passivity.exact.report import reason
+        from passivity.report import reason
 
         short = "it fails at the witness" if self.witness else "the exact test holds"
         return if_affordable(ASIDE, reason, self) or f"{short}; the frequencies take too long to find"
@@ -316,13 +329,13 @@ class Verdict(Decided):
 
     def text_lines(self) -> list[str]:
         """The verdict, its reason, the witness, the margins where they are affordable, and the steps of the proof."""
-        from passivity.exact.report import in_lines
+        from passivity.report import in_lines
 
         return in_lines(self, self._margins)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it as JSON can hold it, with the proof, and whether it was verified."""
-        from passivity.exact.report import as_dict
+        from passivity.report import as_dict
 
         return as_dict(self, self._margins)
 

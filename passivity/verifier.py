@@ -110,7 +110,9 @@ class Graph:
     def enter(self, kind, parts):
         """Append a node from its file after a look at its parts."""
         need(kind in ("s", "name", "sum", "mul", "line", *FUNCTIONS), f"unknown node {kind}")
-        if kind not in ("s", "name"):
+        if kind in ("s", "name"):
+            need(len(parts) == (kind == "name"), f"wrong parts in {kind}")
+        else:
             parts = [tuple(x) if kind == "mul" else (Fraction(x[0]), *x[1:]) for x in parts]
             small = [n for n, e in parts if type(e) is int and abs(e) <= LARGEST]
             ids = small if kind == "mul" else [n for _, n in parts]
@@ -185,6 +187,7 @@ class Graph:
         (kind, parts), (top, bottom) = self.nodes[n], (UNITY, UNITY)
         if n in cut or kind in ("name", "s", "log"):
             top = {((n, 1),): 1}
+            self.roots.pop(n, None)  # of which no square is known here, whatever an equality before knew
         elif kind == "sum":
             top = {}
             for x, m in parts:

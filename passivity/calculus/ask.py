@@ -27,8 +27,8 @@ from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
 from passivity.expression.number import digits
 from passivity.expression.parse import parse
-from passivity.expression.tree import symbols
-from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
+from passivity.expression.tree import is_rational, symbols
+from passivity.rational.evaluate import Exact, exact, of_tree
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, assumed, random_values
@@ -133,20 +133,17 @@ def of_text(
 ) -> Verdict:
     """The verdict on a text, by the first way that leads to one."""
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
+    if "s" in numbers:
+        raise ExpressionError("parameter s", "s is the Laplace variable", "values of other names")
     assume = [assume] if isinstance(assume, str) else list(assume)
-    under = f" for all {', '.join(assume)}" if assume else ""
-    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
     facts, ranges = assumed(assume)
+    under = f" for all {', '.join(map(str, assume))}" if assume else ""
+    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
     numbers |= {r.name: r.low for r in ranges if r.is_point and r.low is not None and r.name not in numbers}
     facts = {name: fact for name, fact in facts.items() if name not in numbers}
     made = partial(Verdict, kind, None, statement=statement, asked=(text, numbers, facts))
     plain = parse(text, lines=True) if len(statements(text)) == 1 else None
-    if (
-        plain is not None
-        and is_rational(plain)
-        and not symbols(plain) & facts.keys()
-        and symbols(plain) <= {"s", *numbers}
-    ):
+    if plain is not None and is_rational(plain) and symbols(plain) <= {"s", *numbers} - facts.keys():
         # with what numerator and denominator have in common, and 1/0
         return _exact(made, of_tree(plain, numbers))
     graph = Graph(facts)

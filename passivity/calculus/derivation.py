@@ -15,7 +15,6 @@ from flint import acb
 from passivity.calculus.ask import is_bounded_real, is_positive_real
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read, statements
-from passivity.exact.report import point
 from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict, Witness
@@ -93,7 +92,7 @@ class Derivation(Decided):
         if self.z0 is not None and self.delay is not None:
             told |= {"z0": written(self.z0), "delay": written(self.delay)}
         told["steps"] = [{"claim": x.statement, "status": x.status.value, "reason": x.why} for _, x in self.statements]
-        return told | ({"witness": point(self.witness)} if self.witness else {})  # the value is that of H2
+        return told | ({"witness": self.witness.to_dict()} if self.witness else {})  # the value is that of H2
 
 
 def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[str] = ()) -> Derivation:
@@ -157,21 +156,11 @@ def is_equation(left: str, right: str) -> bool:
 
 
 class Identity(NamedTuple):
-    """An equation between the real parts of complex numbers and functions of these.
+    """An equation between the real parts of complex numbers and functions of these."""
 
-    Parameters
-    ----------
-    text : str
-        What it says, in the quantities of the line.
-    parts : str
-        The right side in real and imaginary parts.
-    definition : str
-        The left side from its definition, i being the imaginary unit.
-    """
-
-    text: str
-    parts: str
-    definition: str
+    text: str  # what it says, in the quantities of the line
+    parts: str  # the right side in real and imaginary parts
+    definition: str  # the left side from its definition, i being the imaginary unit
 
     @property
     def holds(self) -> bool:

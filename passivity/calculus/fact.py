@@ -1,6 +1,7 @@
 """Facts about functions, as `passivity.verifier` has them: how sharp they are, shorter, and in words."""
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -86,28 +87,20 @@ def inverse_of(fact: Fact) -> Fact:
     return (fact[0] if fact[0] == "real" else "disc", *ends) if ends else ("disc", -math.inf, math.inf)
 
 
-def low_of(fact: Fact) -> Any:
-    """How far it reaches to the left: the sharpest has the least of this and of all measures below."""
-    known = disc(fact)
-    return -known[0] if known else math.inf
+def _measure(of: Callable[[Any, Any], Any]) -> Callable[[Fact], Any]:
+    """How sharp a fact is by the ends of its disc: the sharpest has the least; infinite without a disc."""
+
+    def measured(fact: Fact) -> Any:
+        known = disc(fact)
+        return of(*known) if known else math.inf
+
+    return measured
 
 
-def high_of(fact: Fact) -> Any:
-    """How far it reaches to the right."""
-    known = disc(fact)
-    return known[1] if known else math.inf
-
-
-def width_of(fact: Fact) -> Any:
-    """The diameter."""
-    known = disc(fact)
-    return known[1] - known[0] if known and math.inf not in (known[1], -known[0]) else math.inf
-
-
-def size_of(fact: Fact) -> Any:
-    """The largest modulus."""
-    known = disc(fact)
-    return max(-known[0], known[1]) if known else math.inf
+low_of = _measure(lambda low, high: -low)  # how far it reaches to the left
+high_of = _measure(lambda low, high: high)
+size_of = _measure(lambda low, high: max(-low, high))  # the largest modulus
+width_of = _measure(lambda low, high: math.inf if math.inf in (high, -low) else high - low)  # the diameter
 
 
 def angle_of(fact: Fact) -> Any:

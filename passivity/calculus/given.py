@@ -78,7 +78,7 @@ def checked(what: Any, kind: Kind) -> Any:
     from passivity.verdict import Verdict
 
     if isinstance(what, Decided):
-        return what if isinstance(what, Verdict) else Verdict(kind, None, what.status, reason=what.why)
+        return what if isinstance(what, Verdict) else Verdict(kind, None, what.status, reason=getattr(what, "why", ""))
     if not isinstance(what, SampledResponse):
         return check(what, kind)
     if what.parameter != "S" and kind is Kind.BR:

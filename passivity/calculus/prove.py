@@ -171,7 +171,8 @@ class Prover:
             if kind == "sqrt" and list(factors.values()) == [1, 1]:
                 yield from factors
                 both = [k for m in factors if (k := self.right(m)) is not None]
-                self.follow(n, "function", both)
+                if len(both) == len(factors):
+                    self.follow(n, "function", both)
             name, inner = graph.nodes[parts[0][1]]
             if kind == "exp" and name == "log":
                 yield inner[0][1]

@@ -19,25 +19,13 @@ FORMAT = "passivity witness 1"
 
 @dataclass(frozen=True)
 class Question:
-    """Whether a value has a property, as it was asked.
-
-    Parameters
-    ----------
-    graph : Graph
-    value : tuple of (Fraction, int)
-    claim : tuple
-        The property as a fact.
-    text : str
-        From which the value was read.
-    numbers : mapping of str to Fraction
-        Values of names in the text that the graph does not have.
-    """
+    """Whether a value has a property, as it was asked."""
 
     graph: Graph
     value: Value
-    claim: Fact
-    text: str
-    numbers: Mapping[str, Fraction]
+    claim: Fact  # the property
+    text: str  # from which the value was read
+    numbers: Mapping[str, Fraction]  # of names in the text that the graph does not have
 
     @classmethod
     def of(cls, kind: Kind, text: str, numbers: Mapping[str, Fraction], names: Mapping[str, Fact]) -> Self:
@@ -69,7 +57,7 @@ class Question:
             "claim": in_texts(self.claim),
             "names": {name: in_texts(fact) for name, fact in self.graph.names.items()},
             "numbers": {name: written(x) for name, x in self.numbers.items()},
-            "values": {name: written(x) for name, x in witness.names.items()},
+            "values": {name: written(x) for name, x in witness.names.items() if name in self.graph.names},
             "s": [written(witness.re), written(witness.im)],
             "value": found.found.str(20, radius=False),
         }

@@ -56,16 +56,7 @@ class UnresolvedError(UndecidedError):
 
 
 def prove_in_balls(kind: Kind, graph: Graph, value: Value) -> dict[str, Any]:
-    """A proof that a value has the property strictly, as the data of a step about its node; or UnresolvedError.
-
-    Examples
-    --------
-    >>> from passivity.calculus.read import read
-    >>> graph = Graph()
-    >>> value = read(graph, "(s + 2 - exp(-s))/(s + 3 + exp(-s)/(1 + s))")
-    >>> len(prove_in_balls(Kind.PR, graph, value)["cuts"])
-    12
-    """
+    """A proof that a value has the property strictly, as the data of a step about its node; or UnresolvedError."""
     with ctx.workprec(BITS):
         x = reflection(kind, graph, value)
         room = least_difference(x.n, x.d)
@@ -172,16 +163,7 @@ class Reflection:
 
 
 def reflection(kind: Kind, graph: Graph, value: Value) -> Reflection:
-    """X of an impedance, or of the impedance (1 + H)/(1 - H), at the present precision; or UnresolvedError.
-
-    Examples
-    --------
-    >>> from passivity.calculus.read import read
-    >>> graph = Graph()
-    >>> found = reflection(Kind.PR, graph, read(graph, "2*s + 3 + exp(-s)/(1 + s)"))
-    >>> found.slopes, found.far
-    ((Fraction(2, 1),), Fraction(3, 1))
-    """
+    """X of an impedance, or of the impedance (1 + H)/(1 - H), at the present precision; or UnresolvedError."""
     expansion = Expansion(graph, value[1])
     try:
         z = expansion.of(value).reduced()

@@ -15,13 +15,7 @@ _LONGEST = 40  # characters of a complex number that is written exactly
 
 
 def fraction(number: Any, where: str) -> Fraction:
-    """Exact value of an int, a float, a Fraction or one of numpy's; `where` names it in the error.
-
-    Examples
-    --------
-    >>> fraction(0.5, "R")
-    Fraction(1, 2)
-    """
+    """Exact value of an int, a float, a Fraction or one of numpy's; `where` names it in the error."""
     try:
         found = Fraction(getattr(number, "item", lambda: number)())  # the number in a numpy scalar
     except (TypeError, ValueError, OverflowError):
@@ -37,13 +31,7 @@ def not_a_number(value: object, where: str) -> ExpressionError:
 
 
 def double(x: Fraction | float) -> float:
-    """The nearest double; infinite beyond the largest.
-
-    Examples
-    --------
-    >>> double(Fraction(1, 4)), double(-Fraction(10) ** 400)
-    (0.25, -inf)
-    """
+    """The nearest double; infinite beyond the largest."""
     try:
         return float(x)
     except OverflowError:
@@ -73,6 +61,12 @@ def digits(x: Fraction | float, count: int = 6) -> str:
     if isinstance(x, float) or not x or sys.float_info.min <= abs(near) < math.inf:
         return f"{near:.{count}g}"
     return f"{Context(prec=count).divide(Decimal(x.numerator), Decimal(x.denominator)).normalize():g}"
+
+
+def beside_one(x: Fraction | float) -> str:
+    """Six digits, and more where they would hide on which side of 1 a number lies."""
+    text = digits(x)
+    return f"1 {'-' if x < 1 else '+'} {digits(abs(Fraction(x) - 1), 3)}" if text == "1" and x != 1 else text
 
 
 def complex_text(re: Fraction, im: Fraction) -> str:

@@ -40,13 +40,7 @@ class Token(NamedTuple):
 
 
 def _tokens(text: str) -> Iterator[Token]:
-    """All tokens of a text, the end of the text being the last.
-
-    Examples
-    --------
-    >>> [token.text for token in _tokens("10 nH*s")]
-    ['10', 'nH', '*', 's', '']
-    """
+    """All tokens of a text, the end of the text being the last."""
     for found in _TOKEN.finditer(text):
         kind = str(found.lastgroup)
         start = found.start(kind)

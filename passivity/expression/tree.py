@@ -1,5 +1,6 @@
 """The tree of an impedance expression: its nodes and the names in it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -77,6 +78,16 @@ class Line:
 Node: TypeAlias = Number | Symbol | Negate | Add | Multiply | Divide | Power | Call | Line
 
 
+def nodes(tree: Node) -> Iterator[Node]:
+    """A tree and all that is in it."""
+    stack = [tree]
+    while stack:
+        yield (node := stack.pop())
+        for name in node.__slots__:
+            part = getattr(node, name)
+            stack += [x for x in (part if isinstance(part, tuple) else (part,)) if isinstance(x, Node)]
+
+
 def symbols(node: Node) -> set[str]:
     """All names in a tree, the Laplace variable included.
 
@@ -85,17 +96,9 @@ def symbols(node: Node) -> set[str]:
     >>> sorted(symbols(Add((Symbol("R"), Multiply((Symbol("s"), Symbol("L")))))))
     ['L', 'R', 's']
     """
-    found, stack = set(), [node]
-    while stack:
-        match stack.pop():
-            case Symbol(name):
-                found.add(name)
-            case Add(children) | Multiply(children):
-                stack += children
-            case Divide(numerator, denominator):
-                stack += [numerator, denominator]
-            case Negate(child) | Power(child, _) | Call(_, child):
-                stack.append(child)
-            case Line(z0, propagation, load):
-                stack += [z0, propagation, load]
-    return found
+    return {each.name for each in nodes(node) if isinstance(each, Symbol)}
+
+
+def is_rational(node: Node) -> bool:
+    """Whether no function is in a tree."""
+    return not any(isinstance(each, Call | Line) for each in nodes(node))

@@ -136,8 +136,6 @@ def _settled(system: FloatSystem, samples: Samples) -> tuple[bool, float]:
 
     Whether that came to an end, and how far below the lowest sample the form may be.
     """
-    from passivity.floats.axis import crossings
-
     for _ in range(MAX_ROUNDS):
         lowest = samples.lowest
         shift = lowest.error + _NEAR * max(abs(lowest.value), float(abs(system.popov[2]).max()))
@@ -151,8 +149,6 @@ def _settled(system: FloatSystem, samples: Samples) -> tuple[bool, float]:
 
 def _bands(system: FloatSystem, samples: Samples) -> tuple[list[Band], float]:
     """Intervals between crossings in which the form is negative, and the largest error of their ends."""
-    from passivity.floats.axis import crossings
-
     found = _apart(crossings(system, 0.0))
     ends = [0.0, *(x.w for x in found), math.inf]
     errors = {x.w: x.error for x in found}

@@ -26,13 +26,7 @@ Factors: TypeAlias = tuple[tuple[fmpz_poly, int], ...]
 
 
 def parts(f: fmpz_poly) -> tuple[fmpz_poly, fmpz_poly]:
-    """Polynomials u and v with f(jw) = u(x) + j w v(x), x = w^2.
-
-    Examples
-    --------
-    >>> parts(fmpz_poly([1, 2, 3, 4]))
-    ((-3)*x + 1, (-4)*x + 2)
-    """
+    """Polynomials u and v with f(jw) = u(x) + j w v(x), x = w^2."""
     c = f.coeffs()
     c[2::4], c[3::4] = [-a for a in c[2::4]], [-a for a in c[3::4]]
     return fmpz_poly(c[::2]), fmpz_poly(c[1::2])
@@ -140,13 +134,7 @@ def _bisect(a: fmpz_poly) -> SignProof | Fraction:
 
 
 def squarefree(a: fmpz_poly) -> Factors:
-    """A polynomial as a product of powers of coprime factors without double roots; a power of x stands alone.
-
-    Examples
-    --------
-    >>> squarefree(fmpz_poly([0, 3, 6, 3]))  # 3 x (x + 1)^2
-    ((x, 1), (3, 1), (x + 1, 2))
-    """
+    """A polynomial as a product of powers of coprime factors without double roots; a power of x stands alone."""
     order = next(i for i, c in enumerate(a.coeffs()) if c)
     rest = a.right_shift(order)
     factors: Factors = ((rest, 1),)

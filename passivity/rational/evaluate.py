@@ -77,21 +77,6 @@ def positive(value: Exact, where: str) -> Fraction:
     return found
 
 
-def is_rational(node: Node) -> bool:
-    """Whether no function is in a tree."""
-    match node:
-        case Call() | Line():
-            return False
-        case Add(children) | Multiply(children):
-            return all(map(is_rational, children))
-        case Divide(a, b):
-            return is_rational(a) and is_rational(b)
-        case Negate(a) | Power(a, _):
-            return is_rational(a)
-        case Number() | Symbol():
-            return True
-
-
 class _Evaluation:
     """Value of a tree, refused where results outgrow MAX_DEGREE, MAX_BITS or, all together, MAX_WORK."""
 

@@ -63,12 +63,6 @@ def minor_sums(a: PolynomialMatrix, g: fmpz_poly) -> tuple[list[tuple[fmpz_poly,
     Faddeev's and Leverrier's scheme, whose divisions are exact. Each result comes without a power of g, and with that
     power. Where a is a matrix of rational functions times their common denominator g, minors of order k mostly hold
     the power k - 1 of it; divided out at once, it does not make the numbers grow. The coefficients of g are coprime.
-
-    Examples
-    --------
-    >>> x = fmpz_poly([0, 1])
-    >>> minor_sums([[x, x], [fmpz_poly(), x]], x)
-    ([(2, 1), (1, 2)], ([[1, (-1)], [0, 1]], 1))
     """
     m, power = len(a), 0
     sums, adjugate = [], identity(m, fmpz_poly([1]))

@@ -252,14 +252,7 @@ class StateSpace:
 
 
 def from_system(system: Any) -> RationalMatrix | StateSpace:
-    """Network of a continuous scipy.signal.lti or python-control system with as many outputs as inputs.
-
-    Examples
-    --------
-    >>> from scipy.signal import lti
-    >>> from_system(lti([[-1]], [[1, 0]], [[1], [0]], [[0, 0], [0, 1]])).size
-    2
-    """
+    """Network of a continuous scipy.signal.lti or python-control system with as many outputs as inputs."""
     kind = type(system).__name__
     if getattr(system, "dt", None) not in (None, 0):
         raise ExpressionError("system", "discrete in time", "a continuous system", f"{kind} with dt={system.dt}")

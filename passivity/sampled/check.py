@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from passivity.errors import ExpressionError, shorten, shown
-from passivity.exact.report import beside_one
+from passivity.expression.number import beside_one
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Decided, Status
 

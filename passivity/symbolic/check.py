@@ -15,8 +15,8 @@ from passivity.calculus.read import read
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import written
 from passivity.expression.parse import parse
-from passivity.expression.tree import Node, symbols
-from passivity.rational.evaluate import Exact, exact, is_rational, of_tree
+from passivity.expression.tree import Node, is_rational, symbols
+from passivity.rational.evaluate import Exact, exact, of_tree
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, collect, meet, trials
 from passivity.symbolic.formula import Claim, Condition, Joined

@@ -63,6 +63,13 @@ def test_other_refusals():
         is_positive_real("s", budget=0)
     with pytest.raises(ExpressionError, match="says nothing about a function without names"):
         is_positive_real(3, ["R > 0"])
+    with pytest.raises(ExpressionError, match="parameter s: s is the Laplace variable"):
+        is_positive_real("s + R", values={"R": 1, "s": 2})
+    with pytest.raises(ExpressionError, match="assumption: not an assumption"):
+        is_positive_real("s + R", [None])  # pyright: ignore[reportArgumentType]
+    with pytest.raises(ExpressionError) as refused:
+        is_positive_real((np.eye(2), np.eye(2), np.eye(2)))
+    assert "\n" not in str(refused.value)
     with pytest.raises(InputError, match="a length"):
         is_positive_real(ElectricalLine(z0=50, wave_speed="20 cm/ns"))
 

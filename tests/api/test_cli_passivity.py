@@ -175,7 +175,7 @@ def test_a_fault_of_the_program_is_no_answer(monkeypatch):
     def fails(*_):
         raise ZeroDivisionError("by\nzero")
 
-    monkeypatch.setattr("passivity.exact.report.reason", fails)
+    monkeypatch.setattr("passivity.report.reason", fails)
     result = run("s")
     assert (result.exit_code, result.stdout) == (70, "")
     assert re.fullmatch(r"tline: a fault of the program, please report .*: ZeroDivisionError in line \d+ of "

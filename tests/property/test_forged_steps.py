@@ -274,3 +274,21 @@ def test_a_name_that_is_there_twice_is_one():
     nodes = [["one"], ["s"], ["name", "k"], ["name", "k"], ["sum", ["1", 2], ["-1", 3]], ["mul", [4, -1]]]
     proof = {"format": FORMAT, "names": NAMES, "nodes": nodes, "root": ["1", 1], "claim": ["disc", "0", "inf"]}
     assert check(proof | {"steps": [[1, proof["claim"], "leaf", [], None]]}) == "the head: a division by 0"
+    nodes[3] = ["name", "k", "again"]
+    assert check(proof | {"steps": [[1, proof["claim"], "leaf", [], None]]}) == "the head: wrong parts in name"
+
+
+def test_a_root_is_an_atom_without_a_square_where_it_is_cut():
+    """1/k is from 2 to 4; (sqrt(1/k))^2 is not k, though another equality has written the root as sqrt(k)/k."""
+    forged = {"format": FORMAT, "names": {"k": ["real", "1/4", "1/2"]}, "root": ["1", 4], "claim": ["disc", "-1", "1"]}
+    forged["nodes"] = [["one"], ["name", "k"], ["mul", [1, -1]], ["sqrt", ["1", 2]], ["mul", [3, 2]]]
+    forged["steps"] = [
+        [1, ["real", "1/4", "1/2"], "leaf", [], None],
+        [2, ["real", "2", "4"], "product", [0], [-1]],
+        [3, ["real", "1", "2"], "function", [1], None],
+        [3, ["real", "1", "2"], "equal", [2], ["1", []]],
+        [4, ["disc", "-1", "1"], "equal", [0], ["1", [3]]],
+    ]
+    assert check(forged) == "step 4, rule 'equal': not equal"
+    forged["steps"][-1] = [4, ["disc", "2", "4"], "equal", [1], ["1", []]]
+    assert check(forged | {"claim": ["disc", "2", "4"]}) is None

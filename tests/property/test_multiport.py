@@ -209,7 +209,7 @@ def test_floating_point_never_contradicts_a_proof_and_sees_what_is_refuted_clear
         assert answer.status is Status.REFUTED
         w = answer.witness
         assert w.re > 0
-        assert power(system.transfer, Kind.PR, w) == w.value < 0
+        assert power(system.transfer, Kind.PR, w) == w.form < 0
 
 
 @few

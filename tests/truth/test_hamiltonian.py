@@ -144,7 +144,7 @@ def test_floats_find_what_is_refuted_and_nothing_else(case):
         assert verdict.status is Status.REFUTED
         w = verdict.witness
         assert w.re > 0
-        assert power(kind, transfer(system, w.re, w.im), w.vector) == w.value < 0
+        assert power(kind, transfer(system, w.re, w.im), w.vector) == w.form < 0
 
 
 @pytest.mark.parametrize("kind", list(Kind))
@@ -260,7 +260,7 @@ def test_250_states_are_refuted_exactly():
         u, v = w.re**2 - w.im**2 + h * w.re + square, 2 * w.re * w.im + h * w.im
         x = product((g * w.re, g * w.im), (u / (u * u + v * v), -v / (u * u + v * v)))
         z = [z[0] + x[0], z[1] + x[1]]
-    assert power(Kind.PR, [[tuple(z)]], w.vector) == w.value < 0
+    assert power(Kind.PR, [[tuple(z)]], w.vector) == w.form < 0
     assert verdict.analysis.agree
 
 

@@ -14,7 +14,7 @@ from rightmost_roots import rightmost_roots
 from passivity.ball import of_point
 from passivity.calculus.ask import ask
 from passivity.calculus.expand import Expansion
-from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL
+from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, width_of
 from passivity.calculus.graph import Graph
 from passivity.calculus.proof import prove, verify
 from passivity.calculus.question import Question
@@ -70,6 +70,7 @@ def test_multiples_of_discs():
     assert scaled(("disc", *disc(1, INF)), Fraction(-2)) == ("disc", *disc(-INF, -2))
     assert implies(("disc", *disc(0, 1)), BOUNDED_REAL)
     assert not implies(BOUNDED_REAL, POSITIVE_REAL)
+    assert width_of(("disc", Fraction(10) ** 400, INF)) == INF
 
 
 @pytest.mark.parametrize(
@@ -364,6 +365,7 @@ def test_the_unresolved_box_is_named():
         (g1("(1 + 1e-12)", 2), "PR"),
         ("1/(1 + s*exp(-s)/20)", "PR"),
         ("exp(s)*1e-30", "BR"),
+        ("sqrt((exp(-s) - 1/2)*(sqrt(s) - 3))", "PR"),  # of whose factors nothing is known
     ],
 )
 def test_refuted(text, kind):

@@ -14,7 +14,6 @@ from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real, check_positive_real
-from passivity.exact.report import as_dict, in_words
 from passivity.exact.storage import is_semidefinite, negative_direction
 from passivity.polynomial.roots import violations
 from passivity.polynomial.sign import SignProof
@@ -22,6 +21,7 @@ from passivity.rational.elements import impedances, scattering, transformer_scat
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import minor_sums
 from passivity.rational.state_space import StateSpace, from_system
+from passivity.report import as_dict, in_words
 from passivity.status import Kind
 from passivity.verdict import Certificate, Margins, StorageCertificate
 

@@ -9,11 +9,11 @@ import pytest
 
 from passivity import Status
 from passivity.exact.positive_real import check_positive_real, refuted_or_undecided
-from passivity.exact.report import as_dict
 from passivity.floats.axis import AxisAnalysis, analyse, crossings
 from passivity.floats.system import FloatSystem
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.state_space import StateSpace
+from passivity.report import as_dict
 from passivity.status import Kind
 from passivity.verdict import Margins, Verdict, Witness
 

@@ -13,7 +13,7 @@ from passivity import (
     admittance_identity,
     reflection_identity,
 )
-from passivity.calculus.proof import lines
+from passivity.calculus.proof import check_evidence, lines
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.symbolic.assumption import Range, parse_assumption
@@ -189,6 +189,7 @@ def test_numbers_and_assumptions_mix():
     assert mixed.status is Status.PROVED
     active = check_symbolic("R + 1/(s*C)", Kind.PR, ["C > 0"], {"R": "-1 ohm"})
     assert active.witness.names == {"C": 1, "R": -1}
+    assert check_evidence(active.evidence) is None
 
 
 # ---- conditions and counterexamples

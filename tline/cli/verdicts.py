@@ -154,8 +154,8 @@ def _read(path: str) -> str:
 def _one_port(function: "RationalFunction", asked: Asked) -> Output:
     """Decide, and say everything that was asked."""
     from passivity import Margins, Status, check_bounded_real, check_line, check_positive_real, margins, robustness
-    from passivity.exact.report import as_dict, in_lines
     from passivity.polynomial.sign import UndecidedError
+    from passivity.report import as_dict, in_lines
 
     if asked.kind == "br":
         asked.refuse("reflections", "z0", "delay", "within")

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import acb, arb, fmpz_poly
+from flint import acb, fmpz_poly
 
 from passivity.budget import VERDICT, if_affordable
 from passivity.errors import shorten
 from passivity.exact.positive_real import BROKEN
 from passivity.exact.robustness import Robustness
-from passivity.expression.number import complex_text, digits, written
+from passivity.expression.number import beside_one, complex_text, digits, written
 from passivity.polynomial.roots import positive_roots, roots_on_axis, routh_column, violations
 from passivity.polynomial.sign import allowance, product, squarefree
 from passivity.rational.function import RationalFunction
@@ -50,7 +50,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         told |= _fraction(function)
     told["margins"] = {name: _margin(margin) for name, margin in margins._asdict().items()}
     if witness:
-        told["witness"] = point(witness) | ((verdict.evidence or {}) if function is None else {})
+        told["witness"] = witness.to_dict() | ((verdict.evidence or {}) if function is None else {})
     if verdict.pole:
         told[verdict.pole.word] = verdict.pole.place.str(20)
     if verdict.status is Status.UNDECIDED and (seen := verdict.analysis):
@@ -68,19 +68,6 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         told["robustness"] = {"tolerance": written(robust.tolerance), "same": robust.same}
         told["robustness"]["exception"] = robust.exception and _fraction(robust.exception)
     return told
-
-
-def point(witness: Witness) -> dict[str, Any]:
-    """A witness as texts: of one port with Z or H there, of several with v and the form that is negative."""
-    told: dict[str, Any] = {"re": written(witness.re), "im": written(witness.im)}
-    told |= {"values": {name: written(x) for name, x in witness.names.items()}} if witness.names else {}
-    if isinstance(witness.found, acb):
-        return told | {"value": witness.found.str(20, radius=False)}
-    if len(witness.vector) == 1:
-        value = dict(zip(("value_re", "value_im"), witness.image[0] if witness.image else (None, None), strict=True))
-        return told | {name: None if x is None else written(x) for name, x in value.items()}
-    form = witness.form.str(20) if isinstance(witness.form, arb) else written(witness.form)
-    return told | {"vector": [[written(Fraction(x)) for x in pair] for pair in witness.vector], "value": form}
 
 
 def coefficients(polynomial: Any) -> list[str]:
@@ -195,12 +182,6 @@ def _place(verdict: Verdict, margin: Margin) -> str:
     if math.isinf(margin.frequency):
         return "for ω to infinity"
     return f"at ω = {margin.frequency:.6g} rad/s"
-
-
-def beside_one(x: Fraction | float) -> str:
-    """Six digits, and more where they would hide on which side of 1 a number lies."""
-    text = digits(x)
-    return f"1 {'-' if x < 1 else '+'} {digits(abs(Fraction(x) - 1), 3)}" if text == "1" and x != 1 else text
 
 
 def reason(verdict: Verdict) -> str:
