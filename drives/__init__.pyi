@@ -41,7 +41,6 @@ from drives.sensitivity import Sensitivities as Sensitivities
 from drives.sensitivity import sensitivities as sensitivities
 from drives.simulation import Run as Run
 from drives.simulation import simulate as simulate
-from drives.simulation import simulate_slack as simulate_slack
 from drives.simulation import steady_state as steady_state
 from drives.state_space import StateSpace as StateSpace
 from drives.symbolic import INPUTS as INPUTS

@@ -22,7 +22,7 @@ MOST_EVENTS = 100_000
 Dry: TypeAlias = "Sequence[Model | None]"  # laws of friction of the left and the right bearing
 
 
-class Parts:
+class Assembly:
     """Spools, belts and pulley, signal by signal.
 
     Attributes
@@ -38,7 +38,7 @@ class Parts:
         from friction.mechanism import Mechanism
 
         self.mechanism = m = Mechanism()
-        self.drives, self.winding, self.contacts = drives, winding, dict[str, int]()
+        self.drives, self.slack, self.winding, self.contacts = drives, slack, winding, dict[str, int]()
         self.places, self.shown, self.spools = list[int](), dict[str, int](), {"1": drives.left, "2": drives.right}
         names = zip(drives.states, x0.tolist(), strict=False)
         self.states = {name: m.state(start, watched=bool(winding) or name != "phi1") for name, start in names}
@@ -116,7 +116,8 @@ class Parts:
         self, t: NDArray, inputs: Sequence[Torque]
     ) -> "tuple[NDArray, list[NDArray], dict[str, NDArray], dict[str, list[Event]]]":
         """States, shape (n, states); heat and work; what else is shown; events of the spools."""
-        from friction.kernel import DONE, Inputs
+        from friction.kernel.diagram import Inputs
+        from friction.kernel.law import DONE
         from friction.result import events_of
 
         corners = np.array(sorted({time for one in inputs for time in one.times}))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from friction.measured import Measured
 from friction.methods import STATIC
 from friction.models import Model
-from friction.prescribe import deflection
+from friction.prescribed import deflection
 
 TOL = 1e-8  # of the deflection in a run
 DIFFERENCE = 1e-4  # step of scaled parameters for derivatives

@@ -12,7 +12,7 @@ from friction.testbench import Force
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction.kernel import Course
+    from friction.kernel.prescribed import Course
 
 MOST_REVERSALS = 1_000_000
 FEWEST_PIECES, MOST_PIECES = 64, 16_384  # of the spline of a formula
@@ -62,7 +62,7 @@ class Motion:
         InputError
             It reverses more than a million times.
         """
-        from friction.kernel import Course
+        from friction.kernel.prescribed import Course
 
         inside = self.start[(self.start > 0.0) & (self.start < t_end)]
         turns = self._turns(t_end)

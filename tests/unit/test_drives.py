@@ -27,7 +27,6 @@ from drives import (
     margins,
     simulate,
     simulate_control,
-    simulate_slack,
     steady_state,
     zero_eigenvalues,
 )
@@ -195,14 +194,14 @@ def test_a_run_that_starts_settled_stays_there():
 
 def test_a_tight_belt_never_goes_slack():
     torques = Torque.step(0.3), Torque.table([0.0, 0.5, 1.0], [0.0, 1.0, 0.4])
-    straight, slack = (run(UNEQUAL, *torques, t_end=1.0, step=0.05) for run in (simulate, simulate_slack))
+    straight, slack = (simulate(UNEQUAL, *torques, t_end=1.0, step=0.05, slack=slack) for slack in (False, True))
     for name, values in slack.outputs.items():
         assert np.abs(values - straight.outputs[name]).max() < 1e-7 * np.abs(values).max()
 
 
 def test_a_belt_that_is_pushed_hangs_slack_and_tightens_again():
     torques = Torque.step(0.1), Torque.table([0.0, 0.3, 0.31, 0.5, 0.51, 2.0], [0.3, 0.3, -0.6, -0.6, 0.5, 0.5])
-    run = simulate_slack(EXERCISE, *torques, t_end=2.0, step=0.01)
+    run = simulate(EXERCISE, *torques, t_end=2.0, step=0.01, slack=True)
     tension = run.outputs["tension"]
     assert tension.min() == 0
     assert tension[-1] > 1

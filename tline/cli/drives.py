@@ -133,7 +133,7 @@ def _response(transfers: list, omega: list[float], answers: dict[str, dict[str, 
 
 @command(
     "drives.simulation:simulate",
-    omit=("drives", "T1", "T2", "initial"),
+    omit=("drives", "T1", "T2", "initial", "friction", "winding"),
     more=(*LOOSE, *MECHANISM),
     files=FILES,
     group=drives,
@@ -183,16 +183,12 @@ def step_(
     step : TIME
         Time between samples, a 200th of the run if not given; it causes no error.
     """
-    from drives import simulate, simulate_slack
+    from drives import simulate
 
     rubs = loosely(given)
     applied, last = torques(t1, t2, rise, table, hold), quantity("--t-end", t_end, "s")
     h = quantity("--step", step, "s") if step else last / SAMPLES["step"]
-    found = mechanism(given)
-    if slack or rubs:
-        run = simulate_slack(found, *applied, t_end=last, step=h, slack=slack, **rubs)
-    else:
-        run = simulate(found, *applied, t_end=last, step=h)
+    run = simulate(mechanism(given), *applied, t_end=last, step=h, slack=slack, **rubs)
     return step_.shown(run, exit_code=int(bool(run.verdicts)), csv=tabled({"t": run.t} | run.outputs))
 
 

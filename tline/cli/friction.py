@@ -54,7 +54,7 @@ def friction() -> None:
 
 
 @command(
-    "friction.simulate:simulate",
+    "friction.simulation:simulate",
     "friction.testbench:Testbench",
     names={"parameters": "set", "h": "step"},
     omit=("model", "bench", "times", "force", "controller"),

@@ -78,7 +78,7 @@ def motion(
     import numpy as np
 
     from friction import prescribe
-    from friction.prescribe import COLUMNS, PRESCRIBED
+    from friction.prescribed import COLUMNS, PRESCRIBED
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")

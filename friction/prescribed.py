@@ -13,14 +13,14 @@ from friction.methods import STATIC
 from friction.models import MODELS, Karnopp, Model
 from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
-from friction.simulate import checked_times
+from friction.simulation import checked_times
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 
 if TYPE_CHECKING:
-    from friction.kernel import Course
+    from friction.kernel.prescribed import Course
 
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 ROUNDING = 1e-15
@@ -183,14 +183,15 @@ def deflection(
     InputError
         It takes more than 5 million steps.
     """
-    from friction import kernel
+    from friction.kernel.law import DONE
+    from friction.kernel.prescribed import deflect, prescribed_run
 
     law = model.law
     longest = np.max(np.abs(velocity)) * course.edges[-1] + abs(z0)
     allowed = tol * min(law.f_s / law.sigma0, longest) if law.sigma0 else tol
-    run = kernel.prescribed_run(law, course, float(z0), max(allowed, 1e-300), times, velocity)
-    status, steps = kernel.deflect(pack(run), MOST_STEPS), int(run.steps[0])
-    if status != kernel.DONE:
+    run = prescribed_run(law, course, float(z0), max(allowed, 1e-300), times, velocity)
+    status, steps = deflect(pack(run), MOST_STEPS), int(run.steps[0])
+    if status != DONE:
         raise InputError(
             "t_end", "the motion takes too many steps", f"at most {MOST_STEPS:,}", f"more at {times[0]:g} s"
         )
