@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from friction import Event, Model
 
 MOST_EVENTS = 100_000
+REFUSED = ("", "takes too many steps", "beyond the range of floats", "changes without end at one instant")  # by status
 Dry: TypeAlias = "Sequence[Model | None]"  # laws of friction of the left and the right bearing
 
 
@@ -117,7 +118,7 @@ class Assembly:
     ) -> "tuple[NDArray, list[NDArray], dict[str, NDArray], dict[str, list[Event]]]":
         """States, shape (n, states); heat and work; what else is shown; events of the spools."""
         from friction.kernel.diagram import Inputs
-        from friction.kernel.law import DONE
+        from friction.kernel.law import BUDGET, DONE
         from friction.result import events_of
 
         corners = np.array(sorted({time for one in inputs for time in one.times}))
@@ -126,8 +127,11 @@ class Assembly:
         given = Inputs(corners, values, slopes, 0.0, 0.0, 0.0)
         status, found, changes = self.mechanism.run(t, signals, given, places=self.places, events=MOST_EVENTS)
         if status != DONE:
-            why = "takes too many steps, or the left spool is empty" if self.winding else "takes too many steps"
-            raise InputError("simulation", why, "a shorter run, or belts without damping")
+            last = t[np.isfinite(found["heat"])].max(initial=0.0)
+            expected = "a stable loop, and no spool that runs empty" if self.winding else "a stable loop"
+            if status == BUDGET:
+                expected = "a shorter run, or belts without damping"
+            raise InputError("simulation", REFUSED[status], expected, f"nothing after {last:.4g} s")
         events = {side: events_of(changes[changes[:, 4] == k]) for k, side in enumerate(self.contacts)}
         x = np.column_stack([found[name] for name in self.drives.states])
         return (

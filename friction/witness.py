@@ -27,6 +27,8 @@ def _weights(n: int) -> NDArray:
 
 
 FINE, ROUGH = _weights(9), _weights(5)
+RANDOM = np.random.default_rng(SEED)
+STARTS, WIDTHS = np.sort(RANDOM.random(WINDOWS)), RANDOM.uniform(0.3, 1.0, WINDOWS)
 Columns = Mapping[str, NDArray]
 
 
@@ -39,9 +41,7 @@ def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
         widest = min(widest, float(np.sqrt(bench.mass / _of(model, "sigma0"))))
     if isinstance(bench.force, Sine):
         widest = min(widest, 0.25 / bench.force.frequency)
-    random = np.random.default_rng(SEED)
-    starts = np.sort(random.uniform(0.0, t_end - widest, WINDOWS))
-    return starts[:, None] + widest * random.uniform(0.3, 1.0, WINDOWS)[:, None] * NODES
+    return (t_end - widest) * STARTS[:, None] + widest * WIDTHS[:, None] * NODES
 
 
 def doubt(
