@@ -21,8 +21,8 @@ from drives.symbolic import ALL_UNITS
 from drives.torque import ZERO, Torque
 from drives.witness import doubts
 from tline.errors import InputError
-from tline.presentation import Presentation, plain
-from tline.words.aligned import aligned
+from tline.history import History
+from tline.presentation import plain
 
 if TYPE_CHECKING:
     from friction import Event
@@ -33,7 +33,7 @@ PUSHES = 1e-9  # of the largest tension: more is no rounding
 
 
 @dataclass(frozen=True, repr=False)
-class Run(Presentation):
+class Run(History):
     """What the mechanism did.
 
     Attributes
@@ -67,14 +67,16 @@ class Run(Presentation):
     set_points: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     limit: float | None = None
     events: Mapping[str, "list[Event]"] = field(default_factory=dict)
-    picture = "drives.picture:draw_run"
+    picture, units = "drives.picture:draw_run", ALL_UNITS
+
+    @property
+    def columns(self) -> dict[str, NDArray]:
+        """Time and outputs by name, SI."""
+        return {"t": self.t} | self.outputs
 
     def text_lines(self) -> Iterator[str]:
         """Lowest, highest and last sample of each output, the energies at the end, and the verdicts."""
-        rows = [["output", "lowest sample", "highest sample", f"at {self.t[-1]:.6g} s"]]
-        for name, x in self.outputs.items():
-            rows.append([f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))])
-        yield from aligned(rows, 0)
+        yield from self.table_lines()
         yield "energy [J]: " + ", ".join(f"{key} {value:.6g}" for key, value in self._energies().items())
         for name, events in self.events.items():
             first = "; ".join(f"{one.kind} at {one.t:.6g} s" for one in events[:SHOWN]) or "none"

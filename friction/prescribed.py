@@ -17,7 +17,8 @@ from friction.simulation import checked_times
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.presentation import Presentation, plain
+from tline.history import History
+from tline.presentation import plain
 
 if TYPE_CHECKING:
     from friction.kernel.prescribed import Course
@@ -27,11 +28,11 @@ ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
 PLACED = Armstrong, MaxwellSlip  # laws of prescribed motions alone
 PRESCRIBED: dict[str, type[Any]] = MODELS | {law.name: law for law in PLACED}
-COLUMNS = ("t", "x", "v", "z", "F_f", "F_low", "F_high")
+UNITS = {"t": "s", "x": "m", "v": "m/s", "z": "m", "F_f": "N", "F_low": "N", "F_high": "N"}
 
 
 @dataclass(frozen=True, repr=False)
-class Prescribed(Presentation):
+class Prescribed(History):
     """A prescribed motion and the friction that it meets: arrays of shape (n,), one entry a sample.
 
     Attributes
@@ -64,7 +65,12 @@ class Prescribed(Presentation):
     F_high: NDArray
     errors: dict[str, float]
     steps: int
-    picture = "friction.pictures:draw_moved"
+    picture, units = "friction.pictures:draw_moved", UNITS
+
+    @property
+    def columns(self) -> dict[str, NDArray]:
+        """All columns by name, SI."""
+        return {name: getattr(self, name) for name in UNITS}
 
     @property
     def held(self) -> NDArray:
@@ -85,8 +91,7 @@ class Prescribed(Presentation):
 
     def to_dict(self) -> dict[str, Any]:
         """Model, errors, steps and all samples."""
-        columns = {name: getattr(self, name) for name in COLUMNS}
-        return plain({"model": self.model.name, "errors": self.errors or None, "steps": self.steps} | columns)
+        return plain({"model": self.model.name, "errors": self.errors or None, "steps": self.steps} | self.columns)
 
 
 def prescribe(

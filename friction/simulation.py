@@ -168,7 +168,7 @@ def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Ca
     windows = witness.windows(model, bench, t_end)
     all_times = np.union1d(times, windows)
     result = run(all_times)
-    columns, doubt = {name: getattr(result, name) for name in COLUMNS}, None
+    columns, doubt = result.columns, None
     if result.status is Status.DONE and result.event_count == len(result.events):
         heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
         doubt = witness.doubt(model, bench, columns, heard, result.errors, events)

@@ -189,7 +189,7 @@ def step_(
     applied, last = torques(t1, t2, rise, table, hold), quantity("--t-end", t_end, "s")
     h = quantity("--step", step, "s") if step else last / SAMPLES["step"]
     run = simulate(mechanism(given), *applied, t_end=last, step=h, slack=slack, **rubs)
-    return step_.shown(run, exit_code=int(bool(run.verdicts)), csv=tabled({"t": run.t} | run.outputs))
+    return step_.shown(run, exit_code=int(bool(run.verdicts)))
 
 
 @command(
@@ -246,9 +246,7 @@ def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) ->
     if sensitivities:
         more = sensitivities_of(made, numbers.get("filter_time", 0.0))
         told["sensitivities"], lines = more.to_dict(), [*more.text_lines(), *lines]
-    output = control.shown(
-        run, *lines, told=told, exit_code=int(bool(verdicts)), csv=tabled({"t": run.t} | run.outputs)
-    )
+    output = control.shown(run, *lines, told=told, exit_code=int(bool(verdicts)))
     return output._replace(text=[*made.text_lines(), *output.text])
 
 

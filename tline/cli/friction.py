@@ -127,7 +127,6 @@ def run(
     import numpy as np
 
     from friction import MODELS, Result, Status, Testbench, simulate
-    from friction.result import COLUMNS
 
     numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
     asked = {"target": target, "limit": limit, "period": period, "delay": delay}
@@ -148,7 +147,7 @@ def run(
     return Output(
         [line for each in runs.values() for line in [*each.text_lines(), *_balanced(each)]],
         found.to_dict if len(runs) == 1 else lambda: {name: each.to_dict() for name, each in runs.items()},
-        {"csv": tabled(beside(runs, COLUMNS)), "plot": drawn("friction.pictures:draw_run", runs)},
+        {"csv": tabled(beside(runs)), "plot": drawn("friction.pictures:draw_run", runs)},
         exit_code=int(any(each.status is not Status.DONE for each in runs.values())),
     )
 
@@ -198,12 +197,10 @@ def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mappin
         }
 
 
-def beside(runs: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+def beside(runs: Mapping[str, Any]) -> dict[str, Any]:
     """Columns of runs beside each other, with their labels if there are several."""
     several = len(runs) > 1
-    return {
-        f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in names
-    }
+    return {f"{label}: {n}" if several else n: x for label, run in runs.items() for n, x in run.columns.items()}
 
 
 def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
