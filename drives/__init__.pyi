@@ -18,7 +18,6 @@ from drives.feedback import closed_loop as closed_loop
 from drives.feedback import sampled_poles as sampled_poles
 from drives.linearise import Artefact as Artefact
 from drives.linearise import artefact as artefact
-from drives.linearise import eigenvalues as eigenvalues
 from drives.linearise import forward_difference as forward_difference
 from drives.linearise import literal_jacobian as literal_jacobian
 from drives.linearise import zero_eigenvalues as zero_eigenvalues
