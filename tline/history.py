@@ -50,7 +50,7 @@ class History(Presentation):
         InputError
             Another suffix, or the file cannot be written.
         """
-        from tline.solver.result.atomic import replacing, write_columns
+        from tline.atomic import replacing, write_columns
 
         suffix = Path(path).suffix.lower()
         if suffix == ".csv":
