@@ -8,7 +8,7 @@ import click
 
 from tline.cli.columns import read_columns
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
-from tline.cli.options import options_named
+from tline.cli.options import check_partners, options_named
 from tline.errors import InputError
 from tline.units import to_si
 
@@ -26,6 +26,10 @@ Examples:
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
 GAINS = ("proportional", "integral", "derivative")
+PARTNERS = {  # options without which others mean nothing
+    "sine": "frequency", "frequency": "sine", "phase": "sine", "hold": "table", "spring": "pull", "play": "spring",
+    "target": "pid", "limit": "pid", "period": "pid", "delay": "pid",
+}  # fmt: skip
 SEVERAL = ("stiffness", "limits")  # of MaxwellSlip
 RECORDED = {"t": "s", "x": "m", "v": "m/s", "F": "N"}  # columns of records, and their units
 NAMED = {  # options by the package's names
@@ -130,7 +134,9 @@ def run(
 
     numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
     asked = {"target": target, "limit": limit, "period": period, "delay": delay}
-    si = run.in_si(numbers | {"spring": spring, "play": play, "pull": pull} | asked | given)
+    moved = {"spring": spring, "play": play, "pull": pull}
+    check_partners(numbers | moved | asked | {"pid": pid, "table": table, "hold": hold}, PARTNERS)
+    si = run.in_si(numbers | moved | asked | given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
     bench = {key: si[key] for key in ("mass", "v0") if key in si}
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
@@ -208,10 +214,8 @@ def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
 
     if "spring" in si and pid is not None:
         raise InputError("--pid", "beside a spring", "one of both")
-    if pid is None and ("spring" in si) != ("pull" in si):
-        raise InputError("--spring", "needs its partner", "--spring and --pull together")
-    if "play" in si and "spring" not in si:
-        raise InputError("--play", "needs its partner", "--spring beside it")
+    if pid is None and "pull" in si and "spring" not in si:
+        raise InputError("--pull", "needs its partner", "--spring or --pid beside it")
     return Spring(si["spring"], si["pull"], si.get("play", 0.0)) if "spring" in si else None
 
 
@@ -221,8 +225,6 @@ def _controller(si: dict[str, float], pid: str | None) -> "PID | None":
 
     asked = [name for name in ("target", "limit", "period", "delay") if name in si]
     if pid is None:
-        if asked:
-            raise InputError(f"--{asked[0]}", "needs its partner", "--pid beside it")
         return None
     parts = pid.split(",")
     if len(parts) > len(GAINS):
@@ -238,10 +240,6 @@ def _force(si: dict[str, float], file: str | None, hold: bool, pulled: bool) -> 
     shaped = [name for name in ("slope", "sine", "offset") if name in si]
     if file is not None and shaped:
         raise InputError("--table", f"another force than --{shaped[0]}", "one force")
-    if ("sine" in si) != ("frequency" in si) or ("phase" in si and "sine" not in si):
-        raise InputError("--sine", "needs its partner", "--sine and --frequency together")
-    if hold and file is None:
-        raise InputError("--hold", "nothing to hold", "--table beside it")
     if file is not None:
         return (Steps if hold else Table)(*columns_of(file, "--table", "t", "F"))
     if "sine" in si:
