@@ -128,10 +128,9 @@ class Assembly:
         status, found, changes = self.mechanism.run(t, signals, given, places=self.places, events=MOST_EVENTS)
         if status != DONE:
             last = t[np.isfinite(found["heat"])].max(initial=0.0)
-            expected = "a stable loop, and no spool that runs empty" if self.winding else "a stable loop"
-            if status == BUDGET:
-                expected = "a shorter run, or belts without damping"
-            raise InputError("simulation", REFUSED[status], expected, f"nothing after {last:.4g} s")
+            expected = "a shorter run, or belts without damping" if status == BUDGET else "a stable loop"
+            why = REFUSED[status] + ", or the left spool is empty" * bool(self.winding)
+            raise InputError("simulation", why, expected, f"nothing after {last:.4g} s")
         events = {side: events_of(changes[changes[:, 4] == k]) for k, side in enumerate(self.contacts)}
         x = np.column_stack([found[name] for name in self.drives.states])
         return (
