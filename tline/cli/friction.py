@@ -135,6 +135,8 @@ def run(
     numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
     asked = {"target": target, "limit": limit, "period": period, "delay": delay}
     moved = {"spring": spring, "play": play, "pull": pull}
+    if spring is not None and pid is not None:
+        raise InputError("--pid", "beside a spring", "one of both")
     check_partners(numbers | moved | asked | {"pid": pid, "table": table, "hold": hold}, PARTNERS)
     si = run.in_si(numbers | moved | asked | given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
@@ -212,8 +214,6 @@ def beside(runs: Mapping[str, Any]) -> dict[str, Any]:
 def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
     from friction import Spring
 
-    if "spring" in si and pid is not None:
-        raise InputError("--pid", "beside a spring", "one of both")
     if pid is None and "pull" in si and "spring" not in si:
         raise InputError("--pull", "needs its partner", "--spring or --pid beside it")
     return Spring(si["spring"], si["pull"], si.get("play", 0.0)) if "spring" in si else None
