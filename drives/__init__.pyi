@@ -18,7 +18,6 @@ from drives.feedback import closed_loop as closed_loop
 from drives.feedback import sampled_poles as sampled_poles
 from drives.linearise import Artefact as Artefact
 from drives.linearise import artefact as artefact
-from drives.linearise import eigenvalues as eigenvalues
 from drives.linearise import forward_difference as forward_difference
 from drives.linearise import literal_jacobian as literal_jacobian
 from drives.linearise import zero_eigenvalues as zero_eigenvalues
@@ -41,7 +40,6 @@ from drives.sensitivity import Sensitivities as Sensitivities
 from drives.sensitivity import sensitivities as sensitivities
 from drives.simulation import Run as Run
 from drives.simulation import simulate as simulate
-from drives.simulation import simulate_slack as simulate_slack
 from drives.simulation import steady_state as steady_state
 from drives.state_space import StateSpace as StateSpace
 from drives.symbolic import INPUTS as INPUTS

@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from friction import Event, Model
 
 MOST_EVENTS = 100_000
+REFUSED = ("", "takes too many steps", "beyond the range of floats", "changes without end at one instant")  # by status
 Dry: TypeAlias = "Sequence[Model | None]"  # laws of friction of the left and the right bearing
 
 
-class Parts:
+class Assembly:
     """Spools, belts and pulley, signal by signal.
 
     Attributes
@@ -38,7 +39,7 @@ class Parts:
         from friction.mechanism import Mechanism
 
         self.mechanism = m = Mechanism()
-        self.drives, self.winding, self.contacts = drives, winding, dict[str, int]()
+        self.drives, self.slack, self.winding, self.contacts = drives, slack, winding, dict[str, int]()
         self.places, self.shown, self.spools = list[int](), dict[str, int](), {"1": drives.left, "2": drives.right}
         names = zip(drives.states, x0.tolist(), strict=False)
         self.states = {name: m.state(start, watched=bool(winding) or name != "phi1") for name, start in names}
@@ -116,7 +117,8 @@ class Parts:
         self, t: NDArray, inputs: Sequence[Torque]
     ) -> "tuple[NDArray, list[NDArray], dict[str, NDArray], dict[str, list[Event]]]":
         """States, shape (n, states); heat and work; what else is shown; events of the spools."""
-        from friction.kernel import DONE, Inputs
+        from friction.kernel.diagram import Inputs
+        from friction.kernel.law import BUDGET, DONE
         from friction.result import events_of
 
         corners = np.array(sorted({time for one in inputs for time in one.times}))
@@ -125,8 +127,10 @@ class Parts:
         given = Inputs(corners, values, slopes, 0.0, 0.0, 0.0)
         status, found, changes = self.mechanism.run(t, signals, given, places=self.places, events=MOST_EVENTS)
         if status != DONE:
-            why = "takes too many steps, or the left spool is empty" if self.winding else "takes too many steps"
-            raise InputError("simulation", why, "a shorter run, or belts without damping")
+            last = t[np.isfinite(found["heat"])].max(initial=0.0)
+            expected = "a shorter run, or belts without damping" if status == BUDGET else "a stable loop"
+            why = REFUSED[status] + ", or the left spool is empty" * bool(self.winding)
+            raise InputError("simulation", why, expected, f"nothing after {last:.4g} s")
         events = {side: events_of(changes[changes[:, 4] == k]) for k, side in enumerate(self.contacts)}
         x = np.column_stack([found[name] for name in self.drives.states])
         return (

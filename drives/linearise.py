@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from drives.coupled import CoupledDrives
 from drives.number import rational
-from drives.roots import roots
 
 STEP = 2.0**-26  # the root of the precision of a float
 ROUNDING = 1e-9  # rad/s, far more than eigenvalue algorithms make of an exact 0 here
@@ -49,22 +48,6 @@ class Artefact:
     by_difference: int
     largest: float
     exact_zeros: int
-
-
-def eigenvalues(matrix: fmpq_mat) -> list[complex]:
-    """All eigenvalues of an exact matrix with their multiplicity, zeros as exact zeros; see `drives.roots.roots`.
-
-    Parameters
-    ----------
-    matrix : flint.fmpq_mat
-        Square.
-
-    Examples
-    --------
-    >>> eigenvalues(CoupledDrives().state_space().a)[-1]
-    0j
-    """
-    return roots(matrix.charpoly())
 
 
 def zero_eigenvalues(matrix: fmpq_mat) -> int:

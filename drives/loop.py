@@ -16,7 +16,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from drives.assembled import Dry, Parts
+from drives.assembled import Assembly, Dry
 from drives.by_hand import SEEN, Control
 from drives.control import PI, Design
 from drives.discretise import legs, propagate
@@ -77,10 +77,10 @@ def simulate_control(
     slack : bool
         Let the belt not push.
     friction : sequence of Coulomb or Karnopp, optional
-        Dry friction in the bearings, as of `drives.simulate_slack`; set points that a limit does not hold are told
+        Dry friction in the bearings, as of `drives.simulate`; set points that a limit does not hold are told
         as without.
     winding : Winding, optional
-        As of `drives.simulate_slack`; the controllers, and what is told of limits, keep the radii at the angle 0.
+        As of `drives.simulate`; the controllers, and what is told of limits, keep the radii at the angle 0.
     t_end, step, initial
         As of `drives.simulate`; states q_speed and q_tension are the integrals.
 
@@ -118,7 +118,7 @@ def simulate_control(
         _within_floats(t, np.column_stack([x, energy.stored, energy.dissipated, energy.supplied]), verdict)
         run = Run(t, named(loop.states, x), outputs, energy, pushing(t, outputs["tension"]), verdict, **asked)
         return replace(run, verdicts=verdict + doubts(drives, inputs, run, control))
-    parts, changes, between = Parts(drives, x0, slack, winding), np.empty(0), np.empty(0)
+    parts, changes, between = Assembly(drives, x0, slack, winding), np.empty(0), np.empty(0)
     if period is not None:
         h, late = looks_of(period, delay)
         if t[-1] > MOST_STEPS * h:
@@ -130,7 +130,7 @@ def simulate_control(
     m = parts.mechanism
     first, second = (m.add({torque: 1.0, m.input(2 + i): 1.0}) for i, torque in enumerate(given))
     parts.move(first, second, friction)
-    run, seen, held = moved(parts, t, inputs, slack, also=between)
+    run, seen, held = moved(parts, t, inputs, also=between)
     names = ("T1", "T2")
     states = {name: seen[name] for name in loop.states[len(drives.states) :]}
     outputs = {name: np.clip(seen[name], -most, most) for name in names}
@@ -183,7 +183,7 @@ def _torque_rows(loop: StateSpace) -> Rows:
 
 
 def _controlled(
-    parts: Parts, design: Design, control: Control, start: list[float], looks: tuple[float, float]
+    parts: Assembly, design: Design, control: Control, start: list[float], looks: tuple[float, float]
 ) -> list[int]:
     """Torques given, as signals; beside them filters and integrals, which begin at `start`."""
     law, m = feedback_of(design, Fraction(0)), parts.mechanism

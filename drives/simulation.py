@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drives.assembled import Dry, Parts
+from drives.assembled import Assembly, Dry
 from drives.coupled import CoupledDrives
 from drives.discretise import legs, propagate
 from drives.energy import Energy, energy_of, open_torques, stored_in
@@ -21,8 +21,8 @@ from drives.symbolic import ALL_UNITS
 from drives.torque import ZERO, Torque
 from drives.witness import doubts
 from tline.errors import InputError
-from tline.presentation import Presentation, plain
-from tline.words.aligned import aligned
+from tline.history import History
+from tline.presentation import plain
 
 if TYPE_CHECKING:
     from friction import Event
@@ -33,7 +33,7 @@ PUSHES = 1e-9  # of the largest tension: more is no rounding
 
 
 @dataclass(frozen=True, repr=False)
-class Run(Presentation):
+class Run(History):
     """What the mechanism did.
 
     Attributes
@@ -67,14 +67,16 @@ class Run(Presentation):
     set_points: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     limit: float | None = None
     events: Mapping[str, "list[Event]"] = field(default_factory=dict)
-    picture = "drives.picture:draw_run"
+    picture, units = "drives.picture:draw_run", ALL_UNITS
+
+    @property
+    def columns(self) -> dict[str, NDArray]:
+        """Time and outputs by name, SI."""
+        return {"t": self.t} | self.outputs
 
     def text_lines(self) -> Iterator[str]:
         """Lowest, highest and last sample of each output, the energies at the end, and the verdicts."""
-        rows = [["output", "lowest sample", "highest sample", f"at {self.t[-1]:.6g} s"]]
-        for name, x in self.outputs.items():
-            rows.append([f"{name} [{ALL_UNITS[name]}]", *(f"{value:.6g}" for value in (x.min(), x.max(), x[-1]))])
-        yield from aligned(rows, 0)
+        yield from self.table_lines()
         yield "energy [J]: " + ", ".join(f"{key} {value:.6g}" for key, value in self._energies().items())
         for name, events in self.events.items():
             first = "; ".join(f"{one.kind} at {one.t:.6g} s" for one in events[:SHOWN]) or "none"
@@ -100,8 +102,11 @@ def simulate(
     t_end: float,
     step: float,
     initial: Mapping[str, float] | None = None,
+    slack: bool = False,
+    friction: Dry = (None, None),
+    winding: Winding | None = None,
 ) -> Run:
-    """Run the linear model, in which the belt can push as well as pull; `drives.simulation` has the other one.
+    """Run the mechanism: the linear model, or event by event with a belt that cannot push, dry friction, a wound belt.
 
     Parameters
     ----------
@@ -114,26 +119,42 @@ def simulate(
         Time between samples, s; at most `MOST_STEPS` steps. It causes no error.
     initial : mapping of str to float, optional
         Values of states, 0 for those not named; `steady_state` gives some.
+    slack : bool, optional
+        Let the belt pull but not push.
+    friction : sequence of Coulomb or Karnopp, optional
+        Of `friction`, for the left and the right spool, None for one without: torques [N m] over angular speeds
+        [rad/s], beside the viscous friction of the spool.
+    winding : Winding, optional
+        Of the belt from the left spool on the right one; the radii r1 and r2 [m] and the inertias J1 and J2 [kg m^2]
+        are then outputs, too, and what the belt brings and takes with it counts as supplied.
 
     Raises
     ------
     InputError
-        A step or t_end that is not more than 0; too many samples; an unknown state.
+        A step or t_end that is not more than 0; too many samples; an unknown state; a law that knows no events; belts
+        so stiff beside their damping that ten million steps do not suffice; a spool that runs empty.
 
     Examples
     --------
     >>> run = simulate(CoupledDrives(), T1=Torque.step(0.1), T2=Torque.step(0.1), t_end=2.0, step=0.5)
     >>> [round(float(x), 6) for x in run.outputs["tension"]]
     [0.0, 0.865756, 0.982125, 0.99762, 0.999683]
+    >>> run = simulate(CoupledDrives(), T1=Torque.step(-0.1), T2=Torque.step(-0.1), t_end=1.0, step=0.5, slack=True)
+    >>> [float(f) for f in run.outputs["tension"]]
+    [0.0, 0.0, 0.0]
     """
     t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
-    model, way = drives.state_space(), legs((T1, T2), float(step), len(t))
-    x = propagate(model.a, model.b, x0, way)
-    seen = x[way.sampled]
-    states, outputs = named(drives.states, seen), named(model.outputs, seen @ model.C.T)
-    energy = energy_of(drives, model, open_torques(drives), x, way)
-    run = Run(t, states, outputs, energy, pushing(t, outputs["tension"]))
-    return replace(run, verdicts=doubts(drives, (T1, T2), run))
+    if slack or winding or any(friction):
+        parts = Assembly(drives, x0, slack, winding)
+        parts.move(parts.mechanism.input(0), parts.mechanism.input(1), friction)
+        run, *_ = moved(parts, t, (T1, T2))
+    else:
+        model, way = drives.state_space(), legs((T1, T2), float(step), len(t))
+        x = propagate(model.a, model.b, x0, way)
+        seen = x[way.sampled]
+        outputs, energy = named(model.outputs, seen @ model.C.T), energy_of(drives, model, open_torques(drives), x, way)
+        run = Run(t, named(drives.states, seen), outputs, energy, pushing(t, outputs["tension"]))
+    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, dry=friction, winding=winding))
 
 
 def pushing(t: NDArray, tension: NDArray) -> tuple[str, ...]:
@@ -199,57 +220,8 @@ def steady_state(drives: CoupledDrives, T1: float, T2: float) -> dict[str, float
     return {name: float(value) for name, value in found.items()}
 
 
-def simulate_slack(
-    drives: CoupledDrives,
-    T1: Torque = ZERO,
-    T2: Torque = ZERO,
-    *,
-    t_end: float,
-    step: float,
-    initial: Mapping[str, float] | None = None,
-    slack: bool = True,
-    friction: Dry = (None, None),
-    winding: Winding | None = None,
-) -> Run:
-    """Run the mechanism with a belt that pulls but does not push, and dry friction in the bearings, event by event.
-
-    Parameters
-    ----------
-    drives : CoupledDrives
-    T1, T2 : Torque, optional
-        N m; nothing if not given.
-    t_end, step, initial
-        As of `drives.simulate`.
-    slack : bool, optional
-        Let the belt push, if not.
-    friction : sequence of Coulomb or Karnopp, optional
-        Of `friction`, for the left and the right spool, None for one without: torques [N m] over angular speeds
-        [rad/s], beside the viscous friction of the spool.
-    winding : Winding, optional
-        Of the belt from the left spool on the right one; the radii r1 and r2 [m] and the inertias J1 and J2 [kg m^2]
-        are then outputs, too, and what the belt brings and takes with it counts as supplied.
-
-    Raises
-    ------
-    InputError
-        A step or t_end that is not more than 0; too many samples; an unknown state; a law that knows no events; belts
-        so stiff beside their damping that ten million steps do not suffice; a spool that runs empty.
-
-    Examples
-    --------
-    >>> run = simulate_slack(CoupledDrives(), T1=Torque.step(-0.1), T2=Torque.step(-0.1), t_end=1.0, step=0.5)
-    >>> [float(f) for f in run.outputs["tension"]]
-    [0.0, 0.0, 0.0]
-    """
-    t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
-    parts = Parts(drives, x0, slack, winding)
-    parts.move(parts.mechanism.input(0), parts.mechanism.input(1), friction)
-    run, *_ = moved(parts, t, (T1, T2), slack)
-    return replace(run, verdicts=doubts(drives, (T1, T2), run, slack=slack, dry=friction, winding=winding))
-
-
 def moved(
-    parts: Parts, t: NDArray, inputs: Sequence[Torque], slack: bool, also: Sequence[float] | NDArray = ()
+    parts: Assembly, t: NDArray, inputs: Sequence[Torque], also: Sequence[float] | NDArray = ()
 ) -> tuple[Run, dict[str, NDArray], dict[str, NDArray]]:
     """A run from event to event, and what else the parts show: at the samples, and at other times."""
     drives, every = parts.drives, np.union1d(t, also)
@@ -257,7 +229,7 @@ def moved(
     kept, others = (np.searchsorted(every, at) for at in (t, also))
     x, energies, model = x[kept], [one[kept] for one in energies], drives.state_space()
     outputs = named(model.outputs, x @ model.C.T)
-    pushed = slack & (outputs["tension"] < 0)
+    pushed = parts.slack & (outputs["tension"] < 0)
     for name in ("tension", "x_k"):
         outputs[name] = np.where(pushed, 0.0, outputs[name])
     tight = x.copy()
@@ -272,6 +244,6 @@ def moved(
         for k, spool in ((1, drives.left), (2, drives.right)):
             stored = stored + 0.5 * (outputs[f"J{k}"] - float(spool.inertia)) * outputs[f"w{k}"] ** 2
     run = Run(t, named(drives.states, x), outputs, Energy(stored, *energies), events=events)
-    run = run if slack else replace(run, notes=pushing(t, outputs["tension"]))
+    run = run if parts.slack else replace(run, notes=pushing(t, outputs["tension"]))
     first, second = ({name: one[at] for name, one in shown.items()} for at in (kept, others))
     return run, first, second

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction import kernel
-from friction.kernel import BUDGET, DONE, FA, FF, MODE, STALLED
+from friction.kernel import law as laws
+from friction.kernel.fixed import passed
+from friction.kernel.law import BUDGET, DONE, FA, FF, MODE, STALLED
 from friction.models import Model
 from friction.testbench import Testbench
 
@@ -27,18 +28,18 @@ class Motion:
 
     def go_on(self, t: float) -> None:
         """Take the piece of the applied force that begins at t or goes on there."""
-        self.push = kernel.push_at(self.drive, t)
+        self.push = laws.push_at(self.drive, t)
 
     def applied(self, t: float, y: Any) -> float:
         """Applied force."""
-        return kernel.applied(self.push, t, y[0])[0]
+        return laws.applied(self.push, t, y[0])[0]
 
     def forces(self, t: float, y: Any) -> tuple[float, float, float]:
         """Applied force, friction, and rate of the bristles."""
         f_a = self.applied(t, y)
         if self.mode == FREE:
-            return f_a, *kernel.friction(self.law, y[1], y[2], f_a)
-        return f_a, self.mode * kernel.steady(self.law, y[1])[0] + self.law.f_v * y[1] if self.mode else f_a, 0.0
+            return f_a, *laws.friction(self.law, y[1], y[2], f_a)
+        return f_a, self.mode * laws.steady(self.law, y[1])[0] + self.law.f_v * y[1] if self.mode else f_a, 0.0
 
     def rates(self, t: float, y: NDArray) -> list[float]:
         """Time derivatives of x, v, z, W_a, W_f."""
@@ -48,7 +49,7 @@ class Motion:
 
     def mode_at(self, t: float, y: NDArray) -> int:
         """Sign of the motion, 0 if the mass is held; in a free run as its steps show it."""
-        return self.mode if self.mode != FREE else kernel.mode_of(self.law, self.shown, y[1], y[2], self.applied(t, y))
+        return self.mode if self.mode != FREE else laws.mode_of(self.law, self.shown, y[1], y[2], self.applied(t, y))
 
     def margin(self, t: float, y: NDArray) -> float:
         """Positive until the mode ends."""
@@ -61,7 +62,7 @@ class Motion:
         then, start = before
         mode = self.mode_at(t, y)
         if mode != self.shown:
-            share = kernel.passed(self.law, self.shown, start[1], start[2], y)
+            share = passed(self.law, self.shown, start[1], start[2], y)
             at = then + share * (t - then)
             self.met.append((self.shown, mode, at, start[0] + share * (y[0] - start[0])))
         self.shown = mode

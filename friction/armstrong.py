@@ -1,12 +1,12 @@
 """Armstrong's law of seven parameters: stiction that grows with the time of rest, friction that lags velocity."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.motion import Motion
+from friction.motion import Motion, first_above
 from friction.parameters import Parameters
 from tline.errors import InputError
 
@@ -83,16 +83,9 @@ class Armstrong(Parameters, example=("Armstrong(F_c=0.9).F_s", "1.2")):
 
     def _break_away(self, motion: Motion, begin: float, end: float, s: int, rest: _Rest) -> float:
         """When the spring has the force that the contact holds; inf if it does not within an interval."""
-        from scipy.optimize import brentq
 
         def above(t: NDArray) -> NDArray:
             pulled = rest.force + self.sigma0 * (motion.place(t) - rest.place)
             return s * pulled - (self.F_c + self._peak(t, rest))
 
-        grid = np.linspace(begin, end, GRID + 1)
-        beyond = np.flatnonzero(above(grid) > 0.0) if s else np.empty(0, int)
-        if not beyond.size or beyond[0] == 0:
-            return begin if beyond.size else np.inf
-        low, high = grid[beyond[0] - 1], grid[beyond[0]]
-        found: Any = brentq(lambda t: above(np.array([t]))[0], low, high, xtol=1e-16 * max(end, 1e-290))
-        return float(found)
+        return first_above(above, np.linspace(begin, end, GRID + 1)) if s else np.inf

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from friction.measured import Measured
 from friction.methods import STATIC
 from friction.models import Model
-from friction.prescribe import deflection
+from friction.prescribed import deflection
 
 TOL = 1e-8  # of the deflection in a run
 DIFFERENCE = 1e-4  # step of scaled parameters for derivatives
@@ -103,11 +103,16 @@ def residual(model: Model, record: Measured) -> NDArray:
 
 
 def fit(kind: type[Model], record: Measured) -> Fit:
-    """Least squares from the two best of some starts."""
+    """Least squares from the best start at each Stribeck velocity, or the two best of a law without one."""
     scaled, starts = _starts(kind, record)
     everything, inside = np.ones(record.t.size, bool), scaled.bounds
     costs = [float(np.sum(residual(scaled.model(start), record) ** 2)) for start in starts]
-    found = [_solved(scaled, record, starts[k], everything, MOST_TRIALS) for k in np.argsort(costs)[:2]]
+    order = [starts[k] for k in np.argsort(costs)]
+    if "v_s" in scaled.names:
+        order = list({start[scaled.names.index("v_s")]: start for start in order[::-1]}.values())
+    else:
+        order = order[:2]
+    found = [_solved(scaled, record, start, everything, MOST_TRIALS) for start in order]
     best, jacobian, left = min(found, key=lambda each: float(each[2] @ each[2]))
     free = (best > inside[0] + AT_BOUND) & (best < inside[1] - AT_BOUND)
     deviations, vague = _told(scaled, best, jacobian, left, free)

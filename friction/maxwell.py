@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.motion import Motion
+from friction.motion import Motion, first_above
 from friction.parameters import check_number
 from tline.errors import InputError
 
@@ -100,8 +100,6 @@ class MaxwellSlip:
         If limits are constant, what an element has above its own rises throughout, and its sign at the end decides.
         Where they change, it is looked at in 64 instants.
         """
-        from scipy.optimize import brentq
-
         onset = np.where(slides, begin, np.inf)
         if s == 0:
             return np.full(slides.size, np.inf)
@@ -113,17 +111,6 @@ class MaxwellSlip:
             v = motion.velocity(np.minimum(t, last))
             return s * (held + np.outer(motion.place(t) - x0, stiffness)) - self.limit(v)
 
-        found = above(grid)
-        for k in np.flatnonzero(~slides & (found > 0.0).any(axis=0)):
-            first = int(np.argmax(found[:, k] > 0.0))
-            onset[k] = (
-                begin
-                if first == 0
-                else brentq(
-                    lambda t, k=k: above(np.array([t]))[0, k],
-                    grid[first - 1],
-                    grid[first],
-                    xtol=1e-16 * max(end, 1e-290),
-                )
-            )
+        for k in np.flatnonzero(~slides):
+            onset[k] = first_above(lambda t, k=k: above(t)[:, k], grid)
         return onset

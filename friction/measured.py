@@ -9,7 +9,7 @@ from friction.motion import Motion, splined
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction.kernel import Course
+    from friction.kernel.prescribed import Course
 
 FEWEST, MOST = 50, 100_000  # samples
 REST = 1e-3  # of the largest velocity, below which a static law is taken to be at rest

@@ -10,7 +10,8 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction import kernel
+from friction.kernel import diagram as d
+from friction.kernel.automaton import automaton
 from friction.models import Model
 from tline.compiled.structure import pack
 
@@ -43,7 +44,7 @@ class Mechanism:
         self.laws: list[Model] = []
         self.watched: list[Signal] = []
         self.registers: list[float] = []
-        self.sampled = kernel.unsampled()
+        self.sampled = d.unsampled()
 
     def _new(self, kind: int, *source: int, terms: Mapping[Signal, float] | None = None, constant: float = 0.0) -> int:
         self.kinds.append(kind)
@@ -53,11 +54,11 @@ class Mechanism:
 
     def input(self, number: int = 0) -> Signal:
         """An input of the run, by its number."""
-        return self._new(kernel.INPUT, number)
+        return self._new(d.INPUT, number)
 
     def state(self, start: float = 0.0, *, watched: bool = True) -> Signal:
         """What `integrate` says the integral of; not watched if nothing that moves depends on it."""
-        found = self._new(kernel.STATE)
+        found = self._new(d.STATE)
         self.start[found] = float(start)
         if watched:
             self.watched.append(found)
@@ -72,11 +73,11 @@ class Mechanism:
         terms = {signal: float(factor) for signal, factor in terms.items() if factor}
         if not constant and list(terms.values()) == [1.0]:
             return next(iter(terms))
-        return self._new(kernel.SUM, terms=terms, constant=float(constant))
+        return self._new(d.SUM, terms=terms, constant=float(constant))
 
     def multiply(self, one: Signal, other: Signal) -> Signal:
         """A product."""
-        return self._new(kernel.PRODUCT, one, other)
+        return self._new(d.PRODUCT, one, other)
 
     def larger(self, one: Signal, other: Signal) -> Signal:
         """The larger of two."""
@@ -88,7 +89,7 @@ class Mechanism:
 
     def _switch(self, difference: Signal, one: Signal, other: Signal) -> Signal:
         self.watched.append(difference)
-        return self._new(kernel.SWITCH, difference, one, other)
+        return self._new(d.SWITCH, difference, one, other)
 
     def limited(self, u: Signal, limit: float) -> Signal:
         """A signal between ± a limit; itself if that is infinite."""
@@ -100,24 +101,24 @@ class Mechanism:
         """Dry friction on a state v, and the applied force less it, which is to be what accelerates v."""
         self.watched.append(applied)
         self.laws.append(law)
-        return self._new(kernel.FRICTION, v, applied, len(self.laws) - 1), self._new(kernel.NET)
+        return self._new(d.FRICTION, v, applied, len(self.laws) - 1), self._new(d.NET)
 
     def register(self, start: float) -> Signal:
         """What a sampled controller keeps from one look to the next; `sample` says of which signal."""
         self.registers.append(float(start))
-        return self._new(kernel.HELD, len(self.registers) - 1)
+        return self._new(d.HELD, len(self.registers) - 1)
 
     def sample(self, kept: Sequence[Signal], outputs: Sequence[Signal], period: float, delay: float) -> list[Signal]:
-        """Outputs as they were at a look, from a delay later on; registers take `kept`; see `kernel.Sampled`."""
+        """Outputs as they were at a look, from a delay later on; registers take `kept`."""
         queue, registers = np.zeros((int(delay / period) + 2, len(outputs))), len(kept)
         held = np.r_[self.registers, np.zeros(len(outputs))]
-        self.sampled = kernel.Sampled(period, delay, np.array([*kept, *outputs], np.int64), queue, held)
-        return [self._new(kernel.HELD, registers + k) for k in range(len(outputs))]
+        self.sampled = d.Sampled(period, delay, np.array([*kept, *outputs], np.int64), queue, held)
+        return [self._new(d.HELD, registers + k) for k in range(len(outputs))]
 
-    def diagram(self) -> kernel.Diagram:
+    def diagram(self) -> d.Diagram:
         """The signals as the kernel reads them."""
         sizes, laws = [len(terms) for terms, _ in self.sums], [one.law for one in self.laws]
-        return kernel.Diagram(
+        return d.Diagram(
             np.array(self.kinds, np.int64),
             np.array(self.sources, np.int64).reshape(-1, 3),
             np.r_[0, np.cumsum(sizes)].astype(np.int64),
@@ -125,33 +126,33 @@ class Mechanism:
             np.array([factor for terms, _ in self.sums for factor in terms.values()], float),
             np.array([constant for _, constant in self.sums], float),
             np.array([(one.f_c, one.f_s, one.f_v, one.v_s, one.delta) for one in laws], float).reshape(-1, 5),
-            np.array([i for i, kind in enumerate(self.kinds) if kind == kernel.FRICTION], np.int64),
+            np.array([i for i, kind in enumerate(self.kinds) if kind == d.FRICTION], np.int64),
             np.array(list(dict.fromkeys(self.watched)), np.int64),
         )
 
     def prepared(
-        self, times: ArrayLike, shown: Sequence[Signal], inputs: "kernel.Inputs | None" = None, *,
+        self, times: ArrayLike, shown: Sequence[Signal], inputs: "d.Inputs | None" = None, *,
         t_end: float | None = None, places: Sequence[Signal] = (), events: int = 1,
-    ) -> kernel.HybridRun:  # fmt: skip
+    ) -> d.HybridRun:  # fmt: skip
         """A run with samples at those times, for so many events, told with the signals `places` of the contacts."""
         at, n, contacts = np.array(times, float), len(self.kinds), len(self.laws)
         state = np.zeros(n)
         state[list(self.start)] = list(self.start.values())
-        inputs = inputs or kernel.Inputs(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)), 0.0, 0.0, 0.0)
-        record, series = np.full((at.size, 1 + len(shown) + contacts), nan), np.zeros((n, kernel.N + 1))
-        whole, row = np.zeros((2, n), np.int64), np.zeros((2, kernel.N + 1))
-        return kernel.HybridRun(
+        inputs = inputs or d.Inputs(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)), 0.0, 0.0, 0.0)
+        record, series = np.full((at.size, 1 + len(shown) + contacts), nan), np.zeros((n, d.N + 1))
+        whole, row = np.zeros((2, n), np.int64), np.zeros((2, d.N + 1))
+        return d.HybridRun(
             self.diagram(), inputs, self.sampled, float(at[-1] if t_end is None else t_end), at,
             np.array(shown, np.int64), np.array(places, np.int64), record, np.empty((events, 5)),
             np.zeros(4, np.int64), state, np.zeros(contacts, np.int64), whole[0], np.full(n, nan), np.zeros(3),
-            series, np.zeros((2 * contacts, kernel.N + 1)), row[0], row[1],
+            series, np.zeros((2 * contacts, d.N + 1)), row[0], row[1],
         )  # fmt: skip
 
     def run(
-        self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "kernel.Inputs | None" = None, *,
+        self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "d.Inputs | None" = None, *,
         places: Sequence[Signal] = (), events: int = 1, budget: int = MOST_LEGS,
     ) -> tuple[int, dict[str, NDArray], NDArray]:  # fmt: skip
         """Status, signals at times by their names, and changes of contacts, told with the signals `places`."""
         run = self.prepared(times, list(shown.values()), inputs, places=places, events=events)
-        status = kernel.automaton(pack(run), budget)
+        status = automaton(pack(run), budget)
         return status, dict(zip(shown, run.record[:, 1:].T, strict=False)), run.events[: run.counts[2]]

@@ -15,7 +15,7 @@ from friction.parameters import TOLD, Parameters
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction.kernel import Law
+    from friction.kernel.law import Law
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,12 @@ class Model(Parameters):
     @property
     def law(self) -> "Law":
         """The parameters as the kernels take them."""
-        from friction import kernel
+        from friction.kernel import law
 
         own = {field.name: getattr(self, field.name) for field in fields(self)}
         own.pop("F_s", None)
         viscous = own.pop("F_v", 0.0) + own.pop("sigma2", 0.0)  # no model has both
-        return kernel.Law(
-            getattr(kernel, self.kind), own.pop("F_c"), self.stiction, viscous, own.pop("v_s", 1.0), **own
-        )
+        return law.Law(getattr(law, self.kind), own.pop("F_c"), self.stiction, viscous, own.pop("v_s", 1.0), **own)
 
     def g(self, v: ArrayLike) -> NDArray:
         """Stribeck curve g(v) = F_c + (F_s − F_c)·e^(−(v/v_s)²) [N]: steady friction without its viscous part."""

@@ -12,7 +12,7 @@ from friction.testbench import Force
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction.kernel import Course
+    from friction.kernel.prescribed import Course
 
 MOST_REVERSALS = 1_000_000
 FEWEST_PIECES, MOST_PIECES = 64, 16_384  # of the spline of a formula
@@ -62,7 +62,7 @@ class Motion:
         InputError
             It reverses more than a million times.
         """
-        from friction.kernel import Course
+        from friction.kernel.prescribed import Course
 
         inside = self.start[(self.start > 0.0) & (self.start < t_end)]
         turns = self._turns(t_end)
@@ -105,6 +105,18 @@ def _power(coefficients: NDArray, t: NDArray) -> NDArray:
     for column in coefficients.T[::-1]:
         total = total * t + column
     return total
+
+
+def first_above(function: Callable[[NDArray], NDArray], grid: NDArray) -> float:
+    """When a function is above 0 for the first time, as far as instants of a grid show it; inf if it never is."""
+    from scipy.optimize import brentq
+
+    beyond = np.flatnonzero(function(grid) > 0.0)
+    if not beyond.size or beyond[0] == 0:
+        return float(grid[0]) if beyond.size else np.inf
+    low, high = grid[beyond[0] - 1 : beyond[0] + 1]
+    found: Any = brentq(lambda t: float(function(np.array([t]))[0]), low, high, xtol=1e-16 * max(grid[-1], 1e-290))
+    return float(found)
 
 
 def moved_with(velocity: Force) -> Motion:

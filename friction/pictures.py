@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction.identify import Identification
-from friction.prescribe import Prescribed
+from friction.identification import Identification
+from friction.prescribed import Prescribed
 from friction.result import Kind, Result
 from tline.style import COLOURS, DASHES, FAINT, cells_of, styled
 

@@ -279,16 +279,16 @@ def limits(model: Model, v: float, mass: float = 1.0) -> Limits:
 
 def _eigenvalues(model: Model, v: np.float64, mass: np.float64) -> tuple[complex, ...]:
     """Of the velocity, and of the bristle if there is one."""
-    from friction import kernel
+    from friction.kernel import law as laws
 
     law, sign = model.law, 1.0 if v >= 0.0 else -1.0
-    if law.kind == kernel.ZONE and abs(v) <= law.delta:
+    if law.kind == laws.ZONE and abs(v) <= law.delta:
         return ()
-    if law.kind < kernel.BRISTLE:
-        slope = sign * kernel.steady(law, v)[1] + law.f_v
+    if law.kind < laws.BRISTLE:
+        slope = sign * laws.steady(law, v)[1] + law.f_v
         return (complex(-slope / mass),) if slope else ()
     z = sign * float(model.g(v)) / law.sigma0 if v != 0.0 and law.sigma0 else 0.0
-    f_v, f_z, z_v, z_z = kernel.jacobian(law, sign, v, z)
+    f_v, f_z, z_v, z_z = laws.jacobian(law, sign, v, z)
     if isinstance(model, Tanh):
         return (complex(-f_v / mass),)
     return tuple(complex(s) for s in np.linalg.eigvals([[-f_v / mass, -f_z / mass], [z_v, z_z]]))

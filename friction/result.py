@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from friction.methods import Method
 from friction.models import Model
 from friction.testbench import Testbench
-from tline.presentation import Presentation, plain
+from tline.history import History
+from tline.presentation import plain
 
 SHOWN, LISTED = 12, 1000  # events in the text, and as plain data
 CYCLE = 0.01  # by which cycles may differ that are called the same
-COLUMNS: tuple[str, ...] = ("t", "x", "v", "z", "F_a", "F_f", "W_a", "W_f", "mode")
+UNITS = {"t": "s", "x": "m", "v": "m/s", "z": "m", "F_a": "N", "F_f": "N", "W_a": "J", "W_f": "J", "mode": ""}
+COLUMNS = tuple(UNITS)
 
 
 class Kind(StrEnum):
@@ -99,7 +101,7 @@ class Cycle(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Result(Presentation):
+class Result(History):
     """A run: arrays of shape (n,), one entry a sample.
 
     Attributes
@@ -156,7 +158,12 @@ class Result(Presentation):
     tol: float | None
     errors: dict[str, float]
     doubt: str | None = None
-    picture = "friction.pictures:draw_run"
+    picture, units = "friction.pictures:draw_run", UNITS
+
+    @property
+    def columns(self) -> dict[str, NDArray]:
+        """All columns by name, SI."""
+        return {name: getattr(self, name) for name in UNITS}
 
     @property
     def worst(self) -> tuple[str, float] | None:

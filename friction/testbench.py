@@ -13,7 +13,7 @@ from friction.parameters import Parameters, check_number
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction.kernel import Drive
+    from friction.kernel.law import Drive
 
 STEEPEST = 1e30  # N/s; products of slopes and times stay finite
 MOST_DELAYED = 10_000  # periods of a sampled controller
@@ -205,7 +205,7 @@ class Testbench(Parameters):
     @property
     def drive(self) -> "Drive":
         """The applied force as the kernels take it."""
-        from friction.kernel import Drive
+        from friction.kernel.law import Drive
 
         pid = self.controller or PID(0.0)
         if self.spring:

@@ -17,6 +17,7 @@ WINDOWS, SEED = 32, 5
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # of a window; every second one is a node of the rougher rule
 DIGITS = 1e-10  # of the largest magnitude of each column: what exact runs are held to
 TIMES_TOLD = 10.0  # by which estimates may be wrong, at single instants
+PEAK = 3.0  # times v_s, above which nothing is left of the Stribeck peak
 UNCERTAIN = 10.0  # share of the difference of two rules that is not held against a run
 
 
@@ -27,6 +28,8 @@ def _weights(n: int) -> NDArray:
 
 
 FINE, ROUGH = _weights(9), _weights(5)
+RANDOM = np.random.default_rng(SEED)
+STARTS, WIDTHS = np.sort(RANDOM.random(WINDOWS)), RANDOM.uniform(0.3, 1.0, WINDOWS)
 Columns = Mapping[str, NDArray]
 
 
@@ -37,11 +40,12 @@ def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
         widest = min(widest, bench.mass * model.epsilon / model.F_c)
     elif not isinstance(model, Coulomb | Karnopp):
         widest = min(widest, float(np.sqrt(bench.mass / _of(model, "sigma0"))))
+    pull = bench.spring.stiffness if bench.spring else bench.controller.proportional if bench.controller else 0.0
+    if pull:
+        widest = min(widest, float(np.sqrt(bench.mass / pull)))
     if isinstance(bench.force, Sine):
         widest = min(widest, 0.25 / bench.force.frequency)
-    random = np.random.default_rng(SEED)
-    starts = np.sort(random.uniform(0.0, t_end - widest, WINDOWS))
-    return starts[:, None] + widest * random.uniform(0.3, 1.0, WINDOWS)[:, None] * NODES
+    return (t_end - widest) * STARTS[:, None] + widest * WIDTHS[:, None] * NODES
 
 
 def doubt(
@@ -179,7 +183,7 @@ def _of_motion(
         if isinstance(model, ElastoPlastic):
             soft *= 1.0 + np.pi * stiffness * peak["z"] / (model.F_c - stiffness * model.z_ba)
         rates.append(("z", slip, soft * (off["v"] + stiffness * peak["v"] / _of(model, "F_c") * off["z"])))
-    even = _undisturbed(bench, at, events)
+    even = _undisturbed(model, bench, at, events)
     for name, rate, wrong in rates:
         change = width * (rate @ FINE)
         unsure = UNCERTAIN * np.abs(change - width * (rate[:, ::2] @ ROUGH))
@@ -188,10 +192,14 @@ def _of_motion(
         yield f"the change of {name} in {width.max():.2g} s", given, np.where(even, change, given), bar
 
 
-def _undisturbed(bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
-    """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none."""
+def _undisturbed(model: Model, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
+    """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none.
+
+    Nor does the speed pass the Stribeck peak between two nodes, which neither rule would see.
+    """
     t, v, force, pid = at["t"], at["v"], bench.force, bench.controller
-    hit = np.zeros(len(t), bool)
+    slow = np.minimum(np.abs(v[:, 1:]), np.abs(v[:, :-1])) < PEAK * _of(model, "v_s")
+    hit = (slow & (np.abs(np.diff(v)) > _of(model, "v_s"))).any(axis=1)
     if pid and pid.period:
         hit |= np.ptp(np.ceil((t[:, [0, -1]] - pid.delay) / pid.period + 1e-9 * np.array([-1, 1])), axis=1) > 0
     elif bench.spring and bench.spring.play:

@@ -27,6 +27,7 @@ from friction.kernel.law import (
     applied,
     friction,
     gap,
+    note,
     piece,
     put,
     steady,
@@ -170,18 +171,8 @@ def mark(compared, check, t, mode, pull):
             for column in range(rows.shape[1]):
                 rows[i, column] = rows[2 * i + 1, column] if i < check else 0.0
         return check
-    instants[check], row = t, rows[check]
-    row[T], row[X], row[V], row[Z], row[FA], row[FF], row[WA], row[WF] = (
-        t,
-        y[0],
-        y[1],
-        y[2],
-        pull[0],
-        pull[2],
-        y[3],
-        y[4],
-    )
-    row[MODE] = mode
+    instants[check] = t
+    note(rows[check], t, y, pull[0], pull[2], mode)
     return check + 1
 
 
@@ -340,7 +331,5 @@ def keep(law, push, t, step, mode, dense, at, record):
     """A sample within a step."""
     theta = min((at - t) / step, 1.0)
     x, v, z = inside(dense, 0, theta), inside(dense, 1, theta), inside(dense, 2, theta)
-    f_a = applied(push, at, x)[0]
-    record[T], record[X], record[V], record[Z], record[FA] = at, x, v, z, f_a
-    record[FF], record[MODE] = friction(law, v, z, f_a)[0], mode
-    record[WA], record[WF] = inside(dense, 3, theta), inside(dense, 4, theta)
+    f_a, works = applied(push, at, x)[0], (inside(dense, 3, theta), inside(dense, 4, theta))
+    note(record, at, (x, v, z, works[0], works[1]), f_a, friction(law, v, z, f_a)[0], mode)

@@ -201,9 +201,13 @@ def drop_term(v_s, v, square, bell, k):
 @function
 def trusted(row, n, h):
     """Largest step up to h at which term n is rounding of the largest early one."""
-    last, found = abs(row[n]), 0.0
+    last, found, power = abs(row[n]), 0.0, h ** (n - 5)
     if last == 0.0:
         return h
+    for k in range(5, -1, -1):
+        if ROUNDING * abs(row[k]) >= last * power:
+            return h
+        power *= h
     for k in range(6):
         if row[k] != 0.0:
             found = max(found, (ROUNDING * abs(row[k]) / last) ** (1.0 / (n - k)))

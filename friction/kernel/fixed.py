@@ -8,9 +8,8 @@ from friction.kernel.law import (
     BLOWN_UP,
     BRISTLE,
     DONE,
-    FF,
-    MODE,
     applied,
+    friction,
     gap,
     mode_of,
     note,
@@ -34,9 +33,9 @@ def march(run: FixedRun, steps: int, method: int, every: int) -> int:
     """
     law, drive, mass, h, y, k, record = run.law, run.drive, run.mass, run.h, run.y, run.k, run.record
     push, force = push_at(drive, 0.0), 0.0
-    f_a = note(record, 0, law, push, 0.0, y)
+    f_a = applied(push, 0.0, y[0])[0]
     mode = mode_of(law, 0, y[1], y[2], f_a)
-    record[0, MODE] = mode
+    note(record[0], 0.0, y, f_a, friction(law, y[1], y[2], f_a)[0], mode)
     for n in range(steps):
         t, x, v, z = n * h, y[0], y[1], y[2]
         if t >= push.end:
@@ -59,11 +58,8 @@ def march(run: FixedRun, steps: int, method: int, every: int) -> int:
             at, place = t + share * h, x + share * (y[0] - x)
             run.counts[EVENTS] = put(run.events, run.counts[EVENTS], before, mode, at, place)
         if (n + 1) % every == 0 or n + 1 == steps:
-            row = (n + every) // every
-            note(record, row, law, push, (n + 1) * h, y)
-            record[row, MODE] = mode
-            if method >= MOREAU:
-                record[row, FF] = force
+            force = force if method >= MOREAU else friction(law, y[1], y[2], f_a)[0]
+            note(record[(n + every) // every], (n + 1) * h, y, f_a, force, mode)
     return DONE
 
 

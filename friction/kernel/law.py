@@ -168,13 +168,10 @@ def slopes(law, push, mass, t, y, out):
 
 
 @function
-def note(record, row, law, push, t, y):
-    """Keep a state, with the forces of the law; the applied force."""
-    f_a = applied(push, t, y[0])[0]
-    record[row, T], record[row, X], record[row, V], record[row, Z] = t, y[0], y[1], y[2]
-    record[row, FA], record[row, FF] = f_a, friction(law, y[1], y[2], f_a)[0]
-    record[row, WA], record[row, WF] = y[3], y[4]
-    return f_a
+def note(row, t, y, f_a, f_f, mode):
+    """Keep a state with its forces and mode in a row of a record."""
+    row[T], row[X], row[V], row[Z], row[WA], row[WF] = t, y[0], y[1], y[2], y[3], y[4]
+    row[FA], row[FF], row[MODE] = f_a, f_f, mode
 
 
 @function

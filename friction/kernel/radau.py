@@ -15,33 +15,21 @@ NODES[-1] = 1.0
 BARYCENTRIC = np.array([1.0 / np.prod(own - np.delete(NODES, j)) for j, own in enumerate(NODES)])
 
 
-def _basis(j, t):
-    """The polynomial of degree 5 that is 1 at node j and 0 at all others."""
-    return np.prod([t - other for other in np.delete(NODES, j)], axis=0) * BARYCENTRIC[j]
+def _vanishing(nodes):
+    """The polynomial with these roots, as a series that loses nothing between 0 and 1."""
+    return Legendre.fromroots(nodes, domain=[0.0, 1.0])
 
 
-def _integrals(function, end):
-    """Integral from 0 to an end; exact for polynomials of degree 15."""
-    points, weights = np.polynomial.legendre.leggauss(8)
-    return 0.5 * end * np.sum(weights * function(0.5 * end * (points + 1.0)))
-
-
-def _slope(j, t):
-    others = np.delete(NODES, j)
-    return sum(np.prod(t - np.delete(others, k)) for k in range(STAGES)) * BARYCENTRIC[j]
-
-
-def _missed(t):
-    """Shape of the defect: zero at all stages."""
-    return np.prod([t - c for c in NODES[1:]], axis=0)
-
-
-A = np.array([
-    [_integrals(lambda t, j=j: _basis(j, t) * NODES[j] / t, c) for j in range(1, STAGES + 1)] for c in NODES[1:]
-])  # fmt: skip
+BASIS = [_vanishing(np.delete(NODES, j)) for j in range(STAGES + 1)]
+BASIS = [each / each(own) for each, own in zip(BASIS, NODES, strict=True)]  # 1 at one node, 0 at all others
 CHECKS = np.array([0.0, 0.5 * (NODES[-1] + NODES[-2])])
-AT, SLOPE = (np.array([[f(j, c) for j in range(STAGES + 1)] for c in CHECKS]) for f in (_basis, _slope))
-PER_DEFECT = max(abs(_integrals(_missed, end)) for end in np.linspace(0.0, 1.0, 101)) / np.abs(_missed(CHECKS))
+AT, SLOPE = (np.array([[each(c) for each in some] for c in CHECKS]) for some in (BASIS, [p.deriv() for p in BASIS]))
+MISSED = _vanishing(NODES[1:])  # shape of the defect: zero at all stages
+PER_DEFECT = np.abs(MISSED.integ(lbnd=0.0)(np.linspace(0.0, 1.0, 101))).max() / np.abs(MISSED(CHECKS))
+STAGE = [_vanishing(np.delete(NODES[1:], j)) for j in range(STAGES)]
+A = np.array(
+    [[each.integ(lbnd=0.0)(c) / each(own) for own, each in zip(NODES[1:], STAGE, strict=True)] for c in NODES[1:]]
+)
 
 
 @function

@@ -84,7 +84,7 @@ def test_answers(command, words):
         ("step --table empty.csv", "empty.csv: no rows"),
         ("step --table part.csv", "part.csv: a column is missing, expected t, T1, T2, got t, T1"),
         (f"step --table late.csv --t1 {BOTH}", "--table: the torques are given twice"),
-        ("step --hold", "--hold: nothing to hold"),
+        ("step --hold", "--hold: needs its partner, expected --table beside it"),
         ("step --t1 5", "--t1: the unit is missing"),
         ("step --rise '0 s'", "--rise: not a time"),
         ("step --t-end '1 s' --step '2 s'", "--step: unfit"),

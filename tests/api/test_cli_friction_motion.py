@@ -29,7 +29,7 @@ def folder(tmp_path, monkeypatch):
 BAD = {
     "gap.csv": "t,x\n0,0\n1,\n2,0\n",
     "back.csv": "t,x\n0,0\n2,1\n1,0\n",
-    "words.csv": "t,force\n0,0\n",
+    "words.csv": "t,heat\n0,0\n",
     "twice.csv": "t,t\n0,0\n",
     "unit.csv": "t [m],x\n0,0\n",
     "empty.csv": "\n",
@@ -102,7 +102,7 @@ def test_loops_are_drawn(folder):
         ("lugre --position none.csv", "--position: 'none.csv' cannot be read"),
         ("lugre --position gap.csv", "--position: line 3 is not 2 numbers, expected t, x"),
         ("lugre --position back.csv", "--position: line 4: time does not rise, expected more than 2 s, got 1"),
-        ("lugre --position words.csv", "--position: unknown column, expected t, x, v, F, got 'force'"),
+        ("lugre --position words.csv", "--position: unknown column, expected t, x, v, F, got 'heat'"),
         ("lugre --position twice.csv", "--position: a column twice"),
         ("lugre --position unit.csv", "--position: "),
         ("lugre --position empty.csv", "--position: no rows"),
@@ -114,6 +114,24 @@ def test_mistakes(command, sentence):
     assert result.stderr.startswith(sentence)
     assert result.stderr.count("\n") == 1
     assert (result.exit_code, result.stdout) == (2, "")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t\tx\n0\t0\n0,5\t0,0015\n1\t0\n",
+        "sep=;\nTime (ms);Position (mm)\n0;0\n500;1,5\n1000;0\n",
+        "t,x,\ns,mm,\n0,0,\n0.5,1.5,\n1,0,\n",
+        '"t"  "x"\n[ms] [mm]\n0    0\n500  1.5\n1000 0\n',
+        "0 0\n0.5 0.0015\n1 0\n",
+    ],
+)
+def test_dialects_say_the_same(text, folder):
+    (folder / "dialect.csv").write_text(text, encoding="utf-8")
+    moved, same = (run(f"lugre --json --position {name}.csv") for name in ("moved", "dialect"))
+    assert (same.exit_code, same.stderr) == (0, "")
+    told, other = (json.loads(each.output)["lugre"] for each in (moved, same))
+    assert told["F_f"] == pytest.approx(other["F_f"], rel=1e-9)
 
 
 def test_parameters_from_a_file(folder):

@@ -224,8 +224,8 @@ DRIVES = {
     "pulley": lambda: drives.check_pulley(PAIR.pulley),
     "torque": lambda: drives.Torque.table([0, 1], [0, 4]),
     "run": lambda: drives.simulate(PAIR, T1=drives.Torque.step(0.1), T2=drives.Torque.step(0.1), t_end=2.0, step=0.5),
-    "slack": lambda: drives.simulate_slack(PAIR, T1=drives.Torque.step(-0.1), T2=drives.Torque.step(-0.1), t_end=1.0,
-                                           step=0.5),
+    "slack": lambda: drives.simulate(PAIR, T1=drives.Torque.step(-0.1), T2=drives.Torque.step(-0.1), t_end=1.0,
+                                     step=0.5, slack=True),
     "control": lambda: drives.simulate_control(drives.design(PAIR, 20, 20), drives.Torque.step(1.0),
                                                drives.Torque.step(5.0), t_end=2.0, step=0.5),
 }  # fmt: skip

@@ -31,7 +31,7 @@ LOWER = {
     ("tline.solver.description.slab", "CHEAP_IN_BLOCKS"): 1e6,
     ("tline.solver.description.slab", "MOST_KEPT"): 1e5,
     ("tline.solver.tolerance.ladder", "MOST_SECONDS"): 0.3,
-    ("friction.simulate", "MOST_STEPS"): 20_000,
+    ("friction.simulation", "MOST_STEPS"): 20_000,
     ("drives.simulation", "MOST_STEPS"): 5_000,
     ("tline.live.server", "IDLE"): 0.0,
     ("webbrowser", "open"): bool,

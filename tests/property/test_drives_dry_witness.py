@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from drives import CoupledDrives, Spool, Torque, design, simulate_control, simulate_slack
+from drives import CoupledDrives, Spool, Torque, design, simulate, simulate_control
 from drives.witness import doubts
 from friction import Coulomb, Karnopp
 
@@ -22,7 +22,7 @@ def test_nothing_is_said_of_what_is_right(seed):
     laws = laws if seed % 2 else (laws[1], Coulomb(F_c=rng.random(), F_v=0.0))
     how: dict[str, Any] = {"t_end": 0.5, "step": 0.01, "friction": laws, "slack": seed % 3 == 0}
     if seed < 6:
-        assert simulate_slack(DRIVES, *TORQUES, **how).verdicts == ()
+        assert simulate(DRIVES, *TORQUES, **how).verdicts == ()
     else:
         looks = (
             {"period": rng.uniform(1e-3, 0.02), "delay": rng.uniform(0.0, 0.01)} if seed % 2 else {"filter_time": 0.01}
@@ -32,7 +32,7 @@ def test_nothing_is_said_of_what_is_right(seed):
         assert not [one for one in run.verdicts if "disagree" in one]
 
 
-RUN = simulate_slack(DRIVES, *TORQUES, t_end=2.0, step=0.02, friction=LAWS)
+RUN = simulate(DRIVES, *TORQUES, t_end=2.0, step=0.02, slack=True, friction=LAWS)
 TOLD: dict[str, Any] = {"parts": DRIVES, "inputs": TORQUES, "slack": True, "dry": LAWS}
 
 

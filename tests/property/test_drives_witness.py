@@ -18,7 +18,6 @@ from drives import (
     design,
     simulate,
     simulate_control,
-    simulate_slack,
 )
 from drives.by_hand import Control
 from drives.discretise import legs
@@ -56,7 +55,7 @@ def random_run(kind, seed):
     start = {name: rng.uniform(-0.5, 0.5) for name in made.states if rng.random() < 0.5}
     how = {"t_end": end, "step": step, "initial": start}
     if kind in ("torques", "slack"):
-        return {"torques": simulate, "slack": simulate_slack}[kind](made, first, second, **how)
+        return simulate(made, first, second, **how, slack=kind == "slack")
     how |= {"d1": third, "limit": size(rng, 1) if kind == "limit" else None, "antiwindup": rng.random() < 0.7}
     return simulate_control(design(made), first, second, **how)
 
@@ -88,7 +87,7 @@ def heard(kind):
     if kind in ("torques", "long steps"):
         return simulate(DRIVES, *TORQUES, t_end=2.0, step=0.4 if kind == "long steps" else 0.01), {"inputs": TORQUES}
     if kind == "slack":
-        return simulate_slack(DRIVES, *TORQUES, t_end=2.0, step=0.02), {"inputs": TORQUES, "slack": True}
+        return simulate(DRIVES, *TORQUES, t_end=2.0, step=0.02, slack=True), {"inputs": TORQUES, "slack": True}
     made, limit = design(DRIVES), 1.0 if kind == "limit" else None
     run = simulate_control(made, *POINTS[:2], d1=POINTS[2], limit=limit, t_end=2.0, step=0.02)
     gains = [(float(one.gain), float(one.integral_time)) for one in (made.speed, made.tension)]

@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from friction import Coulomb, Karnopp, kernel
+from friction import Coulomb, Karnopp
+from friction.kernel.law import DONE
 from friction.mechanism import Mechanism
 
 
@@ -41,7 +42,7 @@ def test_energy_never_grows_and_goes_into_friction_and_dampers(masses):
         m, shown, places = chain(np.random.default_rng((masses, seed)), masses)
         times = np.linspace(0.0, 60.0, 601)
         status, run, changes = m.run(times, shown, places=places, events=5000)
-        assert status == kernel.DONE
+        assert status == DONE
         stored, heat = run["stored"], run["heat"]
         assert np.diff(stored).max() <= 1e-13 * stored[0]
         assert np.diff(heat).min() >= 0.0

@@ -140,7 +140,7 @@ def test_a_jump_that_is_lost_is_found():
 
 
 def test_a_run_that_is_doubted_says_so_and_where(monkeypatch):
-    module = sys.modules["friction.simulate"]
+    module = sys.modules["friction.simulation"]
     right = module._events
     monkeypatch.setattr(module, "_events", lambda model, *rest: right(Coulomb(1.1), *rest))
     run = simulate(Coulomb(), Testbench())

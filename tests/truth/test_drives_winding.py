@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from drives import Belt, CoupledDrives, InputError, Spool, Torque, Winding, design, simulate_control, simulate_slack
+from drives import Belt, CoupledDrives, InputError, Spool, Torque, Winding, design, simulate, simulate_control
 from friction import Coulomb
 
 DRIVES = CoupledDrives(Spool(5e-3, 0.02, 0.1), Spool(1e-3, 0.03, 0.05), Belt(80, 0.5), Belt(50, 0.3))
@@ -60,7 +60,7 @@ def by_scipy(times):
 
 
 def test_a_belt_is_wound_as_scipy_winds_it():
-    run = simulate_slack(DRIVES, *TORQUES, t_end=2.0, step=0.1, winding=WOUND)
+    run = simulate(DRIVES, *TORQUES, t_end=2.0, step=0.1, slack=True, winding=WOUND)
     assert run.verdicts == ()
     assert run.outputs["J2"][-1] > 1.5 * run.outputs["J2"][0]
     for name, exact in by_scipy(run.t).items():
@@ -69,8 +69,8 @@ def test_a_belt_is_wound_as_scipy_winds_it():
 
 
 def test_a_thin_belt_without_mass_changes_nothing():
-    plain = simulate_slack(DRIVES, *TORQUES, t_end=1.0, step=0.1, slack=False)
-    thin = simulate_slack(DRIVES, *TORQUES, t_end=1.0, step=0.1, slack=False, winding=Winding(1e-20, 0.0))
+    plain = simulate(DRIVES, *TORQUES, t_end=1.0, step=0.1)
+    thin = simulate(DRIVES, *TORQUES, t_end=1.0, step=0.1, winding=Winding(1e-20, 0.0))
     for name, exact in plain.outputs.items():
         np.testing.assert_allclose(thin.outputs[name], exact, rtol=0, atol=1e-13 * np.abs(exact).max())
 
@@ -85,4 +85,4 @@ def test_under_control_and_with_friction_the_witness_is_silent():
 
 def test_an_empty_spool_is_told():
     with pytest.raises(InputError, match="the left spool is empty"):
-        simulate_slack(DRIVES, *TORQUES, t_end=2.0, step=0.01, winding=Winding(1e-2, 0.5))
+        simulate(DRIVES, *TORQUES, t_end=2.0, step=0.01, slack=True, winding=Winding(1e-2, 0.5))

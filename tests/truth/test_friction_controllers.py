@@ -21,7 +21,7 @@ def slid(y, t, end, mass, force, way):
         return y[1]
 
     stop.terminal, stop.direction = True, -way
-    run = solve_ivp(rates, (t, end), y, "DOP853", events=stop, rtol=1e-12, atol=1e-14, max_step=0.02)
+    run = solve_ivp(rates, (t, end), y, "DOP853", events=stop, rtol=1e-12, atol=1e-14, max_step=0.005)
     return run.t[-1], run.y[:, -1], bool(run.t_events[0].size)
 
 

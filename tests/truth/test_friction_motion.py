@@ -7,7 +7,7 @@ import pytest
 from friction_moved import force_by_scipy
 
 from friction import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Ramp, Sine, Steps, Table, Tanh, prescribe
-from friction.prescribe import ROUNDING
+from friction.prescribed import ROUNDING
 
 MODELS = (
     LuGre(sigma1=2.0),

@@ -28,14 +28,16 @@ from friction import (
     Testbench,
     dead_zone,
     euler_chatter,
-    kernel,
     limits,
     lugre_drift,
     prescribe,
     simulate,
     tanh_creep,
 )
-from friction.simulate import on_testbench
+from friction.kernel import law as kernel
+from friction.kernel.automaton import automaton
+from friction.kernel.roots import first_root
+from friction.simulation import on_testbench
 from tline.compiled.structure import pack
 
 SMOOTH = [LuGre(sigma1=3.0), Dahl(), ElastoPlastic(sigma1=2.0), Tanh()]
@@ -69,16 +71,16 @@ def test_first_roots_are_those_of_the_companion_matrix():
         p[0] = abs(p[0])
         roots = np.roots(p[::-1])
         real = roots[(abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real <= 2.0)].real
-        got = kernel.first_root(p, 2.0, np.empty(p.size))
+        got = first_root(p, 2.0, np.empty(p.size))
         assert got == pytest.approx(real.min() if real.size else inf, rel=1e-7)
 
 
 def test_zeros_at_the_start_are_no_roots():
     q = np.empty(4)
-    assert kernel.first_root(np.array([0.0, 1.0, -1.0]), 3.0, q) == pytest.approx(1.0)
-    assert kernel.first_root(np.array([0.0, 0.0, 2.0]), 3.0, q) == inf
-    assert kernel.first_root(np.array([0.0, -1.0, 2.0]), 3.0, q) == 0.0
-    assert kernel.first_root(np.zeros(3), 3.0, q) == inf
+    assert first_root(np.array([0.0, 1.0, -1.0]), 3.0, q) == pytest.approx(1.0)
+    assert first_root(np.array([0.0, 0.0, 2.0]), 3.0, q) == inf
+    assert first_root(np.array([0.0, -1.0, 2.0]), 3.0, q) == 0.0
+    assert first_root(np.zeros(3), 3.0, q) == inf
 
 
 @pytest.mark.parametrize(
@@ -224,7 +226,7 @@ def test_events_beyond_the_list_are_counted():
     """Those that fit are the same, whether or not all do."""
     bench, times = Testbench(Sine(2.0, 5.0)), np.array([10.0])
     whole, short = (on_testbench(Karnopp(), bench, 10.0, times, events) for events in (1000, 21))
-    assert kernel.automaton(pack(whole), 10_000) == kernel.automaton(pack(short), 10_000) == kernel.DONE
+    assert automaton(pack(whole), 10_000) == automaton(pack(short), 10_000) == kernel.DONE
     np.testing.assert_array_equal(short.counts, whole.counts)
     assert 100 < whole.counts[2] < 1000
     np.testing.assert_array_equal(short.events[:20], whole.events[:20])

@@ -42,7 +42,7 @@ def test_a_docstring_is_cut_at_its_sections() -> None:
 
 
 @command(
-    "friction.simulate:simulate",
+    "friction.simulation:simulate",
     names={"h": "step"},
     omit=("model", "bench", "budget"),
     files={"csv": table("Numbers")},

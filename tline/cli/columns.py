@@ -8,6 +8,10 @@ from pathlib import Path
 from tline.errors import InputError
 from tline.units import to_si
 
+WORDS = {  # of loggers, for the letters here
+    "time": "t", "zeit": "t", "position": "x", "displacement": "x", "place": "x", "velocity": "v", "speed": "v",
+    "force": "F", "friction": "F",
+}  # fmt: skip
 HEADING = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
 
 
@@ -19,8 +23,9 @@ def read_columns(
     Parameters
     ----------
     file : str
-        Comma, semicolon or tab between columns; beside semicolons numbers may have a decimal comma. Empty lines and
-        lines that begin with # are skipped.
+        Semicolon, tab, comma or blanks between columns; numbers may have a decimal comma where none stands between
+        columns. Units stand in brackets behind names, or in a line of their own. Empty lines and lines that begin with
+        # or sep= are skipped.
     where : str
         What an error points at.
     units : mapping of str to str
@@ -31,22 +36,24 @@ def read_columns(
     from tline.scene.text_file import read_text
     from tline.words.printable import one_line
 
-    lines = [line for line in enumerate(read_text(Path(file), where).splitlines(), 1) if line[1].strip()[:1] not in "#"]
+    text = enumerate(map(str.strip, read_text(Path(file), where).splitlines()), 1)
+    lines = [(number, line) for number, line in text if line[:1] not in "#" and not line.startswith("sep=")]
     if not lines:
         raise InputError(where, "no rows", "lines of numbers", f"'{one_line(file)}'")
-    between = max(";\t,", key=lambda mark: mark in lines[0][1])
+    between = max(";\t, ", key=lambda mark: mark in lines[0][1])
     try:
-        found = [(number, next(csv.reader([text], delimiter=between))) for number, text in lines]
+        found = [(number, _cells(line, between)) for number, line in lines]
     except csv.Error as error:
         raise InputError(where, f"cannot be read: {error}", "columns of numbers") from None
     head, rows = (found[0][1], found[1:]) if any(map(_is_word, found[0][1])) else (None, found)
+    if head and rows and len(rows[0][1]) == len(head) and all(map(_is_word, rows[0][1])):
+        head = [f"{cell} [{unit.strip('[()]')}]" for cell, unit in zip(head, rows.pop(0)[1], strict=True)]
     names, factors = _headed(head, where, units) if head else (list(assumed), [1.0] * len(assumed))
     if not names:
         told = ", ".join(f"{name} [{unit}]" for name, unit in units.items())
         raise InputError(where, "no heading", f"names of columns in the first line, such as {told}")
     columns: dict[str, list[float]] = {name: [] for name in names}
-    for number, row in rows:
-        cells = [cell.strip().replace(",", ".") if between == ";" else cell.strip() for cell in row]
+    for number, cells in rows:
         if len(cells) != len(names) or not all(map(_is_number, cells)):
             raise InputError(where, f"line {number} is not {len(names)} numbers", ", ".join(names))
         for name, factor, cell in zip(names, factors, cells, strict=True):
@@ -59,11 +66,18 @@ def read_columns(
     return columns
 
 
+def _cells(line: str, between: str) -> list[str]:
+    """Cells of a line, decimal commas as points, without an empty last one."""
+    found = [cell.strip() for cell in next(csv.reader([line], delimiter=between, skipinitialspace=True))]
+    found = [cell.replace(",", ".") for cell in found if cell or between != " "]
+    return found[:-1] if found[-1:] == [""] else found
+
+
 def _headed(head: list[str], where: str, units: Mapping[str, str]) -> tuple[list[str], list[float]]:
     names, factors = [], []
     for cell in head:
         told = HEADING.fullmatch(cell)
-        name = told[1] if told else ""
+        name = WORDS.get(told[1].lower(), told[1]) if told else ""
         if name not in units or name in names:
             problem = "unknown column" if name not in names else "a column twice"
             raise InputError(where, problem, ", ".join(units), f"'{cell[:30]}'")
@@ -80,4 +94,4 @@ def _is_number(cell: str) -> bool:
 
 
 def _is_word(cell: str) -> bool:
-    return cell.strip()[:1].isalpha() and cell.strip().lower() != "nan"
+    return cell.strip(" [(")[:1].isalpha() and cell.strip().lower() != "nan"

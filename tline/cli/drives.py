@@ -133,7 +133,7 @@ def _response(transfers: list, omega: list[float], answers: dict[str, dict[str, 
 
 @command(
     "drives.simulation:simulate",
-    omit=("drives", "T1", "T2", "initial"),
+    omit=("drives", "T1", "T2", "initial", "friction", "winding"),
     more=(*LOOSE, *MECHANISM),
     files=FILES,
     group=drives,
@@ -183,17 +183,13 @@ def step_(
     step : TIME
         Time between samples, a 200th of the run if not given; it causes no error.
     """
-    from drives import simulate, simulate_slack
+    from drives import simulate
 
     rubs = loosely(given)
     applied, last = torques(t1, t2, rise, table, hold), quantity("--t-end", t_end, "s")
     h = quantity("--step", step, "s") if step else last / SAMPLES["step"]
-    found = mechanism(given)
-    if slack or rubs:
-        run = simulate_slack(found, *applied, t_end=last, step=h, slack=slack, **rubs)
-    else:
-        run = simulate(found, *applied, t_end=last, step=h)
-    return step_.shown(run, exit_code=int(bool(run.verdicts)), csv=tabled({"t": run.t} | run.outputs))
+    run = simulate(mechanism(given), *applied, t_end=last, step=h, slack=slack, **rubs)
+    return step_.shown(run, exit_code=int(bool(run.verdicts)))
 
 
 @command(
@@ -250,9 +246,7 @@ def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) ->
     if sensitivities:
         more = sensitivities_of(made, numbers.get("filter_time", 0.0))
         told["sensitivities"], lines = more.to_dict(), [*more.text_lines(), *lines]
-    output = control.shown(
-        run, *lines, told=told, exit_code=int(bool(verdicts)), csv=tabled({"t": run.t} | run.outputs)
-    )
+    output = control.shown(run, *lines, told=told, exit_code=int(bool(verdicts)))
     return output._replace(text=[*made.text_lines(), *output.text])
 
 

@@ -9,7 +9,7 @@ import click
 
 from tline.cli.columns import read_columns
 from tline.cli.docstrings import arguments_of
-from tline.cli.options import options_named
+from tline.cli.options import check_partners, options_named
 from tline.errors import InputError
 from tline.scene.text_file import read_toml
 from tline.units import to_si
@@ -116,6 +116,7 @@ def loosely(given: dict[str, Any]) -> dict[str, Any]:
     from drives import Winding
 
     names = ("coulomb", "break_away", "stribeck", "thickness", "line_density")
+    check_partners(given, {"break_away": "coulomb", "stribeck": "break_away", "line_density": "thickness"})
     *dry, thickness, density = (given.pop(name, None) for name in names)
     laws, found = _dry_friction(*dry), dict[str, Any]()
     if any(laws):
@@ -124,8 +125,6 @@ def loosely(given: dict[str, Any]) -> dict[str, Any]:
         with options_named({"thickness": "--thickness", "line_density": "--line-density"}):
             per_length = quantity("--line-density", density, "kg/m") if density else 0.0
             found["winding"] = Winding(quantity("--thickness", thickness, "m"), per_length)
-    elif density is not None:
-        raise InputError("--line-density", "needs its partner", "--thickness beside it")
     return found
 
 
@@ -141,8 +140,6 @@ def _dry_friction(coulomb: str | None, break_away: str | None, stribeck: str | N
     sides: list[dict[str, float]] = [{}, {}]
     for name, (text, unit, symbol) in given.items():
         where, parts = f"--{name.replace('_', '-')}", (text or "").split(",")
-        if text is not None and (coulomb is None or (name == "stribeck" and break_away is None)):
-            raise InputError(where, "needs its partner", "--break-away beside it" if coulomb else "--coulomb beside it")
         if len(parts) > 2:
             raise InputError(where, "the wrong number of values", "one value, or two: left, right", f"{len(parts)}")
         for side, part in zip(sides, parts * 2, strict=False):
@@ -159,6 +156,7 @@ def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None,
     """T1 and T2 from the options of `tline drives step`."""
     from drives import Torque
 
+    check_partners({"hold": hold, "table": table}, {"hold": "table"})
     if table is not None:
         if t1 or t2 or rise:
             raise InputError("--table", "the torques are given twice", "either a table, or --t1, --t2 and --rise")
@@ -168,8 +166,6 @@ def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None,
         with options_named({"times": table, "torque table": table}):
             first, second = (Torque.table(found["t"], found[name], held=hold) for name in ("T1", "T2"))
         return first, second
-    if hold:
-        raise InputError("--hold", "nothing to hold", "--table beside it")
     if t1 is None and t2 is None:
         t1 = t2 = "0.1 N m"
     heights = [quantity(where, text or "0 N m", "N m") for where, text in (("--t1", t1), ("--t2", t2))]

@@ -8,7 +8,7 @@ import click
 
 from tline.cli.columns import read_columns
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
-from tline.cli.options import options_named
+from tline.cli.options import check_partners, options_named
 from tline.errors import InputError
 from tline.units import to_si
 
@@ -26,6 +26,10 @@ Examples:
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
 GAINS = ("proportional", "integral", "derivative")
+PARTNERS = {  # options without which others mean nothing
+    "sine": "frequency", "frequency": "sine", "phase": "sine", "hold": "table", "spring": "pull", "play": "spring",
+    "target": "pid", "limit": "pid", "period": "pid", "delay": "pid",
+}  # fmt: skip
 SEVERAL = ("stiffness", "limits")  # of MaxwellSlip
 RECORDED = {"t": "s", "x": "m", "v": "m/s", "F": "N"}  # columns of records, and their units
 NAMED = {  # options by the package's names
@@ -54,7 +58,7 @@ def friction() -> None:
 
 
 @command(
-    "friction.simulate:simulate",
+    "friction.simulation:simulate",
     "friction.testbench:Testbench",
     names={"parameters": "set", "h": "step"},
     omit=("model", "bench", "times", "force", "controller"),
@@ -127,11 +131,14 @@ def run(
     import numpy as np
 
     from friction import MODELS, Result, Status, Testbench, simulate
-    from friction.result import COLUMNS
 
     numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
     asked = {"target": target, "limit": limit, "period": period, "delay": delay}
-    si = run.in_si(numbers | {"spring": spring, "play": play, "pull": pull} | asked | given)
+    moved = {"spring": spring, "play": play, "pull": pull}
+    if spring is not None and pid is not None:
+        raise InputError("--pid", "beside a spring", "one of both")
+    check_partners(numbers | moved | asked | {"pid": pid, "table": table, "hold": hold}, PARTNERS)
+    si = run.in_si(numbers | moved | asked | given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
     bench = {key: si[key] for key in ("mass", "v0") if key in si}
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
@@ -148,7 +155,7 @@ def run(
     return Output(
         [line for each in runs.values() for line in [*each.text_lines(), *_balanced(each)]],
         found.to_dict if len(runs) == 1 else lambda: {name: each.to_dict() for name, each in runs.items()},
-        {"csv": tabled(beside(runs, COLUMNS)), "plot": drawn("friction.pictures:draw_run", runs)},
+        {"csv": tabled(beside(runs)), "plot": drawn("friction.pictures:draw_run", runs)},
         exit_code=int(any(each.status is not Status.DONE for each in runs.values())),
     )
 
@@ -198,23 +205,17 @@ def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mappin
         }
 
 
-def beside(runs: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+def beside(runs: Mapping[str, Any]) -> dict[str, Any]:
     """Columns of runs beside each other, with their labels if there are several."""
     several = len(runs) > 1
-    return {
-        f"{label}: {name}" if several else name: getattr(run, name) for label, run in runs.items() for name in names
-    }
+    return {f"{label}: {n}" if several else n: x for label, run in runs.items() for n, x in run.columns.items()}
 
 
 def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
     from friction import Spring
 
-    if "spring" in si and pid is not None:
-        raise InputError("--pid", "beside a spring", "one of both")
-    if pid is None and ("spring" in si) != ("pull" in si):
-        raise InputError("--spring", "needs its partner", "--spring and --pull together")
-    if "play" in si and "spring" not in si:
-        raise InputError("--play", "needs its partner", "--spring beside it")
+    if pid is None and "pull" in si and "spring" not in si:
+        raise InputError("--pull", "needs its partner", "--spring or --pid beside it")
     return Spring(si["spring"], si["pull"], si.get("play", 0.0)) if "spring" in si else None
 
 
@@ -224,8 +225,6 @@ def _controller(si: dict[str, float], pid: str | None) -> "PID | None":
 
     asked = [name for name in ("target", "limit", "period", "delay") if name in si]
     if pid is None:
-        if asked:
-            raise InputError(f"--{asked[0]}", "needs its partner", "--pid beside it")
         return None
     parts = pid.split(",")
     if len(parts) > len(GAINS):
@@ -241,10 +240,6 @@ def _force(si: dict[str, float], file: str | None, hold: bool, pulled: bool) -> 
     shaped = [name for name in ("slope", "sine", "offset") if name in si]
     if file is not None and shaped:
         raise InputError("--table", f"another force than --{shaped[0]}", "one force")
-    if ("sine" in si) != ("frequency" in si) or ("phase" in si and "sine" not in si):
-        raise InputError("--sine", "needs its partner", "--sine and --frequency together")
-    if hold and file is None:
-        raise InputError("--hold", "nothing to hold", "--table beside it")
     if file is not None:
         return (Steps if hold else Table)(*columns_of(file, "--table", "t", "F"))
     if "sine" in si:

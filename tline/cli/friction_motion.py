@@ -78,7 +78,7 @@ def motion(
     import numpy as np
 
     from friction import prescribe
-    from friction.prescribe import COLUMNS, PRESCRIBED
+    from friction.prescribed import PRESCRIBED
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")
@@ -93,7 +93,7 @@ def motion(
             label = f"{name}, {amplitude}" if amplitude else name
             with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--samples"}):
                 runs[label] = prescribe(model, **{kind: moved}, t_end=last, times=times, z0=si.get("z0", 0.0))  # type: ignore[arg-type]
-    files = {"csv": tabled(beside(runs, COLUMNS)), "plot": drawn("friction.pictures:draw_moved", runs)}
+    files = {"csv": tabled(beside(runs)), "plot": drawn("friction.pictures:draw_moved", runs)}
     text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
     return Output(text, lambda: {label: run.to_dict() for label, run in runs.items()}, files)
 
@@ -128,9 +128,7 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
     names = {"t": file, "force": file, "velocity": file, "position": file}
     with identify.named(**names), Progress(2 * len(chosen), "fit", sys.stderr.isatty()) as bar:
         found = fitted(record["t"], record["F"], **motion, models=chosen, folds=folds, progress=bar.update)
-    columns = {name: getattr(found, name) for name in ("t", "x", "v", "force")}
-    columns |= {f"force {name}": one.force for name, one in found.fits.items()}
-    return identify.shown(found, csv=tabled(columns))
+    return identify.shown(found)
 
 
 def _motions(kind: str, text: str, frequency: float | None, hold: bool) -> list[tuple[str, Any, float]]:

@@ -52,6 +52,14 @@ def make_folder(path: str, where: str = "") -> None:
         raise InputError(where or path, "cannot be made", "a folder", (error.strerror or str(error)).lower()) from None
 
 
+def check_partners(given: Mapping[str, object], partners: Mapping[str, str]) -> None:
+    """Refuse options that are given without the one that each belongs to."""
+    for name, other in partners.items():
+        if given.get(name) not in (None, False) and given.get(other) is None:
+            flag, beside = (f"--{one.replace('_', '-')}" for one in (name, other))
+            raise InputError(flag, "needs its partner", f"{beside} beside it")
+
+
 def check_readable(file: str) -> None:
     """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name."""
     from tline.scene.text_file import check_ordinary

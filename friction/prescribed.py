@@ -13,25 +13,26 @@ from friction.methods import STATIC
 from friction.models import MODELS, Karnopp, Model
 from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
-from friction.simulate import checked_times
+from friction.simulation import checked_times
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.presentation import Presentation, plain
+from tline.history import History
+from tline.presentation import plain
 
 if TYPE_CHECKING:
-    from friction.kernel import Course
+    from friction.kernel.prescribed import Course
 
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
 PLACED = Armstrong, MaxwellSlip  # laws of prescribed motions alone
 PRESCRIBED: dict[str, type[Any]] = MODELS | {law.name: law for law in PLACED}
-COLUMNS = ("t", "x", "v", "z", "F_f", "F_low", "F_high")
+UNITS = {"t": "s", "x": "m", "v": "m/s", "z": "m", "F_f": "N", "F_low": "N", "F_high": "N"}
 
 
 @dataclass(frozen=True, repr=False)
-class Prescribed(Presentation):
+class Prescribed(History):
     """A prescribed motion and the friction that it meets: arrays of shape (n,), one entry a sample.
 
     Attributes
@@ -64,7 +65,12 @@ class Prescribed(Presentation):
     F_high: NDArray
     errors: dict[str, float]
     steps: int
-    picture = "friction.pictures:draw_moved"
+    picture, units = "friction.pictures:draw_moved", UNITS
+
+    @property
+    def columns(self) -> dict[str, NDArray]:
+        """All columns by name, SI."""
+        return {name: getattr(self, name) for name in UNITS}
 
     @property
     def held(self) -> NDArray:
@@ -85,8 +91,7 @@ class Prescribed(Presentation):
 
     def to_dict(self) -> dict[str, Any]:
         """Model, errors, steps and all samples."""
-        columns = {name: getattr(self, name) for name in COLUMNS}
-        return plain({"model": self.model.name, "errors": self.errors or None, "steps": self.steps} | columns)
+        return plain({"model": self.model.name, "errors": self.errors or None, "steps": self.steps} | self.columns)
 
 
 def prescribe(
@@ -183,14 +188,15 @@ def deflection(
     InputError
         It takes more than 5 million steps.
     """
-    from friction import kernel
+    from friction.kernel.law import DONE
+    from friction.kernel.prescribed import deflect, prescribed_run
 
     law = model.law
     longest = np.max(np.abs(velocity)) * course.edges[-1] + abs(z0)
     allowed = tol * min(law.f_s / law.sigma0, longest) if law.sigma0 else tol
-    run = kernel.prescribed_run(law, course, float(z0), max(allowed, 1e-300), times, velocity)
-    status, steps = kernel.deflect(pack(run), MOST_STEPS), int(run.steps[0])
-    if status != kernel.DONE:
+    run = prescribed_run(law, course, float(z0), max(allowed, 1e-300), times, velocity)
+    status, steps = deflect(pack(run), MOST_STEPS), int(run.steps[0])
+    if status != DONE:
         raise InputError(
             "t_end", "the motion takes too many steps", f"at most {MOST_STEPS:,}", f"more at {times[0]:g} s"
         )

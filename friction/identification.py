@@ -11,7 +11,8 @@ from friction.fit import Fit, fit, left_out
 from friction.measured import FEWEST, measured
 from friction.models import MODELS, UNITS, Model
 from tline.errors import InputError
-from tline.presentation import Presentation, plain
+from tline.history import History
+from tline.presentation import plain
 
 CERTAIN = 1.96  # standard deviations on each side of an interval of 95 %
 HOPELESS = 1.5  # times the least misfit to all samples: not even what it was fitted to is met
@@ -19,7 +20,7 @@ CORRELATED = 0.2  # of neighbours in a residual that is more than noise
 
 
 @dataclass(frozen=True, repr=False)
-class Identification(Presentation):
+class Identification(History):
     """Laws fitted to one record; arrays of shape (n,), one entry a sample.
 
     Attributes
@@ -42,6 +43,13 @@ class Identification(Presentation):
     fits: dict[str, Fit]
     chosen: str
     picture = "friction.pictures:draw_fit"
+    units = {"t": "s", "x": "m", "v": "m/s", "force": "N"}  # noqa: RUF012
+
+    @property
+    def columns(self) -> dict[str, NDArray]:
+        """Motion, measured force, and that of each law, by name, SI."""
+        own = {name: getattr(self, name) for name in ("t", "x", "v", "force")}
+        return own | {f"force {name}": one.force for name, one in self.fits.items()}
 
     @property
     def model(self) -> Model:

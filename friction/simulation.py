@@ -18,8 +18,8 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction import kernel
-    from friction.kernel import Drive, Law
+    from friction.kernel.diagram import HybridRun
+    from friction.kernel.law import Drive, Law
 
 MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
 MOST_BUDGET = 1_000_000_000
@@ -135,7 +135,8 @@ def _contact(model: Model, bench: Testbench) -> "tuple[Law, Drive, float, float]
 
 
 def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: float | None) -> Result:
-    from friction import kernel
+    from friction.kernel.fixed import march
+    from friction.kernel.structures import fixed_run
 
     if h is None:
         raise InputError("h", f"'{method.name}' needs a step", "a number of seconds")
@@ -147,8 +148,8 @@ def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: floa
         raise InputError("h", "longer than the run", f"at most t_end = {t_end:g}", f"{h:g}")
     every = -(-steps // MOST_SAMPLES)
     samples, code = -(-steps // every) + 1, ("euler", "rk4", "moreau", "exponential").index(method.name)
-    run = kernel.fixed_run(*_contact(model, bench), float(h), samples, min(steps, MOST_EVENTS) + 1)
-    status = kernel.march(pack(run), steps, code, every)
+    run = fixed_run(*_contact(model, bench), float(h), samples, min(steps, MOST_EVENTS) + 1)
+    status = march(pack(run), steps, code, every)
     return _packed(model, bench, method, status, run.counts, run.record, run.events)
 
 
@@ -167,7 +168,7 @@ def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Ca
     windows = witness.windows(model, bench, t_end)
     all_times = np.union1d(times, windows)
     result = run(all_times)
-    columns, doubt = {name: getattr(result, name) for name in COLUMNS}, None
+    columns, doubt = result.columns, None
     if result.status is Status.DONE and result.event_count == len(result.events):
         heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
         doubt = witness.doubt(model, bench, columns, heard, result.errors, events)
@@ -179,33 +180,36 @@ def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Ca
 def _smooth(
     model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, tol: float | None, budget: int
 ) -> Result:
-    from friction import kernel
+    from friction.kernel import rodas, series
+    from friction.kernel.structures import RUN, Bench, SmoothRun, compared
+    from friction.kernel.tolerance import solve
 
     law, drive, mass, v0 = _contact(model, bench)
-    terms = kernel.TAYLOR_TERMS if method.name == "taylor" else kernel.TERMS
-    compared = kernel.compared(times.size, min(budget, MOST_EVENTS) + 1, terms)
-    here = kernel.Bench(drive, mass, v0, float(t_end), times)
-    run = kernel.SmoothRun(law, here, float(tol or 0.0), FINE, compared)
-    status, chosen = kernel.solve(pack(run), budget), compared.counts[kernel.RUN]
-    told = dict(zip(COLUMNS[:-1], compared.errors.tolist()[:-1], strict=True))
-    if status not in (kernel.DONE, kernel.INACCURATE):
+    terms = (series if method.name == "taylor" else rodas).TERMS
+    both = compared(times.size, min(budget, MOST_EVENTS) + 1, terms)
+    here = Bench(drive, mass, v0, float(t_end), times)
+    run = SmoothRun(law, here, float(tol or 0.0), FINE, both)
+    status, chosen = solve(pack(run), budget), both.counts[RUN]
+    told = dict(zip(COLUMNS[:-1], both.errors.tolist()[:-1], strict=True))
+    if list(Status)[status] not in (Status.DONE, Status.INACCURATE):
         told = {}
-    records, events = compared.records[chosen], compared.events[chosen]
-    return _packed(model, bench, method, status, compared.counts, records, events, tol, told)
+    records, events = both.records[chosen], both.events[chosen]
+    return _packed(model, bench, method, status, both.counts, records, events, tol, told)
 
 
 def _events(model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, budget: int) -> Result:
-    from friction import kernel
+    from friction.kernel.automaton import automaton
+    from friction.kernel.law import Z
 
     run = on_testbench(model, bench, float(t_end), times, min(budget, MOST_EVENTS) + 1)
-    status = kernel.automaton(pack(run), budget)
-    record = np.insert(run.record, kernel.Z, 0.0, axis=1)
+    status = automaton(pack(run), budget)
+    record = np.insert(run.record, Z, 0.0, axis=1)
     return _packed(model, bench, method, status, run.counts, record, run.events)
 
 
-def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, events: int) -> "kernel.HybridRun":
+def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, events: int) -> "HybridRun":
     """The mass with its contact, the applied force, and what pulls, as a mechanism."""
-    from friction.kernel import Inputs
+    from friction.kernel.diagram import Inputs
     from friction.mechanism import Mechanism
 
     m, drive, pid, play = Mechanism(), bench.drive, bench.controller, bench.spring and bench.spring.play
