@@ -117,8 +117,8 @@ def _run(
     if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    recorder = Recorder(assembly, slabs) if ledger else None
     extremes = watch(assembly, slabs) if envelope else None
+    recorder = Recorder(assembly, slabs) if ledger else None
     watching = [each for each in (extremes, recorder) if each]
     waves, done = march(assembly, n, observers=watching, progress=progress)
     result = given_out(description, assembly, slabs, waves, done, kinks)

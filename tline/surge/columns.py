@@ -66,7 +66,7 @@ def separated(
             wet = {one.node for one in extremes(seen) if boils(one) and one.before >= BOILS} - still - nodes
             inner = {*_boiling_inside(seen)} - pipes
             if wet or inner:
-                found, nodes = [], nodes | wet
+                found, nodes = found[:-1], nodes | wet  # runs before it do not boil there
                 pipes |= inner | {name for name, line in scene.lines.items() if wet & {*line.nodes}}
             if not nodes | pipes or _are_enough(found):
                 break
@@ -106,7 +106,8 @@ def _are_enough(found: list[Result]) -> bool:
         return False
     highest, spread = _highest(found[-1]), _spread(found)
     decided = class_of(highest - spread) == class_of(highest + spread)
-    return decided or spread <= ROUGHLY["tol"] * highest or found[-1].samples > SAMPLES / 2
+    too_long = found[-1].samples ** 2 / found[-2].samples > SAMPLES
+    return decided or too_long or spread <= ROUGHLY["tol"] * highest
 
 
 def _spread(found: list[Result]) -> float:

@@ -56,6 +56,12 @@ class Assembly(Layout):
         """Rows of the record that a run keeps."""
         return 2 * len(self.recorded) + len(self.recorded_laws) + len(self.recorded_nodes)
 
+    @property
+    def rows(self) -> int:
+        """Rows of the record, with those that observers added."""
+        network = self.network
+        return max(*(int(each.max(initial=-1)) + 1 for each in (network.record_row, network.effort_row)), self.kept)
+
     @cached_property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
