@@ -258,9 +258,10 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
     row = assembly.recorded_laws[where]
     wave = _alone(assembly, row, waves, done, float(waves[row, 0, 0]))
     element = [element.where for group in assembly.groups for element in group.elements].index(where)
-    laws, states = assembly.network.laws, waves[row, 1, assembly.basis.s - 1 :: assembly.basis.s]
+    laws, states = assembly.network.laws, waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]
     at = max(laws.state_at[element], laws.governor_state[element])
-    states = np.append(assembly.loads_before[at], states) if at >= 0 else np.empty(0)
+    before = assembly.loads_before[[at, at + max(laws.states[element], 1) - 1]]
+    states = np.hstack([before[:, None], states]) if at >= 0 else np.empty((0, 0))
     return ElementRecord(wave, float(laws.source_impedance[element]), states)
 
 
