@@ -260,9 +260,10 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
     element = [element.where for group in assembly.groups for element in group.elements].index(where)
     laws, states = assembly.network.laws, waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]
     at = max(laws.state_at[element], laws.governor_state[element])
-    before = assembly.loads_before[[at, at + max(laws.states[element], 1) - 1]]
-    states = np.hstack([before[:, None], states]) if at >= 0 else np.empty((0, 0))
-    return ElementRecord(wave, float(laws.source_impedance[element]), states)
+    if at >= 0:
+        before = assembly.loads_before[[at, at + max(laws.states[element], 1) - 1]]
+        states = np.hstack([before[:, None], states])
+    return ElementRecord(wave, float(laws.source_impedance[element]), states if at >= 0 else np.empty((0, 0)))
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
