@@ -91,8 +91,9 @@ def separated(
 
 def surely(result: Result) -> bool:
     """Whether water boils at a node where a cavity may follow, whatever errors are told: no finer run is needed."""
-    free = (one for one in extremes(result) if one.node not in _still(result.scene))
-    return any(one.lowest + one.lowest_error < BOILS <= one.before for one in free)
+    still = _still(result.scene)
+    seen = (one for one in extremes(result) if one.lowest + one.lowest_error < BOILS <= one.before)
+    return any(one.node not in still for one in seen)
 
 
 def _still(scene: Scene) -> set[str]:
