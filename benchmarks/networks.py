@@ -20,13 +20,15 @@ from benchmarks.harness import ROOT, RUNS, apart, table, timed, write
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
+from tline.surge.event import Event
+from tline.surge.operate import operated
 
-SIDES = (23, 71, 225, 708)  # 1e3 to 1e6 pipes
+SIDES = (23, 71, 225, 708)
+PIPES = [2 * side * (side - 1) for side in SIDES]  # 1e3 to 1e6
 REPEATED, FEW = 10_000, 5.0  # pipes up to which, and seconds below which, a run is repeated
 MEGABYTE = 1e6 if sys.platform == "darwin" else 1e3  # in units of ru_maxrss
 NAMES = ("Net1", "Net2", "Net3", "ky4", "ky10")
 STILL, DISTURBED, HEAD = 10, 5, 9806.65  # s; Pa/m
-DOWN = {"shape": "ramp", "from": 1, "to": 0, "at": 0.5, "duration": 0.5}
 
 
 def street_grid(side: int, friction: bool) -> dict[str, float]:
@@ -42,11 +44,12 @@ def street_grid(side: int, friction: bool) -> dict[str, float]:
 
 def streets(most: int) -> None:
     """The table of towns of at most so many pipes."""
+    if 1.1 * most < PIPES[0]:
+        raise SystemExit(f"the smallest town has {PIPES[0]:,} pipes")
     rows = []
     for friction in (False, True):
         smallest = 0.0
-        for side in SIDES:
-            pipes = 2 * side * (side - 1)
+        for side, pipes in zip(SIDES, PIPES, strict=True):
             if pipes > 1.1 * most:
                 continue
             asked = ("benchmarks.networks", "street", side, int(friction))
@@ -77,21 +80,17 @@ def moved(result: Result) -> float:
 
 
 def disturbed(scene: Scene) -> dict[str, Scene]:
-    """The scene with one thing operated: the largest demand shut, the first pump tripped, a hole of 10 L/s at 30 m."""
-    tables = scene.table()
-    pumps = [name for name, link in tables.get("links", {}).items() if link["kind"] == "pump"]
-    demands = {name: load["flow"] for name, load in tables["loads"].items() if load["kind"] == "check valve"}
+    """The scene with one thing operated: the largest demand shut, the first pump stopped, a hole of 10 L/s there."""
+    demands = {load.at: float(load.flow) for load in scene.loads.values() if load.kind == "check valve"}
     largest = max(demands, key=demands.__getitem__)
-    load = tables["loads"][largest]
-    hole = {"at": load["at"], "kind": "orifice"}  # to the air at that height
-    shut = {"flow": load["flow"], "pressure_drop": load["pressure_drop"], "opening": DOWN}
-    events = {"closure": ("loads", largest, hole | shut)}
-    if pumps:
-        events["trip"] = "links", pumps[0], tables["links"][pumps[0]] | {"speed": DOWN}
-    burst = {"flow": "10 L/s", "pressure_drop": 30 * HEAD, "opening": DOWN | {"from": 0, "to": 1}}
-    events["leak"] = "loads", "leak", hole | burst
-    short = tables | {"t_end": DISTURBED}
-    return {key: Scene(**short | {part: tables[part] | {name: one}}) for key, (part, name, one) in events.items()}
+    events = {
+        "closure": Event("demand", largest, 0.5, 0.5, -demands[largest]),
+        "leak": Event("burst", largest, 0.5, 0.5, 10e-3),
+    }
+    pump = next((name for name, link in scene.links.items() if link.kind == "pump"), None)
+    if pump is not None:
+        events["trip"] = Event("stop", pump, 0.5, 0.5)
+    return {key: operated(scene, [event], more={"t_end": DISTURBED})[0] for key, event in events.items()}
 
 
 def shipped(name: str) -> dict[str, Any]:

@@ -206,6 +206,22 @@ def test_a_pipe_shut_where_its_end_is_probed_by_its_name():
     assert changed.lines["p2"].nodes[1] == "p2:gate"
 
 
+def test_a_node_at_which_no_pipe_ends_is_judged_too():
+    """What is pushed in behind a valve that shuts finds no way out: no class bears that."""
+    valve = {"kind": "orifice", "nodes": ["c", "d"], "flow": DRAWN, "pressure_drop": 1e5}
+    table = network().table()
+    scene = network().with_changes(
+        links={"v": valve},
+        sources={"in": {"at": "d", "kind": "flow", "value": DRAWN}},
+        nodes=table["nodes"] | {"d": {"elevation": 10}},
+    )
+    seen = run(Event("close", "v", 0.5), scene=scene)
+    found = worst(seen)
+    assert seen.envelope is not None
+    assert found.highest.before == pytest.approx(seen.envelope.of("c")["start"] + 1e5 - 10 * DENSITY * GRAVITY)
+    assert (found.highest.node, found.highest.highest_at, found.needed) == ("d", 0.5, None)
+
+
 def test_the_rotor_of_a_pump_that_lifts_nothing_is_that_of_its_largest_power():
     held = {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 1e2]], "check_valve": True}
     scene = network(links={"held": held}).change({"loads.a.pressure": 6e5})

@@ -76,8 +76,9 @@ def test_it_runs_up_as_its_equations_say(governor):
     exact = by_hand(**{keys[key]: value for key, value in governor.items()})
     result = tl.simulate(scene(**governor), tol=1e-7)
     found = ByHand(lambda: exact, {"in": 1, "out": 2}, AT).differences(result.probes)
-    (speed,) = (trace for trace in result.states if trace.word == "speed")
-    turned = np.array([exact.at(t - AT)[8] for t in speed.t])
+    speed, gates = (trace for trace in result.states if trace.word in ("speed", "opening"))
+    turned, opened = np.array([exact.at(t - AT)[8:10] for t in speed.t]).T
+    assert np.abs(gates.values - opened).max() < 1e-6
     assert max(found.values()) < 1e-6
     assert np.abs(speed.values / SPEED - turned).max() < 1e-6 * turned.max()
     assert turned.max() > 1.02

@@ -3,6 +3,7 @@
 from math import inf, pi, sqrt
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from tline.errors import InputError
@@ -68,7 +69,10 @@ class AirValve(AtNode, OfLiquids):
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
     back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
 
-    shows = (Shown("air volume", "m^3", lambda valve, y, i: y),)
+    shows = (
+        Shown("air volume", "m^3", lambda valve, y, i: y),
+        Shown("opening", "", lambda valve, y, i: valve.closing_time and np.minimum(y, 1.0), last=True),
+    )
 
     @model_validator(mode="after")
     def _has_all_of_a_stage(self):

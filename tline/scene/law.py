@@ -131,7 +131,9 @@ class Shown(NamedTuple):
 
     word: str
     unit: str  # SI
-    of: Callable[[Any, NDArray, NDArray], NDArray]  # from the element, its state and the flow into it
+    # from the element, a state of it and the flow into it; None where that element has no such thing
+    of: Callable[[Any, NDArray, NDArray], NDArray | None]
+    last: bool = False  # whether that is its last state, and not its first
 
 
 OPENING = Shown("opening", "", lambda element, state, flow: state)

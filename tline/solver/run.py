@@ -117,8 +117,8 @@ def _run(
     if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    recorder = Recorder(assembly, slabs) if ledger else None
     extremes = watch(assembly, slabs) if envelope else None
+    recorder = Recorder(assembly, slabs) if ledger else None
     watching = [each for each in (extremes, recorder) if each]
     waves, done = march(assembly, n, observers=watching, progress=progress)
     result = given_out(description, assembly, slabs, waves, done, kinks)
@@ -258,10 +258,12 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
     row = assembly.recorded_laws[where]
     wave = _alone(assembly, row, waves, done, float(waves[row, 0, 0]))
     element = [element.where for group in assembly.groups for element in group.elements].index(where)
-    laws, states = assembly.network.laws, waves[row, 1, assembly.basis.s - 1 :: assembly.basis.s]
+    laws, states = assembly.network.laws, waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]
     at = max(laws.state_at[element], laws.governor_state[element])
-    states = np.append(assembly.loads_before[at], states) if at >= 0 else np.empty(0)
-    return ElementRecord(wave, float(laws.source_impedance[element]), states)
+    if at >= 0:
+        before = assembly.loads_before[[at, at + max(laws.states[element], 1) - 1]]
+        states = np.hstack([before[:, None], states])
+    return ElementRecord(wave, float(laws.source_impedance[element]), states if at >= 0 else np.empty((0, 0)))
 
 
 def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:

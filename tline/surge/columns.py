@@ -66,7 +66,7 @@ def separated(
             wet = {one.node for one in extremes(seen) if boils(one) and one.before >= BOILS} - still - nodes
             inner = {*_boiling_inside(seen)} - pipes
             if wet or inner:
-                found, nodes = [], nodes | wet
+                found, nodes = found[:-1], nodes | wet  # runs before it do not boil there
                 pipes |= inner | {name for name, line in scene.lines.items() if wet & {*line.nodes}}
             if not nodes | pipes or _are_enough(found):
                 break
@@ -91,8 +91,9 @@ def separated(
 
 def surely(result: Result) -> bool:
     """Whether water boils at a node where a cavity may follow, whatever errors are told: no finer run is needed."""
-    free = (one for one in extremes(result) if one.node not in _still(result.scene))
-    return any(one.lowest + one.lowest_error < BOILS <= one.before for one in free)
+    still = _still(result.scene)
+    seen = (one for one in extremes(result) if one.lowest + one.lowest_error < BOILS <= one.before)
+    return any(one.node not in still for one in seen)
 
 
 def _still(scene: Scene) -> set[str]:
@@ -106,7 +107,8 @@ def _are_enough(found: list[Result]) -> bool:
         return False
     highest, spread = _highest(found[-1]), _spread(found)
     decided = class_of(highest - spread) == class_of(highest + spread)
-    return decided or spread <= ROUGHLY["tol"] * highest or found[-1].samples > SAMPLES / 2
+    too_long = found[-1].samples ** 2 / found[-2].samples > SAMPLES
+    return decided or too_long or spread <= ROUGHLY["tol"] * highest
 
 
 def _spread(found: list[Result]) -> float:

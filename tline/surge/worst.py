@@ -1,12 +1,13 @@
 """The worst of a run at nodes: how far pressures rose and fell, when, and what that asks of the pipes."""
 
-from collections.abc import Sequence
-from math import isnan
+from collections.abc import Iterator, Sequence
+from math import isnan, nan
 from typing import NamedTuple
 
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.heights import weight_at
 from tline.solver.result.result import Result
 from tline.solver.result.states import emptied
 
@@ -73,6 +74,15 @@ def extremes(result: Result) -> list[Extreme]:
     return [Extreme(*row) for row in zip(seen.nodes, *(column.tolist() for column in columns), strict=True)]
 
 
+def _alone(result: Result) -> Iterator[Extreme]:
+    """The highest pressures of nodes at which no pipe ends."""
+    assert result.envelope is not None
+    weight = weight_at(result.scene)
+    for node, (start, top, at) in result.envelope.peaks.items():
+        known = weight.get(node, 0.0)
+        yield Extreme(node, start - known, nan, nan, nan, top - known, at, nan)
+
+
 def boils(node: Extreme) -> bool:
     """Whether water of 20 °C may boil there, as far as errors tell."""
     return node.lowest - (0.0 if isnan(node.lowest_error) else node.lowest_error) < BOILS
@@ -87,7 +97,8 @@ def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") 
     fallen = sorted((node for node in nodes if node.fall > FAINT * largest), key=lambda node: -node.fall)
     followed = {load.at for load in result.scene.loads.values() if load.kind in CAVITIES}
     boiling = sorted((node for node in nodes if boils(node) and node.node not in followed), key=lambda n: n.lowest)
-    highest, lowest = max(nodes, key=lambda node: node.highest), min(nodes, key=lambda node: node.lowest)
+    lowest = min(nodes, key=lambda node: node.lowest)
+    highest = max([*nodes, *_alone(result)], key=lambda node: node.highest)
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)

@@ -73,7 +73,10 @@ class Turbine(Between, OfLiquids):
     )
     reset_time: Time = Field(default=Quantity("6 s", "s"), description="of the governor's dashpot")
     stroke_time: Time = Field(default=Quantity("10 s", "s"), description="the least time from open to shut")
-    shows = (Shown("speed", "Hz", lambda turbine, y, i: turbine.rated_speed * y),)
+    shows = (
+        Shown("speed", "Hz", lambda turbine, y, i: turbine.rated_speed * y),
+        Shown("opening", "", lambda turbine, y, i: y, last=True),
+    )
     example: ClassVar[str] = """\
 kind = "turbine"
 rated_flow = "2 m^3/s"

@@ -40,7 +40,7 @@ class Assembly(Layout):
     state: State
     events: list[Event]  # in order of time
     recorded: dict[str, int]  # line name -> first of its two rows in the record
-    recorded_laws: dict[str, int]  # place of an element -> its row, behind those of lines
+    recorded_laws: dict[str, int]  # place of an element -> first of its two rows, behind those of lines
     recorded_nodes: dict[str, int]  # node without a line -> its row, behind those
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
     graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
@@ -54,7 +54,13 @@ class Assembly(Layout):
     @property
     def kept(self) -> int:
         """Rows of the record that a run keeps."""
-        return 2 * len(self.recorded) + len(self.recorded_laws) + len(self.recorded_nodes)
+        return 2 * (len(self.recorded) + len(self.recorded_laws)) + len(self.recorded_nodes)
+
+    @property
+    def rows(self) -> int:
+        """Rows of the record, with those that observers added."""
+        network = self.network
+        return max(*(int(each.max(initial=-1)) + 1 for each in (network.record_row, network.effort_row)), self.kept)
 
     @cached_property
     def follows_edges(self) -> bool:
@@ -228,11 +234,12 @@ def _network(
 def _recorded(
     layout: Layout, record: set[str], laws: Collection[str], description: Description
 ) -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
-    """Rows of the record: the first of two of each line by name, of laws by place, of nodes by name."""
+    """Rows of the record: the first of two of each line by name, and of laws by place, and of nodes by name."""
     lines = {name: 2 * k for k, name in enumerate(name for name in layout.grid.lines if name in record)}
     places = (element.where for group in layout.groups for element in group.elements)
-    of_laws = {where: k for k, where in enumerate((where for where in places if where in laws), 2 * len(lines))}
-    return lines, of_laws, {node: k for k, node in enumerate(description.probed_nodes, 2 * len(lines) + len(of_laws))}
+    of_laws = {where: 2 * k for k, where in enumerate((where for where in places if where in laws), len(lines))}
+    first = 2 * (len(lines) + len(of_laws))
+    return lines, of_laws, {node: k for k, node in enumerate(description.probed_nodes, first)}
 
 
 def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:

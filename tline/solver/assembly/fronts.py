@@ -65,9 +65,8 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
     group = np.array([event.group for event in events], int)
     order = np.argsort(group, kind="stable")
     first = np.searchsorted(group[order], np.arange(len(network.group)))
-    rows_ = max(int(network.record_row.max(initial=-1)) + 1, assembly.kept)
     at_node = GRADED if assembly.graded.any() else AT_NODE
-    places = max(LOGGED, 2 * rows_ * at_node)
+    places = max(LOGGED, 2 * assembly.rows * at_node)
     delays = np.array([line.delay for line in assembly.lines.values()])
     return Fronts(
         LULL,

@@ -35,9 +35,8 @@ class Recorder:
         description.refuse_coupled("a ledger")
         self.assembly, self.slabs, self.h = assembly, slabs, h
         new = np.flatnonzero(network.record_row < 0)
-        network.record_row[new] = max(network.record_row.max(initial=-1) + 1, assembly.kept) + np.arange(len(new))
-        rows = max(network.record_row.max(initial=-1) + 1, assembly.kept)
-        self.end_of_row = np.full(rows, -1)  # none in those of laws and nodes
+        network.record_row[new] = assembly.rows + np.arange(len(new))
+        self.end_of_row = np.full(assembly.rows, -1)  # none in those of laws and nodes
         self.end_of_row[network.record_row] = np.arange(len(network.record_row))
         lines = list(assembly.lines.values())
         self.z0 = np.array([line.z0 for line in lines])

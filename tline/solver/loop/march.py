@@ -167,7 +167,7 @@ def march(
     windowed = bool(observers)
     samples = LOOK if windowed else CHUNK
     chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
-    rows = max(assembly.kept, int(assembly.network.record_row.max(initial=-1)) + 1)
+    rows = assembly.rows
     kept = assembly.kept
     record = np.empty((kept, 2, n * s))
     window = np.empty((rows, 2, chunk * s)) if windowed else record

@@ -1,7 +1,7 @@
 """The lowest and highest effort at every node, and when, without a record of all that lies between."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,9 @@ class Envelope:
     highest_error: NDArray
     weight: NDArray  # (nodes,) density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure
     per_metre: NDArray  # (nodes,) density·g, Pa/m
+    # of nodes at which no line ends that is not lumped: effort before, the highest and when; behind what is shut on all
+    # sides, the lowest is none
+    peaks: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     def of(self, node: str) -> dict[str, float]:
         """Start, extremes, their instants and errors of one node."""
@@ -56,9 +59,17 @@ class Extremes:
     """An envelope that grows with a run."""
 
     def __init__(
-        self, nodes: tuple[str, ...], rows: NDArray, start: NDArray, order: Basis, slabs: Slabs, at_ends: bool
+        self,
+        nodes: tuple[str, ...],
+        alone: tuple[str, ...],
+        rows: NDArray,
+        start: NDArray,
+        order: Basis,
+        slabs: Slabs,
+        at_ends: bool,
     ):
-        self.nodes, self.rows, self.start, self.order, self.slabs = nodes, rows, start, order, slabs
+        self.nodes, self.alone, self.rows, self.start = nodes, alone, rows, start
+        self.order, self.slabs = order, slabs
         self.at_ends, self.sought = at_ends, basis(1) if at_ends else order
         self.top, self.at = np.zeros((2, 2, len(start)))  # by how much efforts are below the start, and above; when
 
@@ -105,22 +116,31 @@ class Extremes:
 
     def envelope(self, heights: Mapping[str, Height]) -> Envelope:
         """What was seen at nodes of these heights, counted from their levels."""
-        (low, high), (low_at, high_at), at = self.top, self.at, [heights.get(node, Height()) for node in self.nodes]
-        start, unknown = self.start + [height.level for height in at], np.full(len(low), np.nan)
-        seen = (start - low, low_at, unknown, start + high, high_at, unknown)
-        weight, per_metre = np.array([h.weight for h in at]), np.array([h.per_metre for h in at])
-        return Envelope(self.nodes, start, *seen, weight, per_metre)
+        at = [heights.get(node, Height()) for node in (*self.nodes, *self.alone)]
+        ours, level = len(self.nodes), np.array([height.level for height in at])
+        start = self.start + level
+        (low, high), (low_at, high_at), unknown = self.top[:, :ours], self.at[:, :ours], np.full(ours, np.nan)
+        seen = start[:ours] - low, low_at, unknown, start[:ours] + high, high_at, unknown
+        weight, per_metre = np.array([h.weight for h in at[:ours]]), np.array([h.per_metre for h in at[:ours]])
+        peaks = zip(
+            start[ours:].tolist(), (start + self.top[1])[ours:].tolist(), self.at[1, ours:].tolist(), strict=True
+        )
+        peaks = dict(zip(self.alone, peaks, strict=True))
+        return Envelope(self.nodes, start[:ours], *seen, weight, per_metre, peaks)
 
 
 def watch(assembly: Assembly, slabs: Slabs) -> Extremes:
-    """Extremes of an assembled scene on slabs; one end at each node is recorded from now on, if none was."""
-    network = assembly.network
-    there = np.flatnonzero(np.diff(network.first))
+    """Extremes of an assembled scene on slabs; what is not recorded of its nodes is from now on."""
+    network, nodes = assembly.network, list(assembly.nodes)
+    ends = np.diff(network.first)
+    there = np.flatnonzero(ends)
+    alone = np.array([k for k in np.flatnonzero(ends == 0) if nodes[k] in assembly.description.nodes], int)
     one = network.ends[network.first[there]]
-    new = one[network.record_row[one] < 0]
-    network.record_row[new] = assembly.kept + np.arange(len(new))
+    for row, seen in ((network.record_row, one), (network.effort_row, alone)):
+        new = seen[row[seen] < 0]
+        row[new] = assembly.rows + np.arange(len(new))
     before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
-    at_ends = assembly.description.blurred
-    nodes = list(assembly.nodes)
-    names = tuple(nodes[k] for k in there)
-    return Extremes(names, network.record_row[one], before[one], assembly.basis, slabs, at_ends)
+    names, inner = (tuple(nodes[k] for k in each) for each in (there, alone))
+    start = np.append(before[one], [assembly.efforts[node] for node in inner])
+    rows = np.append(network.record_row[one], network.effort_row[alone])
+    return Extremes(names, inner, rows, start, assembly.basis, slabs, assembly.description.blurred)

@@ -139,7 +139,8 @@ class ElementRecord(NamedTuple):
 
     wave: Wave
     impedance: float
-    # (slabs + 1,) its state, or its opening that moves by itself, at slab ends from t = 0 on; empty if it has neither
+    # (2, slabs + 1) its first and its last state, or its opening that moves by itself, at slab ends from t = 0 on;
+    # empty if it has neither
     states: NDArray
 
 

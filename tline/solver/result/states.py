@@ -82,9 +82,10 @@ def states_of(result: Result) -> list[StateTrace]:
             found.append(StateTrace(element.where, element.kind.control, "", t, given.value(t, t)))
         shows = owner.shows if element.governor is None else (OPENING,)
         if record is not None and shows and len(record.states):
-            ends = record.wave.h * np.arange(len(record.states))
-            states, flows = (np.interp(t, ends, values) for values in (record.states, flow_of(element, record)))
-            found += [StateTrace(element.where, x.word, x.unit, t, x.of(owner, states, flows)) for x in shows]
+            ends = record.wave.h * np.arange(record.states.shape[1])
+            *states, flows = (np.interp(t, ends, values) for values in (*record.states, flow_of(element, record)))
+            each = ((x, x.of(owner, states[x.last], flows)) for x in shows)
+            found += [StateTrace(element.where, x.word, x.unit, t, values) for x, values in each if values is not None]
     return found
 
 
@@ -121,9 +122,9 @@ def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
     module = import_module(f"tline.solver.kernel.{element.kind.unit.rpartition('.')[0]}")
     entering: Callable | None = getattr(module, "entering", None)
     if entering is None:
-        return np.full(len(record.states), np.nan)
+        return np.full(record.states.shape[1], np.nan)
     c, drives = np.array(element.constants), record.wave.at_slab_ends()[1:]
-    pairs = zip(record.states[1:], drives, strict=True)
+    pairs = zip(record.states[0, 1:], drives, strict=True)
     flows = [entering(c, 0, y, 0.0, drive, record.impedance)[0] for y, drive in pairs]
     return np.array([*flows[:1], *flows])
 

@@ -9,7 +9,7 @@ from tline.solver.kernel.fronts.merge import keep, release, send
 from tline.solver.kernel.fronts.respond import respond
 from tline.solver.kernel.fronts.settle import rejoin, settling
 from tline.solver.kernel.fronts.structures import ANEW, FEWER, SCALE, FrontRun
-from tline.solver.kernel.laws.passing import state_of
+from tline.solver.kernel.laws.passing import note_states
 
 
 @function
@@ -111,7 +111,7 @@ def depart(job: FrontRun, g: int, slab: int, m: int) -> int:
         if network.laws.record_row[e] >= 0:
             keep(fronts, run.record, network.laws.record_row[e], slab, m, into, into)
             for p in range(s):
-                run.record[network.laws.record_row[e], 1, slab * s + p] = state_of(run, e)
+                note_states(run, e, slab * s + p)
     return 1 if np.isfinite(total) else 0
 
 

@@ -18,11 +18,12 @@ def pass_laws(run, g, n, h, own):
 
 
 @function
-def state_of(run, e):
-    """The state of an element, or its opening that moves by itself; zero if it has neither."""
-    laws, states = run.network.laws, run.state.load
+def note_states(run, e, column):
+    """Keep the first state of an element, or its opening that moves by itself, and its last one; zeros without."""
+    laws, states, row = run.network.laws, run.state.load, run.network.laws.record_row[e]
     at = laws.state_at[e] if laws.state_at[e] >= 0 else laws.governor_state[e]
-    return states[at] if at >= 0 else 0.0
+    run.record[row, 1, column] = states[at] if at >= 0 else 0.0
+    run.record[row + 1, 1, column] = states[at + max(laws.states[e], 1) - 1] if at >= 0 else 0.0
 
 
 @function
@@ -42,7 +43,7 @@ def note_laws(run, g, n, column):
         row, k = laws.record_row[e], e - laws.first[g]
         for i in range(n if row >= 0 else 0):
             record[row, 0, column + i] = into[k, i]
-            record[row, 1, column + i] = state_of(run, e)
+            note_states(run, e, column + i)
 
 
 @function
