@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from command_line import run
 
 from tline.cli.main import main
 
@@ -40,10 +41,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
     (tmp_path / "scenes").symlink_to(Path(__file__).parents[2] / "scenes")
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_reflectometry(folder: Path) -> None:

@@ -3,7 +3,6 @@
 import json
 import random
 import re
-import shlex
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
@@ -11,9 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from click.testing import CliRunner
+from command_line import assert_refused, run
 
-from tline.cli.main import main
 from tline.errors import InputError
 from tline.sweeps.work import SweepWork
 
@@ -48,10 +46,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
     (tmp_path / "cable.npz").write_text("no archive", encoding="utf-8")
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_files_and_quantiles_are_of_the_same_runs(folder: Path) -> None:
@@ -219,7 +213,4 @@ def test_a_damaged_file_is_refused_or_read_rightly(folder: Path) -> None:
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
-    done = run(f"sweep cable.toml {line}")
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert done.stderr.startswith(sentence)
-    assert done.stderr.count("\n") == 1
+    assert_refused(f"sweep cable.toml {line}", sentence)

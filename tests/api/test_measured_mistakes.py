@@ -3,15 +3,13 @@
 import json
 import pickle
 import re
-import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import run
 from touchstone_files import SHIPPED, behind_cable, frequencies, write
 
-from tline.cli.main import main
 from tline.errors import SceneError
 from tline.scene.file import read_scene, scene_from, scene_text
 
@@ -51,10 +49,6 @@ def folder(tmp_path, monkeypatch):
     write("noise.s1p", F[:30], np.random.default_rng(1).uniform(-0.5, 0.5, 30))
     write("series.s1p", F, behind_cable("10 + s*5n + 1/(s*2p)", F, 0))  # touches |S| = 1 at 0 and infinity
     return tmp_path
-
-
-def run(line):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 MISTAKES = [
