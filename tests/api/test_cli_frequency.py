@@ -8,26 +8,11 @@ import command_line
 import numpy as np
 import pytest
 from command_line import assert_refused
+from run_scenes import driven_cable
 
-CABLE = """
-medium = "electrical"
-t_end = "40 ns"
-[lines.line]
-nodes = ["near", "far"]
-z0 = 50
-delay = "1 ns"
-[sources.pump]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 200
-[loads.end]
-at = "far"
-kind = "resistor"
-resistance = 400
-[probes.far]
-at = "far"
-"""
+CABLE = driven_cable(
+    '[loads.end]\nat = "far"\nkind = "resistor"\nresistance = 400', "40 ns", source="pump", resistance=200
+)
 
 
 @pytest.fixture(autouse=True)

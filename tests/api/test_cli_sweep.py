@@ -11,32 +11,13 @@ import numpy as np
 import pytest
 import xarray
 from command_line import assert_refused, run
+from run_scenes import driven_cable
 
 from tline.errors import InputError
 from tline.sweeps.work import SweepWork
 
-CABLE = """
-medium = "electrical"
-t_end = "8 ns"
-[lines.cable]
-nodes = ["near", "far"]
-z0 = 50
-delay = "1 ns"
-[sources.driver]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 25
-[loads.end]
-at = "far"
-kind = "parallel"
-resistance = 100
-capacitance = "4 pF"
-[probes.near]
-at = "near"
-[probes.far]
-at = "far"
-"""
+LOAD = '[loads.end]\nat = "far"\nkind = "parallel"\nresistance = 100\ncapacitance = "4 pF"'
+CABLE = driven_cable(LOAD).replace("[probes.far]", '[probes.near]\nat = "near"\n[probes.far]')
 Z0 = "--vary 'lines.cable.z0=uniform(40 ohm, 0.06 kohm)'"
 
 

@@ -8,30 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import run
+from run_scenes import driven_cable
 from touchstone_files import SHIPPED, behind_cable, frequencies, write
 
 from tline.errors import SceneError
 from tline.scene.file import read_scene, scene_from, scene_text
 
-SCENE = f"""
-medium = "electrical"
-t_end = "8 ns"
-[lines.cable]
-nodes = ["near", "far"]
-z0 = 75
-delay = "1 ns"
-[sources.driver]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 75
-[loads.antenna]
-at = "far"
-kind = "touchstone"
-file = "{SHIPPED}"
-[probes.far]
-at = "far"
-"""
+SCENE = driven_cable(f'[loads.antenna]\nat = "far"\nkind = "touchstone"\nfile = "{SHIPPED}"', z0=75, resistance=75)
 F = frequencies(4e9, 100)
 
 
