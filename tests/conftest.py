@@ -38,6 +38,15 @@ def pytest_collection_modifyitems(items):
             item.add_marker("slow")
 
 
+@pytest.fixture(autouse=True, scope="module")
+def unadjusted_pictures(request):
+    """Without a constrained layout, half the time of a picture, but where pictures themselves are looked at."""
+    with pytest.MonkeyPatch.context() as patch:
+        if "picture" not in request.path.name:
+            patch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", lambda *_: None)
+        yield
+
+
 def pytest_collection_finish():
     """What is collected stays to the end: garbage is not looked for in it."""
     gc.freeze()

@@ -1,4 +1,4 @@
-"""Two scenes that tline run is tested with."""
+"""Scenes that commands are tested with."""
 
 VALVE = """
 title = "Closing valve"
@@ -50,4 +50,24 @@ resistance = 50
 value = {shape = "step", to = "1 V", at = "1.03 ns"}
 [probes.in]
 at = "in"
+"""
+
+
+def driven_cable(load: str, t_end: str = "8 ns", z0: int = 50, source: str = "driver", resistance: int = 25) -> str:
+    """A cable of 1 ns from a source of 1 V to what is told in TOML, with a probe there."""
+    return f"""
+medium = "electrical"
+t_end = "{t_end}"
+[lines.cable]
+nodes = ["near", "far"]
+z0 = {z0}
+delay = "1 ns"
+[sources.{source}]
+at = "near"
+kind = "voltage"
+value = 1
+resistance = {resistance}
+{load}
+[probes.far]
+at = "far"
 """

@@ -3,13 +3,11 @@
 import csv
 import json
 import re
-import shlex
 from pathlib import Path
 
+import command_line
 import pytest
-from click.testing import CliRunner
-
-from tline.cli.main import main
+from command_line import assert_refused
 
 
 @pytest.fixture(autouse=True)
@@ -18,8 +16,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def run(line: str):
-    return CliRunner().invoke(main, ["chart", *shlex.split(line)], catch_exceptions=False)
+def run(line):
+    return command_line.run(f"chart {line}")
 
 
 def test_stability_finds_courant_1(folder: Path) -> None:
@@ -70,10 +68,7 @@ def test_tables_of_error_against_time(command: str, folder: Path) -> None:
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
-    done = run(line)
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert done.stderr.startswith(sentence)
-    assert done.stderr.count("\n") == 1
+    assert_refused(f"chart {line}", sentence)
 
 
 def test_the_help_names_every_map() -> None:

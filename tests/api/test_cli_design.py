@@ -4,6 +4,7 @@ import json
 import shlex
 from pathlib import Path
 
+import command_line
 import pytest
 from click.testing import CliRunner
 
@@ -23,7 +24,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def run(line: str):
-    return CliRunner().invoke(main, shlex.split(f"design {line}"), catch_exceptions=False)
+    return command_line.run(f"design {line}")
 
 
 @pytest.mark.parametrize(

@@ -2,24 +2,23 @@
 
 import csv
 import json
-import shlex
 import time
 from dataclasses import replace
 
+import command_line
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import assert_refused
 from matplotlib.image import imread
 
 import drives
 from drives import CoupledDrives, Spool, Torque
-from tline.cli.main import main
 
 BOTH = '"0.1 N m"'
 
 
 def run(command):
-    return CliRunner().invoke(main, ["drives", *shlex.split(command)], catch_exceptions=False)
+    return command_line.run(f"drives {command}")
 
 
 def told(command):
@@ -112,10 +111,7 @@ def test_mistakes(command, sentence, tmp_path, monkeypatch):
         ("part.csv", "t,T1\n0,0\n"),
     ):
         (tmp_path / name).write_text(text, encoding="utf-8")
-    result = run(command)
-    assert result.stderr.startswith(sentence)
-    assert result.stderr.count("\n") == 1
-    assert (result.exit_code, result.stdout) == (2, "")
+    assert_refused(f"drives {command}", sentence)
 
 
 @pytest.mark.parametrize(

@@ -2,34 +2,17 @@
 
 import json
 import re
-import shlex
 from pathlib import Path
 
+import command_line
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import assert_refused
+from run_scenes import driven_cable
 
-from tline.cli.main import main
-
-CABLE = """
-medium = "electrical"
-t_end = "40 ns"
-[lines.line]
-nodes = ["near", "far"]
-z0 = 50
-delay = "1 ns"
-[sources.pump]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 200
-[loads.end]
-at = "far"
-kind = "resistor"
-resistance = 400
-[probes.far]
-at = "far"
-"""
+CABLE = driven_cable(
+    '[loads.end]\nat = "far"\nkind = "resistor"\nresistance = 400', "40 ns", source="pump", resistance=200
+)
 
 
 @pytest.fixture(autouse=True)
@@ -40,8 +23,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def run(line: str):
-    return CliRunner().invoke(main, ["frequency", *shlex.split(line)], catch_exceptions=False)
+def run(line):
+    return command_line.run(f"frequency {line}")
 
 
 def test_transfer_function_and_oscillations() -> None:
@@ -134,10 +117,7 @@ def test_touchstone_is_read_by_others(folder: Path, ports: str) -> None:
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
-    done = run(line)
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert done.stderr.startswith(sentence)
-    assert done.stderr.count("\n") == 1
+    assert_refused(f"frequency {line}", sentence)
 
 
 def test_angular_frequencies_are_converted() -> None:

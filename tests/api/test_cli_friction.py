@@ -2,21 +2,20 @@
 
 import csv
 import json
-import shlex
 
+import command_line
 import pytest
-from click.testing import CliRunner
+from command_line import assert_refused
 from matplotlib.image import imread
 
 import friction
-from tline.cli.main import main
 
 LAW = "--set F_s=1.5 --set F_v=0 --set v_s=0.01"
 HUNTING = f"run karnopp {LAW} --pid '100 N/m, 200 N/(m s), 5 N s/m' --target '1 cm' --t-end 60"
 
 
 def run(command):
-    return CliRunner().invoke(main, ["friction", *shlex.split(command)], catch_exceptions=False)
+    return command_line.run(f"friction {command}")
 
 
 @pytest.mark.parametrize(
@@ -87,10 +86,7 @@ def test_answers(command, words):
 )
 def test_mistakes(command, sentence, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    result = run(command)
-    assert result.stderr.startswith(sentence)
-    assert result.stderr.count("\n") == 1
-    assert (result.exit_code, result.stdout) == (2, "")
+    assert_refused(f"friction {command}", sentence)
 
 
 def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):

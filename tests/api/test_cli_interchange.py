@@ -1,12 +1,10 @@
 """The surface of `tline import` and `tline export`: files, texts, mistakes."""
 
-import shlex
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from command_line import assert_refused, run
 
-from tline.cli.main import main
 from tline.scene.file import read_scene
 
 NET = "a cable\nV1 s 0 PULSE(0 1 0.5n 1n 1n 5n)\nR1 s a 25\nT1 a 0 b 0 Z0=50 TD=1n\nR2 b 0 100\n.tran 1p 9n uic\n.end\n"
@@ -17,10 +15,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "cable.cir").write_text(NET, encoding="utf-8")
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_there_and_back(folder: Path) -> None:
@@ -60,10 +54,7 @@ def test_jumps_take_the_time_that_is_given(folder: Path) -> None:
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:
     (folder / "bad.cir").write_text(NET.replace("R1 s a 25", "J1 a b c fet"), encoding="utf-8")
-    done = run(line)
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert done.stderr.startswith(sentence)
-    assert done.stderr.count("\n") == 1
+    assert_refused(line, sentence)
 
 
 @pytest.mark.parametrize("line", ["run {} --csv {}.csv", "frequency {} --csv {}.csv", "export {} -o {}.cir"])

@@ -2,14 +2,12 @@
 
 import csv
 import re
-import shlex
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from command_line import run
 from networks import ring
 
-from tline.cli.main import main
 from tline.scene.file import read_scene
 
 ROOT = Path(__file__).parents[2]
@@ -20,10 +18,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     ring(tmp_path).rename("town.inp")
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_the_example_of_the_help_and_of_the_docs() -> None:

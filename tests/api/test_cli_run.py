@@ -301,8 +301,7 @@ def test_imports_are_no_more_than_needed() -> None:
     heavy = {"matplotlib", "PIL", "tqdm", "flint", "passivity", "wntr", "skrf", "pint", "fluids"}
     heavy |= {f"scipy.{part}" for part in ("signal", "optimize", "special", "sparse", "stats", "integrate")}
     assert not imported("run valve.toml") & (heavy | {"numba"})  # what it needs is compiled and kept by now
-    assert not imported("run valve.toml --csv a.csv --npz a.npz") & {"matplotlib", "PIL", "IPython"}
-    assert not imported("run valve.toml --animate a.html") & {"matplotlib", "PIL"}
+    assert not imported("run valve.toml --csv a.csv --npz a.npz --animate a.html") & {"matplotlib", "PIL", "IPython"}
     assert "matplotlib.pyplot" not in imported("run valve.toml --plot a.png --lattice b.svg --animate c.gif")
 
 

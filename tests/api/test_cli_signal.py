@@ -8,30 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from command_line import run
+from run_scenes import driven_cable
 
 from tline.cli.main import main
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STATISTICAL = "eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 1e-3 --statistical"
-CABLE = """
-medium = "electrical"
-t_end = "8 ns"
-[lines.cable]
-nodes = ["near", "far"]
-z0 = 75
-delay = "1 ns"
-[sources.driver]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 75
-[loads.end]
-at = "far"
-kind = "resistor"
-resistance = 150
-[probes.far]
-at = "far"
-"""
+CABLE = driven_cable('[loads.end]\nat = "far"\nkind = "resistor"\nresistance = 150', z0=75, resistance=75)
 
 
 @pytest.fixture(autouse=True)
@@ -40,10 +24,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
     (tmp_path / "scenes").symlink_to(Path(__file__).parents[2] / "scenes")
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_reflectometry(folder: Path) -> None:

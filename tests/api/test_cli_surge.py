@@ -1,13 +1,10 @@
 """`tline surge`: its texts, files and mistakes."""
 
 import json
-import shlex
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-
-from tline.cli.main import main
+from command_line import assert_refused, run
 
 ROOT = Path(__file__).parents[2]
 TOWN = f"{ROOT}/scenes/town.inp"
@@ -17,10 +14,6 @@ TOWN = f"{ROOT}/scenes/town.inp"
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None:
@@ -70,9 +63,7 @@ def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
     pytest.importorskip("wntr")
-    done = run(f"surge {TOWN} {line}")
-    assert (done.exit_code, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith(sentence)
+    assert_refused(f"surge {TOWN} {line}", sentence)
 
 
 def test_what_is_no_network(folder: Path) -> None:

@@ -3,7 +3,6 @@
 import json
 import random
 import re
-import shlex
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
@@ -11,34 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from click.testing import CliRunner
+from command_line import assert_refused, run
+from run_scenes import driven_cable
 
-from tline.cli.main import main
 from tline.errors import InputError
 from tline.sweeps.work import SweepWork
 
-CABLE = """
-medium = "electrical"
-t_end = "8 ns"
-[lines.cable]
-nodes = ["near", "far"]
-z0 = 50
-delay = "1 ns"
-[sources.driver]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 25
-[loads.end]
-at = "far"
-kind = "parallel"
-resistance = 100
-capacitance = "4 pF"
-[probes.near]
-at = "near"
-[probes.far]
-at = "far"
-"""
+LOAD = '[loads.end]\nat = "far"\nkind = "parallel"\nresistance = 100\ncapacitance = "4 pF"'
+CABLE = driven_cable(LOAD).replace("[probes.far]", '[probes.near]\nat = "near"\n[probes.far]')
 Z0 = "--vary 'lines.cable.z0=uniform(40 ohm, 0.06 kohm)'"
 
 
@@ -48,10 +27,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
     (tmp_path / "cable.npz").write_text("no archive", encoding="utf-8")
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 def test_files_and_quantiles_are_of_the_same_runs(folder: Path) -> None:
@@ -219,7 +194,4 @@ def test_a_damaged_file_is_refused_or_read_rightly(folder: Path) -> None:
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str) -> None:
-    done = run(f"sweep cable.toml {line}")
-    assert (done.exit_code, done.stdout) == (2, "")
-    assert done.stderr.startswith(sentence)
-    assert done.stderr.count("\n") == 1
+    assert_refused(f"sweep cable.toml {line}", sentence)

@@ -6,30 +6,13 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from run_scenes import driven_cable
 
 from tline.cli.main import main
 
 ROOT = Path(__file__).parents[2]
-CABLE = """
-medium = "electrical"
-t_end = "20 ns"
-[lines.cable]
-nodes = ["near", "far"]
-z0 = 50
-delay = "1 ns"
-[sources.pump]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 25
-[loads.end]
-at = "far"
-kind = "parallel"
-resistance = 100
-capacitance = "4 pF"
-[probes.far]
-at = "far"
-"""
+LOAD = '[loads.end]\nat = "far"\nkind = "parallel"\nresistance = 100\ncapacitance = "4 pF"'
+CABLE = driven_cable(LOAD, "20 ns", source="pump")
 FILES = {
     "cable.toml": CABLE,
     "network.toml": CABLE,

@@ -1,14 +1,12 @@
 """What an .inp file may try: it is read, or refused in one sentence; nothing else is read and nothing written."""
 
 import os
-import shlex
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from command_line import run
 from networks import RING, ring
 
-from tline.cli.main import main
 from tline.errors import InputError
 from tline.interchange import confined, epanet_run
 from tline.interchange.confined import parse
@@ -23,10 +21,6 @@ KEEPSAKE = "keep this\n"
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-def run(line: str):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 @pytest.mark.parametrize(

@@ -3,37 +3,18 @@
 import json
 import pickle
 import re
-import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from command_line import run
+from run_scenes import driven_cable
 from touchstone_files import SHIPPED, behind_cable, frequencies, write
 
-from tline.cli.main import main
 from tline.errors import SceneError
 from tline.scene.file import read_scene, scene_from, scene_text
 
-SCENE = f"""
-medium = "electrical"
-t_end = "8 ns"
-[lines.cable]
-nodes = ["near", "far"]
-z0 = 75
-delay = "1 ns"
-[sources.driver]
-at = "near"
-kind = "voltage"
-value = 1
-resistance = 75
-[loads.antenna]
-at = "far"
-kind = "touchstone"
-file = "{SHIPPED}"
-[probes.far]
-at = "far"
-"""
+SCENE = driven_cable(f'[loads.antenna]\nat = "far"\nkind = "touchstone"\nfile = "{SHIPPED}"', z0=75, resistance=75)
 F = frequencies(4e9, 100)
 
 
@@ -51,10 +32,6 @@ def folder(tmp_path, monkeypatch):
     write("noise.s1p", F[:30], np.random.default_rng(1).uniform(-0.5, 0.5, 30))
     write("series.s1p", F, 1.000001 * behind_cable("10 + s*5n + 1/(s*2p)", F, 0))  # |S| = 1.000001 at 0 and infinity
     return tmp_path
-
-
-def run(line):
-    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
 
 
 MISTAKES = [

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction import METHODS, Coulomb, Karnopp, LuGre, Ramp, Sine, Steps, Testbench, simulate
+from friction import METHODS, Coulomb, Karnopp, LuGre, Ramp, Sine, Spring, Steps, Testbench, simulate
 
 GLIDE = (Karnopp(F_v=0.4, v_s=1.0), Testbench(Ramp(0.5), v0=2.0), 2.0)
 BRISTLES = (LuGre(sigma0=20.0, sigma1=1.0, v_s=1.0, sigma2=0.4), Testbench(Ramp(2.0), v0=2.0), 1.0)
@@ -48,3 +48,9 @@ def test_events_has_no_step_to_choose():
     whole = simulate(Karnopp(), Testbench(Steps([0.0], [1.5])), times=[10.0])
     pieces = simulate(Karnopp(), Testbench(Steps(times, np.full(41, 1.5))), times=[10.0])
     assert pieces.v[0] == pytest.approx(whole.v[0], rel=1e-14)
+
+
+def test_steps_grow_with_the_sixteenth_root_of_the_tolerance():
+    bench, tols = Testbench(Ramp(0.0), spring=Spring(20.0, 0.05)), np.array([1e-4, 1e-7, 1e-10])
+    steps = [simulate(LuGre(sigma0=20.0), bench, 10.0, "taylor", tol=tol, times=[10.0]).steps for tol in tols]
+    assert -np.polyfit(np.log(tols), np.log(steps), 1)[0] == pytest.approx(1.0 / METHODS["taylor"].order, abs=0.015)

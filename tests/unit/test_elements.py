@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from tline.errors import SceneError
 from tline.scene.factor import Characterised
 from tline.scene.law import KINDS
 from tline.scene.pump import Pump
+from tline.scene.pump_curves import RADIAL
 from tline.scene.waveform import Ramp, Sine
 from tline.solver.description.laws import laws_of
 from tline.solver.kernel.laws.quadratic import rooted
@@ -133,3 +135,13 @@ def test_an_opening_that_swings_breaks_wherever_it_passes_a_point():
         opening=Sine(amplitude=0.5, offset=0.5, frequency=1.0), shares=((0.0, 0.0), (0.75, 0.1), (1.0, 1.0))
     )
     assert shape.breaks(1.5) == pytest.approx([0.0, 1 / 12, 5 / 12, 1 + 1 / 12, 1 + 5 / 12])
+
+
+def test_the_same_figures_as_points_are_the_same_pump():
+    own = [[h, b] for h, b in zip(RADIAL.head, RADIAL.torque, strict=True)]
+    pump = {"nodes": ["sump", "end"], "curve": [(0.02, 5e5)], "efficiency": 0.8}
+    one, other = (Pump(**pump, quadrants=quadrants) for quadrants in ("radial", own))
+    assert one.law() == other.law()
+    assert Pump(**other.table()) == other
+    with pytest.raises(SceneError, match=r"quadrants: not Suter's tables, expected 9, 13, 17, \.\.\. points"):
+        Pump(**pump, quadrants=own[:-1])

@@ -1,14 +1,22 @@
-"""Laws of what is lost per metre over the flow."""
+"""Laws of friction and their slopes, and flows that balance by them."""
 
-from math import log10
+from math import log10, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tline.errors import InputError
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, SwameeJain, quadratic, side_by_side
+from tline.scene.file import read_scene
 from tline.scene.line import Pipe
+from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
+from tline.solver.assembly.diamonds import _power_table
+from tline.solver.description.description import describe
+from tline.solver.kernel.diamonds.full import bent, power
+from tline.solver.steady import balance
+from tline.solver.steady.steady_state import steady_state
 
 LENGTH, DIAMETER, DENSITY = 1000.0, 0.3, 1000.0
 PIPE = {"nodes": ["a", "b"], "length": LENGTH, "diameter": DIAMETER, "wave_speed": 1000, "density": DENSITY}
@@ -83,3 +91,57 @@ def test_laws_side_by_side_are_the_same():
     assert seen.keys() == {k for k, law in enumerate(laws) if law is not None}
     for k, found in seen.items():
         assert found == pytest.approx([float(each) for each in laws[k](flow)], rel=1e-14)
+
+
+@pytest.mark.parametrize("n", [0.852, 1.0, 1 / 3, 2.0])
+def test_powers_by_table_are_those_of_the_library(n):
+    table = np.append(np.zeros(3), _power_table(n))  # at a place of its own
+    x = np.append(np.exp(np.random.default_rng(1).uniform(-60, 60, 300)), [1.0, 2.0, np.nextafter(2.0, 0), 0.5])
+    found = np.array([power(table, 3, each) for each in x])
+    assert np.abs(found / x**n - 1).max() < 2e-14  # of n ln x, rounded
+    assert power(table, 3, 0.0) == 0.0
+
+
+def test_how_far_a_tangent_holds():
+    """Of y² by three times what it is off, and not at all from rest, where its slope tells nothing."""
+    base, away = 2.0, 0.1
+    off = (base + away) ** 2 - (base**2 + 2 * base * away)
+    assert off < bent(2 * base, base + away, base) < 3 * off
+    assert bent(0.0, 1e-9, 0.0) > 1e200
+    assert bent(0.0, 0.0, 0.0) == 0.0
+
+
+NONE = 1e-12  # Pa, m³/s: where nothing drives
+SCENES = Path(__file__).parents[2] / "scenes"
+
+
+@pytest.mark.parametrize("name", ["town", "pump_trip", "valve_closure", "pipe_friction"])
+@pytest.mark.parametrize("exact", [balance.EXACT, 0.0], ids=["by elimination", "at once"])
+def test_large_networks_are_solved_like_small_ones(monkeypatch, name, exact):
+    scene = read_scene(SCENES / f"{name}.toml")
+    small, flows = steady_state(describe(scene))
+    monkeypatch.setattr(balance, "SMALL", 0)
+    monkeypatch.setattr(balance, "EXACT", exact)
+    large, same = steady_state(describe(scene))
+    assert large == pytest.approx(small, rel=1e-9, abs=1e-9 * max(small.values()) + NONE)
+    assert same == pytest.approx(flows, abs=1e-9 * abs(flows).max() + NONE)
+
+
+def test_a_pipe_between_reservoirs_follows_darcy(monkeypatch):
+    """Δp = ρ f l/(2 d A²) Q², also where no effort is left to be found."""
+    monkeypatch.setattr(balance, "SMALL", 0)
+    pipe = {"nodes": ["high", "low"], "length": 100, "diameter": 0.2, "wave_speed": 1000, "density": 1000}
+    scene = Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines={"pipe": pipe | {"friction": {"kind": "darcy", "factor": 0.02}}},
+        loads={
+            "upper": {"at": "high", "kind": "reservoir", "pressure": 2e5},
+            "lower": {"at": "low", "kind": "reservoir", "pressure": 1e5},
+        },
+        probes={"p": {"at": "low"}},
+    )
+    _, flows = steady_state(describe(scene))
+    area = pi * 0.2**2 / 4
+    assert flows[0] == pytest.approx(area * (1e5 * 2 * 0.2 / (1000 * 0.02 * 100)) ** 0.5)

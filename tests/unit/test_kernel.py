@@ -13,7 +13,7 @@ from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
-from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.arithmetic import LOOKS, TINY, after
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import advance
 from tline.solver.loop.slabs import Slabs
@@ -80,3 +80,9 @@ def test_no_access_outside_any_array(tmp_path):
     call = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *tests]
     done = subprocess.run(call, cwd=root, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout[-2000:]
+
+
+@pytest.mark.parametrize("s", range(1, 17))
+def test_each_look_is_beyond_the_last_one(s):
+    places = [k / (LOOKS * s) for k in range(LOOKS * s + 1)]
+    assert [after(place, s) for place in places[:-1]] == places[1:]

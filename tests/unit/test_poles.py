@@ -1,14 +1,25 @@
-"""Unstable poles beside delays refute; poles that cancel do not."""
+"""Poles, balls, and lines with passive and active ends."""
 
+import math
 from fractions import Fraction
 
 import pytest
+from flint import arb
 
-from passivity import Kind, RationalFunction, Status, check_line
+from passivity import (
+    ExpressionError,
+    Kind,
+    RationalFunction,
+    Status,
+    check_line,
+)
+from passivity.ball import near
+from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.calculus.ask import ask
 from passivity.calculus.graph import Graph
 from passivity.calculus.read import read
 from passivity.delayed.poles import find_pole
+from passivity.expression.number import written
 
 
 @pytest.mark.parametrize(
@@ -57,3 +68,79 @@ def test_poles_of_sums_are_found_too():
 def test_an_active_load_is_seen_through_any_delay(load, delay):
     chain = check_line(RationalFunction.from_expression(load), Fraction(10), delay)
     assert [step.status for _, step in chain.statements[1:]] == [Status.REFUTED] * 3
+
+
+of = RationalFunction.from_expression
+
+
+@pytest.mark.parametrize(
+    ("load", "delay", "words"),
+    [
+        ("0", 1, "short-circuited and G1 = coth(Ts)"),
+        ("0", 0, "G1 is infinite"),
+        ("1/0", 1, "open and G1 = tanh(Ts)"),
+        ("1/0", 0, "without delay"),
+        ("50", "1 ns", "matched and G1 = 1"),
+        ("s", 1, "nothing is lost"),
+        ("25", 1, ">= 0"),
+    ],
+)
+def test_passive_ends_make_passive_ports(load, delay, words):
+    chain = check_line(of(load), 50, delay)
+    assert [step.status for _, step in chain.statements] == [Status.PROVED] * 4
+    assert chain.status is Status.PROVED
+    assert words in chain.statements[-1][1].why
+    assert (chain.witness, chain.input) == (None, None)
+
+
+@pytest.mark.parametrize("load", ["-1", "-1/2", "-50", "(s + 3)/(s - 1)", "-s", "s - 1/s", "1/(1 - s)", "1/s^3"])
+@pytest.mark.parametrize("delay", [0, "1/1000", 1, 30])
+def test_active_ends_make_active_ports(load, delay):
+    chain = check_line(of(load), 1, delay)
+    assert [step.status for _, step in chain.statements] == [Status.REFUTED] * 4
+    assert chain.witness.re > 0
+    assert chain.input.real < 0
+
+
+@pytest.mark.parametrize(("z0", "delay"), [(0, 1), (-1, 1), ("x", 1), (1, -1), (1, "x"), (1, math.inf)])
+def test_lines_that_are_none(z0, delay):
+    with pytest.raises(ExpressionError, match=r"z0|delay"):
+        check_line(of("s"), z0, delay)
+
+
+def test_the_middle_of_what_is_not_finite_is_zero():
+    assert near(arb("nan")) == near(arb("inf")) == 0
+    assert near((arb(10) ** 30).exp()) == 0  # a ball without a single certain digit
+    assert near(arb(2) ** (10**9)) == Fraction(2) ** MAX_BITS
+
+
+@pytest.mark.parametrize("exponent", [200, -200, 10**9, 10**400])
+def test_powers_are_refused_before_they_are_taken(exponent):
+    with pytest.raises(ExpressionError, match=r"too long|too high"):
+        powered(Fraction(10**308, 3), exponent, 400, 1024)
+    assert powered(1, exponent, 0, 1) == 1
+
+
+def test_huge_numbers_from_python_are_refused_in_a_sentence():
+    for number in (Fraction(10) ** 10**6, 10**40_000, Fraction(1, 7**50_000)):
+        with pytest.raises(ExpressionError, match=r"numerator\[0\]: the numbers are too long"):
+            RationalFunction.from_coefficients([number], [1])
+    assert RationalFunction.from_coefficients([1e308, 5e-324], [1]).degree == 1
+    with pytest.raises(ExpressionError, match="too high"):
+        RationalFunction.from_expression("1 + s") ** 10**6
+
+
+def test_numbers_of_any_length_are_written():
+    x = Fraction(1, 3**20_000)
+    assert written(x) == f"1/{written(Fraction(3**20_000))}"
+    assert len(written(x)) > 9_000
+
+
+def test_work_within_counts_against_the_budget_around():
+    with budget(100):
+        with budget(1000):
+            spend(60, "a part")
+        with pytest.raises(UndecidedError, match="the rest takes too long"):
+            spend(50, "the rest")
+    spend(10**18, "what nobody limits")
+    assert if_affordable(10, spend, 11, "a part") is None

@@ -1,4 +1,4 @@
-"""The electrical scenes with circuits against their equations written by hand, and against ngspice."""
+"""Scenes with circuits against their equations written by hand, and the electrical ones against ngspice."""
 
 import shutil
 from pathlib import Path
@@ -6,21 +6,23 @@ from pathlib import Path
 import pytest
 from circuit_decks import DECKS, in_ngspice
 from electrical_by_hand import ELECTRICAL
+from hydraulic_by_hand import HYDRAULIC
 
 from tline.scene.file import read_scene
 from tline.solver.simulate import simulate
 
 SCENES = Path(__file__).parents[2] / "scenes"
 STEPS = {"ac_coupled": 80}  # of ngspice in the shortest delay; many delays make it slow
+BY_HAND = ELECTRICAL | HYDRAULIC
 
 
-@pytest.mark.parametrize("name", ELECTRICAL)
+@pytest.mark.parametrize("name", BY_HAND)
 def test_a_scene_is_its_delay_equations(name):
-    """SciPy's DOP853 at 1e-13, from corner to corner, of which steps halved show 2e-11."""
+    """SciPy's DOP853 at 1e-13, from corner to corner and from event to event, of which steps halved show 2e-11."""
     result = simulate(read_scene(SCENES / f"{name}.toml"), tol=1e-9)
-    at_slab_ends = ELECTRICAL[name].differences(result.probes)
+    at_slab_ends = BY_HAND[name].differences(result.probes)
     assert max(at_slab_ends.values()) < 1e-9, at_slab_ends
-    inside = ELECTRICAL[name].differences(result.probes, inside=500)
+    inside = BY_HAND[name].differences(result.probes, inside=500)
     assert max(inside.values()) < 1e-8, inside
 
 

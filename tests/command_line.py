@@ -1,0 +1,20 @@
+"""Commands that run in this process, and what is said of mistakes in them."""
+
+import shlex
+
+from click.testing import CliRunner, Result
+
+from tline.cli.main import main
+
+
+def run(line: str) -> Result:
+    """Of `tline` and the words of the line."""
+    return CliRunner().invoke(main, shlex.split(line), catch_exceptions=False)
+
+
+def assert_refused(line: str, sentence: str) -> None:
+    """It exits with 2, prints nothing, and says in one line what is wrong."""
+    done = run(line)
+    assert (done.exit_code, done.stdout) == (2, ""), done.output
+    assert done.stderr.startswith(sentence), done.stderr
+    assert done.stderr.count("\n") == 1, done.stderr
