@@ -91,7 +91,8 @@ class Netlist:
         for first, second in ports:
             signs.append(-1.0 if first == REFERENCE else 1.0)
             nodes.append(second if first == REFERENCE else first)
-        grounded = all(REFERENCE in port for port in ports) and len({*nodes}) == 2
+        kept = signs[0] == signs[1] or any(key.startswith("signed_") for key in table)
+        grounded = all(REFERENCE in port for port in ports) and len({*nodes}) == 2 and kept
         given = {}
         for key, value in table.items():
             plain = key.removeprefix("signed_")
