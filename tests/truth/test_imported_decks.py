@@ -58,7 +58,7 @@ def test_a_source_beside_loads_alone_is_read(tmp_path):
     """A current into a capacitor and a resistor: i R (1 - exp(-t/RC)); a voltage alone is what it says."""
     cards = ["alone", "I1 0 a 2m", "C1 a 0 1n", "R1 0 a 1k", "V2 $G_b 0 5", "E3 c 0 VALUE {2*v($G_b)}", "R3 c 0 1"]
     (tmp_path / "alone.cir").write_text("\n".join([*cards, ".tran 0 3u 0 uic", ".print tran v(a) v(c)"]))
-    scene, notes = read_spice(tmp_path / "alone.cir")
+    scene, _ = read_spice(tmp_path / "alone.cir")
     seen = simulate(scene.with_changes(solver={"tol": 1e-8}), active=True).probes
     t = np.linspace(0.1e-6, 3e-6, 9)
     assert seen["a"].at(t).u == pytest.approx(2 * (1 - np.exp(-t / 1e-6)), abs=1e-7)

@@ -11,11 +11,12 @@ from tline.interchange.elements import merge_shorts, take
 from tline.interchange.netlist import (
     REFERENCE,
     Netlist,
+    check_size,
     connected,
     folded,
     with_links,
     with_open_ends,
-    without_idle_capacitors,
+    without_idle_stores,
 )
 from tline.interchange.spice_commands import (
     MEASURE,
@@ -118,9 +119,10 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
     found.check()
     _add_unused_line(net, str(path))
     folded(net, {probe["at"] for probe in table["probes"].values()})
-    without_idle_capacitors(net)
+    without_idle_stores(net)
     with_open_ends(net)
     with_links(net)
+    check_size(net, str(path))
     return {key: value for key, value in (table | net.tables).items() if value != {}}, net
 
 
