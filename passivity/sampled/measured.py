@@ -141,46 +141,6 @@ class DelayedModel:
         return f"{what} {band}, by up to {size - 1:.3g} {where}"
 
 
-def fit_behind_delay(
-    response: SampledResponse,
-    tolerance: float,
-    delay: float | None = None,
-    nearest: bool = False,
-    progress: Tried | None = None,
-) -> DelayedModel:
-    """The model of fewest poles that meets the samples of a reflection, behind a delay if that saves poles.
-
-    Parameters
-    ----------
-    response : SampledResponse
-        S of one port, at least 3 samples.
-    tolerance, nearest, progress
-        As of `fit_scattering`.
-    delay : float, optional
-        T, one way, s, >= 0, where it is known; else it is found, as below 1/(4 Δf) with samples Δf apart: one longer
-        by 1/(2 Δf) has the same samples.
-
-    Raises
-    ------
-    ExpressionError
-        These are no such samples, or no order meets them, and the nearest is not wanted: says what was reached.
-
-    Examples
-    --------
-    >>> s = 2j * np.pi * np.linspace(1e7, 3e9, 150)
-    >>> cable = SampledResponse(s.imag / (2 * np.pi), np.exp(-2e-9 * s) / (2 + 1e-9 * s), "S")
-    >>> found = fit_behind_delay(cable, 1e-6)
-    >>> found.order, round(found.delay * 1e9, 5), str(found.verdict.status)
-    (1, 1.0, 'proved')
-    """
-    if response.ports != 1 or response.parameter is not Parameter.S:
-        got = f"{response.parameter} of {response.ports} port{'s' * (response.ports > 1)}"
-        raise ExpressionError("samples", "not a reflection", "S of one port", got)
-    longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
-    otherwise = f", or the delay, if it may be over {longest:.3g} s" if delay is None else ""
-    return _first_that_meets(response, delay, tolerance, nearest, progress, otherwise)
-
-
 def fit_scattering(
     response: SampledResponse,
     tolerance: float,
@@ -188,7 +148,7 @@ def fit_scattering(
     delays: ArrayLike | None = None,
     progress: Tried | None = None,
 ) -> DelayedModel:
-    """The model of fewest poles, common to all entries, that meets samples of S.
+    """The model of fewest poles, common to all entries, that meets samples of S, behind delays if these save poles.
 
     Parameters
     ----------
@@ -200,8 +160,9 @@ def fit_scattering(
         Take the nearest passive model in place of a fit that is not passive, and the nearest to the best of all fits
         where none `meets` the tolerance. Otherwise the fit comes back as it is, with the verdict that refutes it.
     delays : float or array_like, shape (p,), optional
-        Time to each port, one way, s, >= 0, taken out of the samples first; else looked for up to FEW ports, where it
-        is some periods of the highest frequency.
+        Time to each port, one way, s, >= 0, taken out of the samples first; else looked for: of one port below
+        1/(4 Δf) with samples Δf apart, for one longer by 1/(2 Δf) has the same samples; up to FEW ports where it is
+        some periods of the highest frequency.
     progress : callable, optional
         Called with order and misfit of each model that is tried.
 
@@ -212,26 +173,14 @@ def fit_scattering(
 
     Examples
     --------
-    >>> f = np.linspace(0, 1, 50)
-    >>> S = np.array([[0, 0.8], [0.6, 0]]) / (1 + 2j * np.pi * f)[:, None, None]
-    >>> found = fit_scattering(SampledResponse(f, S, "S"), 1e-9)
-    >>> found.order, str(found.verdict.status)
-    (1, 'proved')
+    >>> s = 2j * np.pi * np.linspace(1e7, 3e9, 150)
+    >>> cable = SampledResponse(s.imag / (2 * np.pi), np.exp(-2e-9 * s) / (2 + 1e-9 * s), "S")
+    >>> found = fit_scattering(cable, 1e-6)
+    >>> found.order, round(found.delay * 1e9, 5), str(found.verdict.status)
+    (1, 1.0, 'proved')
     """
     if response.parameter is not Parameter.S:
         raise ExpressionError("samples", "not a scattering matrix", "S", response.parameter.value)
-    return _first_that_meets(response, delays, tolerance, nearest, progress)
-
-
-def _first_that_meets(
-    response: SampledResponse,
-    delays: ArrayLike | None,
-    tolerance: float,
-    nearest: bool,
-    progress: Tried | None,
-    otherwise: str = "",
-) -> DelayedModel:
-    """The first of the models that meets the samples; if the nearest passive one is wanted, else that to the best."""
     if len(response.f) < 3:
         raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
     if not nearest:
@@ -249,12 +198,22 @@ def _first_that_meets(
         several = fitted and found.samples.ports > 1
         if reached.is_enough(found.error, found.order, several, noise) or process_time() - begun > SECONDS:
             break
+    if nearest and (passive := _nearest_of(tried)):
+        return passive
+    longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
+    of_delay = delays is None and response.ports == 1
+    otherwise = f", or the delay, if it may be over {longest:.3g} s" if of_delay else ""
+    raise reached.refusal(tolerance, nearest, otherwise)
+
+
+def _nearest_of(tried: list[DelayedModel]) -> DelayedModel | None:
+    """The nearest passive model to the best fit that has one."""
     fewest = math.inf
-    for found in sorted(tried, key=lambda each: each.error) if nearest else ():
+    for found in sorted(tried, key=lambda each: each.error):
         if found.order < fewest and (passive := found.nearest).verdict.proved:
             return passive
         fewest = min(fewest, found.order)  # what has more poles is no easier
-    raise reached.refusal(tolerance, nearest, otherwise)
+    return None
 
 
 def _candidates(response: SampledResponse, delays: ArrayLike | None) -> Iterator[DelayedModel]:

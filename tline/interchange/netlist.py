@@ -239,7 +239,11 @@ def with_links(net: Netlist) -> None:
             del net.tables["loads"][name]
             joined.add(node)
     for name, source in net.tables["sources"].items():
-        if (node := source.get("at")) in alone - joined and source["kind"] == "voltage" and "resistance" not in source:
+        if (
+            (node := str(source.get("at"))) in alone - joined
+            and source["kind"] == "voltage"
+            and "resistance" not in source
+        ):
             card = net.cards["sources", name]
             net.found.note(card.where, "it stands alone: a resistor of 1 ohm is put beside it")
             net.add("links", card, {"nodes": [node, REFERENCE], "kind": "resistor", "resistance": 1.0}, f"{name}.r")
