@@ -17,16 +17,10 @@ import skrf
 from skrf.vectorFitting import VectorFitting
 
 from benchmarks.harness import table, write
-from passivity import DelayedModel, SampledResponse, check_samples, fit_behind_delay, fit_scattering, read_touchstone
+from passivity import check_samples, fit_scattering, read_touchstone
 from tline.errors import InputError
 
 TOLERANCE = 1e-2
-
-
-def ours(response: SampledResponse) -> DelayedModel:
-    """The model of fewest poles within the tolerance, or the nearest passive one to the best."""
-    fit = fit_behind_delay if response.ports == 1 else fit_scattering
-    return fit(response, TOLERANCE, nearest=True)
 
 
 def theirs(network: skrf.Network) -> tuple[int, float, bool]:
@@ -51,7 +45,7 @@ def rows(files: list[Path]) -> Iterator[list[str]]:
         beyond = float(max(check_samples(response).worst.max() - 1, 0.0))
         begun = process_time()
         try:
-            found = ours(response)
+            found = fit_scattering(response, TOLERANCE, nearest=True)
             mine = [f"{found.order}", f"{found.error:.1e}", found.verdict.status.value]
         except InputError as error:
             mine = ["", error.problem, "none"]
@@ -70,7 +64,7 @@ def rows(files: list[Path]) -> Iterator[list[str]]:
 def main() -> None:
     """Write the page."""
     warnings.simplefilter("ignore")
-    folders = [Path(skrf.__file__).parent / "data", *map(Path, sys.argv[1:])]
+    folders = [Path(str(skrf.__file__)).parent / "data", *map(Path, sys.argv[1:])]
     files = [file for folder in folders for file in sorted(folder.glob("*.[sS]*[pP]")) if "plot" not in file.suffix]
     found = list(rows(files))
     whole = [row for row in found if row[5] == "proved"]

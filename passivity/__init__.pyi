@@ -27,7 +27,6 @@ from passivity.sampled.enforce import enforce as enforce
 from passivity.sampled.enforce import nearest as nearest
 from passivity.sampled.fit import fit as fit
 from passivity.sampled.measured import DelayedModel as DelayedModel
-from passivity.sampled.measured import fit_behind_delay as fit_behind_delay
 from passivity.sampled.measured import fit_scattering as fit_scattering
 from passivity.sampled.model import PoleResidueModel as PoleResidueModel
 from passivity.sampled.read import read_csv as read_csv

@@ -13,10 +13,9 @@ B. Gustavsen, "Optimal time delay extraction for transmission line modeling", IE
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import islice
 from time import process_time
 from typing import Any, TypeAlias
 
@@ -142,27 +141,28 @@ class DelayedModel:
         return f"{what} {band}, by up to {size - 1:.3g} {where}"
 
 
-def fit_behind_delay(
+def fit_scattering(
     response: SampledResponse,
     tolerance: float,
-    delay: float | None = None,
     nearest: bool = False,
+    delays: ArrayLike | None = None,
     progress: Tried | None = None,
 ) -> DelayedModel:
-    """The model of fewest poles that meets the samples of a reflection, behind a delay if that saves poles.
+    """The model of fewest poles, common to all entries, that meets samples of S, behind delays if these save poles.
 
     Parameters
     ----------
     response : SampledResponse
-        S of one port, at least 3 samples.
+        S, at least 3 samples; reciprocal or not.
     tolerance : float
-        Largest |dS| at a sample, above 0.
-    delay : float, optional
-        T, one way, s, >= 0, where it is known; else it is found, as below 1/(4 Δf) with samples Δf apart: one longer
-        by 1/(2 Δf) has the same samples.
+        Largest |dS| of an entry at a sample, above 0.
     nearest : bool
         Take the nearest passive model in place of a fit that is not passive, and the nearest to the best of all fits
         where none `meets` the tolerance. Otherwise the fit comes back as it is, with the verdict that refutes it.
+    delays : float or array_like, shape (p,), optional
+        Time to each port, one way, s, >= 0, taken out of the samples first; else looked for: of one port below
+        1/(4 Δf) with samples Δf apart, for one longer by 1/(2 Δf) has the same samples; up to FEW ports where it is
+        some periods of the highest frequency.
     progress : callable, optional
         Called with order and misfit of each model that is tried.
 
@@ -175,76 +175,19 @@ def fit_behind_delay(
     --------
     >>> s = 2j * np.pi * np.linspace(1e7, 3e9, 150)
     >>> cable = SampledResponse(s.imag / (2 * np.pi), np.exp(-2e-9 * s) / (2 + 1e-9 * s), "S")
-    >>> found = fit_behind_delay(cable, 1e-6)
+    >>> found = fit_scattering(cable, 1e-6)
     >>> found.order, round(found.delay * 1e9, 5), str(found.verdict.status)
     (1, 1.0, 'proved')
     """
-    if response.ports != 1 or response.parameter is not Parameter.S:
-        got = f"{response.parameter} of {response.ports} port{'s' * (response.ports > 1)}"
-        raise ExpressionError("samples", "not a reflection", "S of one port", got)
-    _check(response, tolerance, nearest)
-    longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
-    otherwise = f", or the delay, if it may be over {longest:.3g} s" if delay is None else ""
-    return _first_that_meets(_candidates(response, delay), tolerance, nearest, progress, otherwise)
-
-
-def fit_scattering(
-    response: SampledResponse,
-    tolerance: float,
-    nearest: bool = False,
-    delays: ArrayLike | None = None,
-    progress: Tried | None = None,
-) -> DelayedModel:
-    """The model of fewest poles, common to all entries, that meets samples of S.
-
-    Parameters
-    ----------
-    response : SampledResponse
-        S, at least 3 samples; reciprocal or not.
-    tolerance : float
-        Largest |dS| of an entry at a sample, above 0.
-    nearest : bool
-        As of `fit_behind_delay`.
-    delays : float or array_like, shape (p,), optional
-        Time to each port, one way, s, >= 0, taken out of the samples first; else looked for up to FEW ports, where it
-        is some periods of the highest frequency.
-    progress : callable, optional
-        Called with order and misfit of each model that is tried.
-
-    Raises
-    ------
-    ExpressionError
-        These are no such samples, or no order meets them, and the nearest is not wanted: says what was reached.
-
-    Examples
-    --------
-    >>> f = np.linspace(0, 1, 50)
-    >>> S = np.array([[0, 0.8], [0.6, 0]]) / (1 + 2j * np.pi * f)[:, None, None]
-    >>> found = fit_scattering(SampledResponse(f, S, "S"), 1e-9)
-    >>> found.order, str(found.verdict.status)
-    (1, 'proved')
-    """
     if response.parameter is not Parameter.S:
         raise ExpressionError("samples", "not a scattering matrix", "S", response.parameter.value)
-    _check(response, tolerance, nearest)
-    return _first_that_meets(_candidates_of_several(response, delays), tolerance, nearest, progress)
-
-
-def _check(response: SampledResponse, tolerance: float, nearest: bool) -> None:
-    """Refuse samples that no passive model meets, unless the nearest is wanted, and such as are too few."""
     if len(response.f) < 3:
         raise ExpressionError("samples", "too few for a model", "at least 3", f"{len(response.f)}")
     if not nearest:
         what = "one-port" if response.ports == 1 else "network"
         check_samples(response).refuse_beyond(tolerance * response.ports, what)
-
-
-def _first_that_meets(
-    candidates: Iterable[DelayedModel], tolerance: float, nearest: bool, progress: Tried | None, otherwise: str = ""
-) -> DelayedModel:
-    """The first of the models that meets the samples; if the nearest passive one is wanted, else that to the best."""
     reached, tried, begun = Reached(), [], process_time()
-    for found in candidates:
+    for found in _candidates(response, delays):
         fitted, noise = found.misfit <= tolerance, found.is_left_by_noise
         found = found.nearest if fitted and nearest else found
         if progress:
@@ -255,66 +198,62 @@ def _first_that_meets(
         several = fitted and found.samples.ports > 1
         if reached.is_enough(found.error, found.order, several, noise) or process_time() - begun > SECONDS:
             break
-    fewest = math.inf
-    for found in sorted(tried, key=lambda each: each.error) if nearest else ():
-        if found.order < fewest and (passive := found.nearest).verdict.proved:
-            return passive
-        fewest = min(fewest, found.order)  # what has more poles is no easier
+    if nearest and (passive := _nearest_of(tried)):
+        return passive
+    longest = 1 / (4 * np.diff(response.f).max())  # beyond, the phase turns by over half a turn between two samples
+    of_delay = delays is None and response.ports == 1
+    otherwise = f", or the delay, if it may be over {longest:.3g} s" if of_delay else ""
     raise reached.refusal(tolerance, nearest, otherwise)
 
 
-def _candidates_of_several(response: SampledResponse, delays: ArrayLike | None) -> Iterator[DelayedModel]:
-    """Models of ever more poles, up to MANY also behind the best delays, unless these are known."""
-    most = MAX_STATES // response.ports if response.ports > FEW else max(MEETING)
+def _nearest_of(tried: list[DelayedModel]) -> DelayedModel | None:
+    """The nearest passive model to the best fit that has one."""
+    fewest = math.inf
+    for found in sorted(tried, key=lambda each: each.error):
+        if found.order < fewest and (passive := found.nearest).verdict.proved:
+            return passive
+        fewest = min(fewest, found.order)  # what has more poles is no easier
+    return None
+
+
+def _candidates(response: SampledResponse, delays: ArrayLike | None) -> Iterator[DelayedModel]:
+    """Models of ever more poles, also behind the best delays, of several ports up to MANY, unless these are known."""
+    p = response.ports
+    most = MAX_STATES // p if p > FEW else max(MEETING)
     orders = [k for k in MEETING if k <= min(most, len(response.f) - 2)]
-    given = np.broadcast_to(np.asarray(0.0 if delays is None else delays, float), response.ports)
+    given = np.broadcast_to(np.asarray(0.0 if delays is None else delays, float), p)
     rough = _port_delays(response) if delays is None else np.zeros(1)
     few, both = [k for k in orders if k <= MOST_SCOUTS], [given]
     for order in few:
         both = [given, T] if rough.any() and (T := _fine_delays(response, order, rough)).any() else [given]
         for chosen in both:
-            rest = _without(response, chosen)
-            yield DelayedModel(chosen, model := fit(rest, order), model, rest)
+            yield _behind(chosen, fit(rest := _without(response, chosen), order), rest)
     rests = [_without(response, chosen) for chosen in both]
     models = [fits(rest, orders[len(few) - 1 :]) for rest in rests]  # begin with the last of few
     for order in orders[len(few) - 1 :]:
-        for chosen, rest, some in list(zip(both, rests, models, strict=True))[: 2 if order <= MANY else 1]:
+        for chosen, rest, some in list(zip(both, rests, models, strict=True))[: 2 if order <= MANY or p == 1 else 1]:
             model = next(some)
             if order > MOST_SCOUTS:
-                yield DelayedModel(chosen, model, model, rest)
+                yield _behind(chosen, model, rest)
+
+
+def _behind(delays: NDArray, model: PoleResidueModel, rest: SampledResponse) -> DelayedModel:
+    return DelayedModel(delays if rest.ports > 1 else float(delays[0]), model, model, rest)
 
 
 def _port_delays(response: SampledResponse) -> NDArray:
     """Rough delays in front of up to FEW ports, in the ratio of the least squares of T + T' less the phases' slopes."""
     f, p = response.f, response.ports
     turned = (response.values[1:] * response.values[:-1].conj()).reshape(-1, p * p)
-    size = np.abs(turned) + np.finfo(float).tiny
+    size = np.abs(turned) + np.finfo(float).tiny if p > 1 else np.ones(turned.shape)
     slope = -(size * np.angle(turned)).sum(0) / (2 * np.pi * np.diff(f) @ size)
+    if p == 1:
+        return np.array([_rough_delay(response, float(slope[0]) / 2)])
     sums, weight = np.kron(np.eye(p), np.ones((p, 1))) + np.tile(np.eye(p), (p, 1)), np.sqrt(size.sum(0))
     T = np.linalg.lstsq(sums * weight[:, None], slope * weight, rcond=None)[0].clip(0)
     if p > FEW or T.max() * f[-1] < 1:
         return np.zeros(p)
     return T / T.max() * _rough_delay(response, T.max(), T / T.max())
-
-
-def _candidates(response: SampledResponse, delay: float | None) -> Iterator[DelayedModel]:
-    """Models of ever more poles: without a delay and behind the best one, unless it is known."""
-    orders = [k for k in MEETING if k <= len(response.f) - 2]
-    turned = -np.angle(response.values[1:] * response.values[:-1].conj()).sum()
-    whole = float(turned / (4 * np.pi * np.ptp(response.f)))
-    T = rough = _rough_delay(response, whole) if delay is None else delay
-    few, both = [k for k in orders if k <= MOST_SCOUTS], (T,)
-    for order in few:
-        T = float(_fine_delays(response, order, rough)[0]) if delay is None else delay
-        both = (0.0, T) if delay is None and T else (T,)
-        for chosen in both:
-            rest = _without(response, chosen)
-            yield DelayedModel(chosen, model := fit(rest, order), model, rest)
-    rests = [_without(response, chosen) for chosen in both]
-    many = [fits(rest, orders[len(few) - 1 :]) for rest in rests]  # begin with the last of few
-    for models in islice(zip(*many, strict=True), 1, None):
-        for chosen, model, rest in zip(both, models, rests, strict=True):
-            yield DelayedModel(chosen, model, model, rest)
 
 
 def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:

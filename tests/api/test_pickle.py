@@ -192,7 +192,7 @@ PASSIVITY = {
     "derivation": lambda: passivity.derive(),
     "samples": lambda: passivity.check_samples(samples(lambda s: 1.5 / (1 + s))),
     "enforced": lambda: passivity.enforce(passivity.fit(ABOVE, 2), ABOVE),
-    "behind a delay": lambda: passivity.fit_behind_delay(samples(lambda s: 0.5 * np.exp(-s) / (1 + s)), 1e-3),
+    "behind a delay": lambda: passivity.fit_scattering(samples(lambda s: 0.5 * np.exp(-s) / (1 + s)), 1e-3),
     "network": lambda: with_verdict(
         passivity.fit_scattering(samples(lambda s: np.array([[0, 0.8], [0.6, 0]]) / (1 + s)[:, None, None]), 1e-9)
     ),

@@ -17,7 +17,7 @@ from passivity import (
     check_samples,
     enforce,
     fit,
-    fit_behind_delay,
+    fit_scattering,
 )
 from tline.errors import SceneError
 from tline.scene.scene import Scene
@@ -68,7 +68,7 @@ def test_fits_of_a_plain_line_are_proved_or_refused(order, end, tmp_path, monkey
     given = DelayedModel(0.0, model, model, samples)
     nearest = DelayedModel(0.0, enforce(model, samples).model, model, samples)
     for found in (given, nearest):
-        monkeypatch.setattr("passivity.fit_behind_delay", lambda *_, found=found: found)
+        monkeypatch.setattr("passivity.fit_scattering", lambda *_, found=found: found)
         touchstone.model_of.cache_clear()
         if found.verdict.status is Status.PROVED:
             check_never_gains(network(tmp_path / "line.s1p", order=4, slab="0.11 ns"), order)
@@ -84,6 +84,6 @@ def test_a_plain_line_is_its_delay(delay, end):
     f = frequencies(2e9, 100)
     response = SampledResponse(f, end * np.exp(-4j * np.pi * f * delay * 1e-9), "S")
     assert check_samples(response).status is not Status.REFUTED
-    found = fit_behind_delay(response, 1e-6, nearest=True)
+    found = fit_scattering(response, 1e-6, nearest=True)
     assert found.order == 0
     assert found.delay == pytest.approx(delay * 1e-9, abs=1e-17)

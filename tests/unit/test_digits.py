@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from passivity import ExpressionError, Status, check_samples, fit_behind_delay, read_csv, read_touchstone
+from passivity import ExpressionError, Status, check_samples, fit_scattering, read_csv, read_touchstone
 from passivity.sampled.response import half_unit
 from tests.touchstone_files import FILTER, SHIPPED
 from tline.cli.main import main
@@ -111,9 +111,9 @@ def test_a_model_of_rounded_samples_is_found_not_refused(tmp_path):
     rows = (f"{x:.4f} {v.real:.3f} {v.imag:.3f}" for x, v in zip(f, values, strict=True))
     response = read_touchstone(sampled(tmp_path, "a.s1p", "\n".join(["# GHz S RI R 50", *rows])))
     assert check_samples(response, 0.0).status is Status.REFUTED
-    assert fit_behind_delay(response, 1e-4 + 1e-3, 0.0).order == 1
+    assert fit_scattering(response, 1e-4 + 1e-3, delays=0.0).order == 1
     with pytest.raises(ExpressionError, match="no model of up to 60 poles is that near"):
-        fit_behind_delay(response, 1e-5, 0.0)
+        fit_scattering(response, 1e-5, delays=0.0)
 
 
 @pytest.mark.parametrize("path", [SHIPPED, FILTER])

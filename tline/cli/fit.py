@@ -63,7 +63,7 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
 
 
 def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedModel":
-    from passivity import fit_behind_delay, fit_scattering, read_touchstone
+    from passivity import fit_scattering, read_touchstone
     from tline.scene.quantity import FIT_TOLERANCE, Role
 
     with options_named({"": "--tol"}):
@@ -75,9 +75,7 @@ def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedMod
     if given is not None and len(given) != response.ports:
         raise InputError("--delay", "not one for each port", f"{response.ports}", f"{len(given)}")
     with trying() as tried:
-        if response.ports > 1:
-            return fit_scattering(response, asked, nearest, given, tried)
-        return fit_behind_delay(response, asked, given[0] if given else None, nearest, tried)
+        return fit_scattering(response, asked, nearest, given, tried)
 
 
 @contextmanager

@@ -8,12 +8,14 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from tline.errors import InputError
 from tline.interchange.deck import Card, Findings
 from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import GROUND
 
 Table = dict[str, Any]
 REFERENCE = "0"
+MOST_NODES = 1000  # of a circuit between lines
 AMMETER = 1.0  # ohm, by which a current becomes the voltage that stands for it
 LINKED = ("resistor", "inductor", "capacitor", "series", "parallel", "diode")  # loads that may be links
 
@@ -91,7 +93,8 @@ class Netlist:
         for first, second in ports:
             signs.append(-1.0 if first == REFERENCE else 1.0)
             nodes.append(second if first == REFERENCE else first)
-        grounded = all(REFERENCE in port for port in ports) and len({*nodes}) == 2
+        kept = signs[0] == signs[1] or any(key.startswith("signed_") for key in table)
+        grounded = all(REFERENCE in port for port in ports) and len({*nodes}) == 2 and kept
         given = {}
         for key, value in table.items():
             plain = key.removeprefix("signed_")
@@ -166,12 +169,24 @@ def connected(net: Netlist) -> set[str]:
     return neighbours.keys() - reached
 
 
-def without_idle_capacitors(net: Netlist) -> None:
-    """Drop capacitors beside ideal voltages against the reference: no voltage depends on them."""
+def check_size(net: Netlist, path: str) -> None:
+    """Refuse circuits of so many nodes, with no lines in between, that their matrices take minutes and gigabytes."""
+    group: dict[str, list[str]] = {}
+    for table in net.tables["links"].values():
+        nodes = [node for node in table["nodes"] if node != REFERENCE]
+        joined = list(dict.fromkeys(node for at in nodes for node in group.get(at, [at])))
+        group |= dict.fromkeys(joined, joined)
+    most = max(map(len, group.values()), default=0)
+    if most > MOST_NODES:
+        raise InputError(path, "a circuit of too many nodes between lines", f"at most {MOST_NODES}", f"{most}")
+
+
+def without_idle_stores(net: Netlist) -> None:
+    """Drop capacitors and inductors beside ideal voltages against the reference: no voltage depends on them."""
     ideal = [s for s in net.tables["sources"].values() if s["kind"] == "voltage" and "resistance" not in s]
     held = {source.get("at") for source in ideal}
     for name, load in list(net.tables["loads"].items()):
-        if load["at"] in held and load["kind"] == "capacitor":
+        if load["at"] in held and load["kind"] in ("capacitor", "inductor"):
             del net.tables["loads"][name]
             net.found.note(net.cards["loads", name].where, "skipped, for it stands beside an ideal voltage")
 
@@ -215,18 +230,23 @@ def with_links(net: Netlist) -> None:
         node for line in net.tables["lines"].values() for key in ("nodes1", "nodes2") for node in line.get(key, ())
     }
     alone = {source["at"] for source in net.tables["sources"].values() if "at" in source} - ended
+    joined: set[str] = set()
     for name, load in list(net.tables["loads"].items()):
         if (node := load["at"]) in alone and load["kind"] in LINKED:
             nodes = [node, REFERENCE][:: -1 if load.get("reverse") else 1]
             table = {key: value for key, value in load.items() if key not in ("at", "reverse")}
             net.add("links", net.cards["loads", name], {"nodes": nodes} | table, name)
             del net.tables["loads"][name]
-            alone.discard(node)
+            joined.add(node)
     for name, source in net.tables["sources"].items():
-        if (node := source.get("at")) in alone and source["kind"] == "voltage" and "resistance" not in source:
+        if (
+            (node := str(source.get("at"))) in alone - joined
+            and source["kind"] == "voltage"
+            and "resistance" not in source
+        ):
             card = net.cards["sources", name]
             net.found.note(card.where, "it stands alone: a resistor of 1 ohm is put beside it")
             net.add("links", card, {"nodes": [node, REFERENCE], "kind": "resistor", "resistance": 1.0}, f"{name}.r")
-            alone.discard(node)
+            joined.add(node)
     if any(REFERENCE in link["nodes"] for link in net.tables["links"].values()):
         net.tables["loads"]["reference"] = {"at": REFERENCE, "kind": "short"}

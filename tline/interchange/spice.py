@@ -11,11 +11,12 @@ from tline.interchange.elements import merge_shorts, take
 from tline.interchange.netlist import (
     REFERENCE,
     Netlist,
+    check_size,
     connected,
     folded,
     with_links,
     with_open_ends,
-    without_idle_capacitors,
+    without_idle_stores,
 )
 from tline.interchange.spice_commands import (
     MEASURE,
@@ -32,7 +33,7 @@ from tline.interchange.spice_commands import (
 )
 from tline.interchange.spice_impedance import add_coupled, couplings, names_coupled
 from tline.interchange.spice_linear import with_linear_sources
-from tline.interchange.spice_source import Transient, with_generator
+from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import opened
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
@@ -86,7 +87,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
-    cards = with_generator(opened(raw, found), found)
+    cards = opened(raw, found)
     commands: dict[str, list[Card]] = {name: [] for name in (".tran", ".model", ".ic", *OVER_FREQUENCY)}
     for card in cards:
         commands.get(card.name.lower(), []).append(card)
@@ -118,9 +119,10 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
     found.check()
     _add_unused_line(net, str(path))
     folded(net, {probe["at"] for probe in table["probes"].values()})
-    without_idle_capacitors(net)
+    without_idle_stores(net)
     with_open_ends(net)
     with_links(net)
+    check_size(net, str(path))
     return {key: value for key, value in (table | net.tables).items() if value != {}}, net
 
 

@@ -28,6 +28,7 @@ POWERS = {
     "t": 12, "g": 9, "meg": 6, "x": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12, "f": -15, "a": -18
 }  # fmt: skip
 MIL = 25.4e-6  # m
+AMPERES = ("a", "amp", "amps")  # a unit; only in HSPICE "a" alone is 1e-18
 LONGEST_EXPRESSION = 1000  # characters of an expression
 DEEPEST, MOST_CALLS = 50, 10_000  # brackets and signs in each other; calls of functions that the netlist defines
 CONSTANTS = {"pi": math.pi, "e": math.e, "true": 1.0, "false": 0.0}
@@ -158,7 +159,7 @@ def number(text: str) -> float | None:
     letters = letters.lower()
     if letters.startswith("mil"):
         return float(f"{sign}{mantissa}e{exponent or 0}") * MIL
-    power = POWERS["meg"] if letters.startswith("meg") else POWERS.get(letters[:1], 0)
+    power = 6 if letters.startswith("meg") else 0 if letters in AMPERES else POWERS.get(letters[:1], 0)
     return float(f"{sign}{mantissa}e{int(exponent or 0) + power}")
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.interchange.deck import Card
 from tline.interchange.netlist import Netlist
-from tline.interchange.spice_expression import number
+from tline.interchange.spice_expression import AMPERES, number
 from tline.scene.multiport import TIGHTEST
 
 KINDS = {"R": ("resistor", "resistance"), "L": ("inductor", "inductance"), "C": ("capacitor", "capacitance")}
@@ -39,6 +39,8 @@ def value_of(card: Card, net: Netlist) -> float:
         raise card.refuse(
             "its value is not given once", "two nodes and a number, a model, or both", f"'{' '.join(plain):.40}'"
         )
+    if values and number(values[0]) is not None and values[0].lower().endswith(AMPERES):
+        raise card.refuse("a value in ampere, or in HSPICE one of 1e-18", "1e-18 where that is meant", values[0])
     value = card.value(values[0]) if values else 0.0
     if models:
         value = _by_model(card, models[0], value if values else None, assigned)

@@ -103,13 +103,13 @@ def plot_misfit(found: "DelayedModel", title: str = "") -> Figure:
     Parameters
     ----------
     found : DelayedModel
-        From `passivity.fit_behind_delay` or `passivity.fit_scattering`.
+        From `passivity.fit_scattering`.
     title : str
 
     Examples
     --------
-    >>> from passivity import SampledResponse, fit_behind_delay
-    >>> found = fit_behind_delay(SampledResponse([1, 2, 3, 4], [0.5, 0.5, 0.5, 0.5], "S"), 1e-3)
+    >>> from passivity import SampledResponse, fit_scattering
+    >>> found = fit_scattering(SampledResponse([1, 2, 3, 4], [0.5, 0.5, 0.5, 0.5], "S"), 1e-3)
     >>> plot_misfit(found).axes[1].get_xlabel()
     'frequency [Hz]'
     """

@@ -89,16 +89,14 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
 @lru_cache(maxsize=64)
 def model_of(path: Path, stamp: int, tolerance: float, delay: Any, nearest: bool, ports: int = 1) -> "DelayedModel":
     """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times."""
-    from passivity import ExpressionError, Status, fit_behind_delay, fit_scattering, read_touchstone
+    from passivity import ExpressionError, Status, fit_scattering, read_touchstone
 
     response = read_touchstone(path)
-    if ports == 1:
-        found = fit_behind_delay(response, tolerance, delay, nearest)
-    elif response.ports == ports:
-        found = fit_scattering(response, tolerance, nearest, delay)
-    else:
+    if response.ports != ports:
         got = f"{response.ports} port{'s' * (response.ports > 1)}"
-        raise ExpressionError("samples", "not one port for each node", f"{ports}", got)
+        told = ("not one port for each node", f"{ports}", got)
+        raise ExpressionError("samples", *told if ports > 1 else ("not a reflection", "S of one port", f"S of {got}"))
+    found = fit_scattering(response, tolerance, nearest, delay)
     if nearest and not found.meets(tolerance):
         problem = f"the nearest passive model with {found.order} poles is not that near to the samples"
         raise ExpressionError("tolerance", problem, f"at least {found.error:.3g}", f"{tolerance:g}")
