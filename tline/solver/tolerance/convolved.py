@@ -149,8 +149,8 @@ class Convolutions(Grids):
     def _first_slab(self) -> float:
         """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.
 
-        It divides what many fronts are apart, and beside laws what is between two fronts, if that is enough for all of
-        them to be at edges of slabs.
+        It divides what many fronts are apart, and beside laws what is between two fronts, or moves of laws, if that is
+        enough for all of them to be at edges of slabs.
         """
         description, scene, s = self.search.description, self.scene, self.order
         if scene.slow:
@@ -161,10 +161,13 @@ class Convolutions(Grids):
         if not scene.layered:
             h = resolution(description, s).h
             h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
-            if scene.laws and len(leads(scene.instants / h)) > 1:
-                apart = float(np.diff(scene.instants).min())
+            for instants in (scene.instants, scene.moves) if scene.laws else ():
+                if len(leads(instants / h)) < 2:
+                    return h
+                apart = float(np.diff(instants).min())
                 apart /= ceil(apart / h)
-                return apart if apart > h / 2 and len(leads(scene.instants / apart)) == 1 else h
+                if apart > h / 2 and len(leads(instants / apart)) == 1:
+                    return apart
             return h
         h, ringing = shortest / FIRST, min((period for _, period in description.time_scales.values()), default=inf)
         return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
