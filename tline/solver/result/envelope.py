@@ -44,12 +44,10 @@ class Envelope:
         return {name: float(getattr(self, name)[k]) for name in COLUMNS}
 
     def compared(self, other: "Envelope", caution: float) -> "Envelope":
-        """The same with its differences to the envelope of another run, so many times, as errors."""
-        return replace(
-            self,
-            lowest_error=caution * np.abs(self.lowest - other.lowest),
-            highest_error=caution * np.abs(self.highest - other.highest),
-        )
+        """The same with its differences to another envelope, so many times, as errors, or with known larger ones."""
+        low, high = (caution * np.abs(getattr(self, key) - getattr(other, key)) for key in ("lowest", "highest"))
+        errors = np.fmax(self.lowest_error, low), np.fmax(self.highest_error, high)
+        return replace(self, lowest_error=errors[0], highest_error=errors[1])
 
 
 COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_at", "highest_error")

@@ -51,8 +51,12 @@ class Rounded(Grids):
             raise InputError(error.where, error.problem) from error
 
     def step(self, ladder: Ladder, finer: Result) -> Step:
-        """By how much extremes differ from those of the run before it."""
-        return Step(finer, compared(self.search.tol, ladder.last, finer), CAUTION)
+        """By how much extremes differ from those of the run before it; at each node no less than half as before."""
+        told, before = compared(self.search.tol, ladder.last, finer), ladder.best.envelope
+        assert finer.envelope is not None
+        assert before is not None
+        halved = {key: getattr(before, key) / 2 for key in ("lowest_error", "highest_error")}
+        return Step(replace(finer, envelope=replace(finer.envelope, **halved)), told, CAUTION)
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met, of which one comparison is no proof."""
