@@ -16,13 +16,13 @@ from tline.scene.refuse import refuse_cavities
 from tline.solver.description.description import Description
 from tline.solver.description.given import Scene
 from tline.solver.description.slab import WHOLE, common_parts
-from tline.solver.many.elements import WHAT, laws_by_node, scenes_of
-from tline.solver.many.nodes import ELEMENTS, NodeOfCopies, junction_of
+from tline.solver.many.nodes import ELEMENTS, WHAT, NodeOfCopies, junction_of, laws_by_node, scenes_of
 from tline.solver.many.steady import before
 from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 MOST_UNITS = 1000  # in the shortest delay
+DROWNING = 1e6  # times that a wave may be as large as the efforts
 
 
 class Copies(NamedTuple):
@@ -34,7 +34,7 @@ class Copies(NamedTuple):
     junctions: list[NodeOfCopies]
     start: Floats  # (2, 2 L, N) efforts at line ends, and waves that arrive there, before t = 0
     alike: bool  # whether no number varies within elements or waveforms
-    valid: NDArray  # (N,) whether those numbers fit there
+    valid: NDArray  # (N,) whether those numbers fit there, and flows before t = 0 do not drown efforts in rounding
 
     @property
     def linear(self) -> bool:
@@ -72,6 +72,8 @@ def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
         if laws and node.load is not None:
             raise InputError(node.load_name, "keeps a state beside elements with a law", WHAT)
     start = before(description, junctions, z0, delays)
+    effort, wave = np.abs(start).max(axis=1)
+    valid &= wave <= DROWNING * effort
     return Copies(delays[shortest] / parts, delay, z0, junctions, start, len(scenes) == 1, valid)
 
 
