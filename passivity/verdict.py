@@ -96,8 +96,7 @@ class Witness:
     re, im : Fraction
         The point s = re + j im, re > 0.
     found : tuple of (Fraction, Fraction), StateSpace, acb or None
-        The image; the state space that has it, which may take seconds to be found; a ball around the value; None where
-        it is infinite.
+        The image; the state space that has it, which takes longer; a ball around the value; None where it is infinite.
     vector : tuple of (Fraction, Fraction)
         v; 1 of one port.
     names : mapping of str to Fraction
@@ -219,8 +218,7 @@ class Verdict(Decided):
     status : Status
         `PROVED` comes with a proof, `REFUTED` with a witness or a pole, `UNDECIDED` with what was not resolved.
     certificate : Certificate, StorageCertificate, dict, tuple of Derivation or None
-        The proof: exact facts, or along the expression (what `passivity.verifier` checks and
-        `passivity.calculus.proof.save` writes), or that of two halves of a line.
+        The proof: exact facts; steps that `passivity.verifier` checks; or the proofs of two halves of a line.
     witness : Witness or None
     lossless : bool
         Re Z = 0 or |H| = 1, Z + Z^H = 0 or S^H S = I, on the whole imaginary axis.
@@ -238,7 +236,7 @@ class Verdict(Decided):
     asked : tuple of (str, dict, dict)
         The text, the numbers for names in it, and what was assumed of others, if the question was one.
     pole : Pole or None
-        Where the function is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
+        Where it is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
     ranges : tuple of Range
         What is assumed of parameters, where the answer is for all their values.
     condition : Condition or None
