@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import Result
-from tline.solver.tolerance.difference import Difference, difference, difference_at_ends, is_smooth
+from tline.solver.tolerance.difference import EPS, Difference, difference, difference_at_ends, is_smooth
 
 ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # of the largest amplitude of all probes; what is below is rounding
@@ -92,12 +92,13 @@ def relative(
     for name, (*each, (u, y)) in found.items():
         least = max(SILENT * max(u, y), NOTHING * largest)
         for estimates, (of_u, of_y) in zip(told, each, strict=True):
-            estimates[name] = Estimate(_share(of_u, u, least), _share(of_y, y, least))
+            estimates[name] = Estimate(*(_share(of, x, least, max(u, y)) for of, x in ((of_u, u), (of_y, y))))
     return told
 
 
-def _share(error: float, amplitude: float, least: float) -> float:
-    return max(error / amplitude, ROUNDING) if amplitude > least and error > 0 else 0.0
+def _share(error: float, amplitude: float, least: float, of_waves: float) -> float:
+    rounding = max(ROUNDING, EPS * of_waves / amplitude) if amplitude else 0.0
+    return max(error / amplitude, rounding) if amplitude > least and error > 0 else 0.0
 
 
 def caution(found: Accuracy, before: Accuracy | None = None, unknown: float = SLOWEST) -> float:
