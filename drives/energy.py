@@ -18,14 +18,14 @@ Rows = list[list[fmpq]]
 
 @dataclass(frozen=True)
 class Energy:
-    """Energies at the samples, J, each of shape (n,).
+    """Energies at the samples, each of shape (n,).
 
     Attributes
     ----------
     stored : numpy.ndarray
-        In spools, belts and the pulley's spring.
+        In spools, belts and the pulley's spring [J].
     dissipated, supplied : numpy.ndarray
-        Heat in bearings and belts, and work of the torques, since the start.
+        Heat in bearings and belts, and work of the torques, since the start [J].
     """
 
     stored: NDArray[np.float64]

@@ -39,7 +39,7 @@ class Sensitivities(Presentation):
     of_poles : ndarray, shape (parameters, poles)
         By how much each moves [rad/s].
     overshoots : ndarray, shape (2,)
-        Of belt speed and tension when their set points step, of the value that they settle at.
+        Of belt speed and tension when their set points step, as shares of the value that they settle at.
     of_overshoots : ndarray, shape (parameters, 2)
         By how much each grows, dimensionless.
     multiple : list of complex

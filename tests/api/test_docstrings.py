@@ -13,7 +13,7 @@ ENTRY = re.compile(r"^(\*{0,2}\w.*?)(?: : (.*))?\n((?:[ ]+.*\n?|\n)*)", re.MULTI
 NUMBER = re.compile(r"(?!.*\b(?:text|str|bool|mapping|dict|callable)\b).*(?:float|array|number)")
 UNIT = re.compile(
     r"\[[^\]]+\]|\b(?:s|m|m²|kg|N|J|W|V|A|Pa|Hz|K|rad|ohm|m/s|rad/s|N/m|N m)\b"
-    r"|SI|unit|relative|share|ratio|factor|probability|dimensionless|number of|tolerance|as of `",
+    r"|\bSI\b|unit|relative|share|ratio|factor|probability|dimensionless|number of|tolerance|as of `",
     re.IGNORECASE,
 )
 REFUSES = re.compile(r"raise \w*Error\(|check_number\(|known_names\(|\bpositive\(|\bexact\(|\bfinite\(")
