@@ -42,19 +42,11 @@ METHODS = {
         Method("moreau", 1, STATIC, "fixed", "first order: break-away and stop are up to one step late"),
         Method("exponential", 1, BRISTLES, "fixed", "first order; unstable in stick above h = 2·√(m/σ0)"),
         Method("euler", 1, ALL, "fixed", "chatters about v = 0; unstable above limits(model, v).euler"),
-        Method(
-            "rk4",
-            4,
-            ALL,
-            "fixed",
-            "chatters about v = 0 and loses its order there; unstable above limits(model, v).rk4",
-        ),
+        Method("rk4", 4, ALL, "fixed", "chatters about v = 0, losing its order; unstable above limits(model, v).rk4"),
         Method("rk45", 5, ALL, "adaptive", "chatters about v = 0 with steps that shrink with the tolerance"),
         Method("bdf", 5, ALL, "adaptive", "stalls at v = 0, or steps over the jump and reports success"),
-        Method(
-            "rk45-events", 5, STATIC, "adaptive", "as exact as its tolerance; thousands of times slower than events"
-        ),
-        Method("bdf-events", 5, STATIC, "adaptive", "as exact as its tolerance; thousands of times slower than events"),
+        Method("rk45-events", 5, STATIC, "adaptive", "as exact as its tolerance, thousands of times slower"),
+        Method("bdf-events", 5, STATIC, "adaptive", "as exact as its tolerance, thousands of times slower"),
     )
 }
 

@@ -35,7 +35,8 @@ from tline.compiled.unit import function, unit
 
 FOREVER = 1e13  # s, more than any run may last
 STILL = 1e-250  # of a state, below which terms of series would be subnormal numbers, and steps without end
-MOST_IDLE = 10  # changes of mode at one instant, for each contact
+GRAIN = 1e-15  # of the time, some ulps: a leg so short may leave states as they are, and is no time
+MOST_IDLE = 10  # changes at one instant, for each signal
 
 
 @unit
@@ -72,23 +73,24 @@ def automaton(run: HybridRun, budget: int) -> int:
         root, which, border = first_guard(run, h)
         h = min(h, root)
         ends = h >= left and root == inf
-        began, t = t, until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
+        t = until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
         if h > 0.0:
             row = sample(run, row, t, ends, start, h)
         if t > run.t_end:
             return DONE
         advance(run, h)
-        idle = idle + 1 if root == 0.0 else 0
-        if idle > MOST_IDLE * max(1, d.contact.size):
+        still = h <= GRAIN * t
+        idle = idle + 1 if still else 0
+        if idle > MOST_IDLE * d.kind.size:
             return STALLED
-        for i in range(run.known.size if t > began else 0):  # guards that vanish together are known together
+        for i in range(0 if still and not ends else run.known.size):  # guards that vanish together are known together
             run.known[i] = nan
         if ends:
             number += until == end
             clock[CLOCK], clock[LOST] = (0.0 if until == end else until - start), 0.0
         elif root < inf and d.kind[which] == FRICTION:
             change(run, which, border, root > 0.0, t, h)
-        elif root < inf and root > 0.0:
+        elif root < inf:
             run.known[d.source[which, 0]] = 0.0
     return BUDGET
 

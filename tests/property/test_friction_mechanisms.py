@@ -64,3 +64,15 @@ def test_states_and_events_are_those_of_an_independent_integrator(seed):
     for one, other in zip(found.events, exact.events, strict=True):
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-7)
     np.testing.assert_allclose(found.states, exact.states, rtol=0, atol=1e-8 * np.abs(exact.states).max())
+
+
+def test_gaps_that_close_at_one_instant_all_close():
+    """But for rounding: where one has closed, others have still 1e-17 to go, or have that behind them."""
+    m = Mechanism()
+    x, factors = m.state(), [0.1 * k for k in range(1, 60)]
+    m.integrate(x, m.add({}, 1.0))
+    zero = m.add({})
+    pulls = [m.larger(m.add({x: factor}, -0.3 * factor), zero) for factor in factors]
+    status, run, _ = m.run([0.0, 0.2, 1.0], {"pull": m.add(dict.fromkeys(pulls, 1.0))})
+    assert status == DONE
+    np.testing.assert_allclose(run["pull"], [0.0, 0.0, 0.7 * sum(factors)], rtol=1e-14)
