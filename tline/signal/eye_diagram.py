@@ -196,8 +196,9 @@ def eye(
     if driver is None:
         if rise is None:
             raise InputError("rise", "is missing", "the time of a change from level to level")
-        points = _points(np.tile(pattern, 2), T, edge_within(rise, T), low, high)
-        table["sources"][source_named(scene, source)]["value"] = {"shape": "piecewise linear", "points": points}
+        name = source_named(scene, source)
+        points = _points(np.tile(pattern, 2), T, edge_within(rise, T), *levels_of(scene, name, low, high))
+        table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
     else:
         if rise is not None:
             raise InputError("rise", f"'{driver}' has edges of its own", "none")
@@ -226,6 +227,12 @@ def edge_within(rise: float | str, T: float) -> float:
     return edge
 
 
+def levels_of(scene: Scene, source: str, low: float | str, high: float | str) -> tuple[float, float]:
+    """Levels of zeros and ones, of what a source gives, in SI."""
+    unit = MEDIA[scene.medium].units["effort" if scene.sources[source].is_effort else "flow"]
+    return to_si(low, unit, "low"), to_si(high, unit, "high")
+
+
 def _pattern(bits: str) -> NDArray:
     if (found := re.fullmatch(r"prbs(\d{1,2})", bits)) and (order := int(found[1])) in FEEDBACK:
         return prbs(order, min(LONGEST, 2**order - 1))
@@ -235,9 +242,9 @@ def _pattern(bits: str) -> NDArray:
     return np.array([bit == "1" for bit in bits])
 
 
-def _points(pattern: NDArray, T: float, edge: float, low: float | str, high: float | str) -> list[list[float | str]]:
+def _points(pattern: NDArray, T: float, edge: float, low: float, high: float) -> list[list[float]]:
     """Corners of the pattern; a change begins with its bit."""
-    points: list[list[float | str]] = [[0.0, high if pattern[0] else low]]
+    points = [[0.0, high if pattern[0] else low]]
     for k in np.flatnonzero(np.diff(pattern)) + 1:
         before, after = (low, high) if pattern[k] else (high, low)
         points += [[float(k * T), before], [float(k * T + edge), after]]

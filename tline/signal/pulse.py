@@ -12,7 +12,7 @@ from tline.frequency.response import respond, source_named
 from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
-from tline.signal.eye_diagram import edge_within
+from tline.signal.eye_diagram import edge_within, levels_of
 from tline.solver.simulate import simulate
 from tline.units import to_si
 from tline.words.wording import nearest, shown
@@ -161,7 +161,7 @@ def pulse_response(
     if not 0 < T < np.inf:
         raise InputError("period", "not above zero", "a time", shown(period))
     edge, table = edge_within(rise, T), scene.table()
-    zero, one = (to_si(level, None, name) for level, name in ((low, "low"), (high, "high")))
+    zero, one = levels_of(scene, driver, low, high)
     gain = float(respond(scene, np.array([AT_REST / T]), driver)[probe].u[0].real)  # refuses what is not linear
     points = [[0.0, 0.0], [edge, one - zero], [T, one - zero], [T + edge, 0.0]]
     for name, each in table["sources"].items():
