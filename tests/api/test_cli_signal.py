@@ -112,7 +112,6 @@ def test_load_lines(folder: Path) -> None:
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --source x", "--source: no such source"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --high 3s", "--high: this unit measures something else"),
         (STATISTICAL + " --low 1A", "--low: this unit measures something else"),
-        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --high 3s", "sources.driver.value"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --mask 1e-9", "--mask: not a width and a height"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --mask '2 ns, 1 V'", "--mask: its width is none within"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --tol 2", "--tol: tolerance out of range"),
