@@ -219,8 +219,7 @@ def _nearest_of(tried: list[DelayedModel]) -> DelayedModel | None:
 def _candidates(response: SampledResponse, delays: ArrayLike | None) -> Iterator[DelayedModel]:
     """Models of ever more poles, also behind the best delays, of several ports up to MANY, unless these are known."""
     p = response.ports
-    most = MAX_STATES // p if p > FEW else max(MEETING)
-    orders = [k for k in MEETING if k <= min(most, len(response.f) - 2)]
+    orders = [k for k in MEETING if k <= min(MAX_STATES // p, len(response.f) - 2)]
     given = np.broadcast_to(np.asarray(0.0 if delays is None else delays, float), p)
     rough = _port_delays(response) if delays is None else np.zeros(1)
     few, both = [k for k in orders if k <= MOST_SCOUTS], [given]

@@ -194,7 +194,7 @@ def test_a_measured_channel_and_its_report(folder: Path) -> None:
     page = (folder / "r.html").read_text(encoding="utf-8")
     for part in ("Losses", "Impedance profile", "Eye of all bit patterns", "Passivity", "Inputs", "Versions"):
         assert f"<h2>{part}</h2>" in page
-    assert page.count("<img") == 3
+    assert page.count("<img") == 4
     assert "proved passive" in page
     assert (folder / "c.png").stat().st_size > 10_000
 

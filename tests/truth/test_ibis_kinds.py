@@ -42,6 +42,13 @@ def test_a_resistor_and_a_capacitor_to_earth_are_matched_at_first(tmp_path):
     assert found == pytest.approx(1 - 0.5 * np.exp(-(t - 1.5e-9) / 1e-9), abs=1e-3)
 
 
+def test_the_capacitance_of_corners_stands_in_place_of_the_models_own(tmp_path):
+    """1 - exp(-t/RC) of 50 ohm and 12 pF at the largest corner."""
+    t = np.linspace(1.52e-9, 6e-9, 20)
+    found = seen(tmp_path, TERMINATOR + "[C Comp Corner]\nC_comp 10pF 8pF 12pF\n", t, corner="max")
+    assert found == pytest.approx(1 - np.exp(-(t - 1.5e-9) / 0.6e-9), abs=1e-3)
+
+
 def test_tables_of_ecl_count_from_the_upper_supply(tmp_path):
     """The shipped driver, its pull-down written as ECL has it: 1.2 V less the pad's voltage."""
     head, _, rest = TEXT.partition("[Rising Waveform]")[0].partition("[Pulldown]\n")

@@ -225,10 +225,8 @@ def with_open_ends(net: Netlist) -> None:
 
 def with_links(net: Netlist) -> None:
     """Let what stands at a node where neither line nor link ends be a link to the reference, for a scene needs one."""
-    ended = {node for table in net.tables.values() for element in table.values() for node in element.get("nodes", ())}
-    ended |= {
-        node for line in net.tables["lines"].values() for key in ("nodes1", "nodes2") for node in line.get(key, ())
-    }
+    elements = [element for tables in net.tables.values() for element in tables.values()]
+    ended = {node for each in elements for key in ("nodes", "nodes1", "nodes2") for node in each.get(key, ())}
     alone = {source["at"] for source in net.tables["sources"].values() if "at" in source} - ended
     joined: set[str] = set()
     for name, load in list(net.tables["loads"].items()):
@@ -238,15 +236,11 @@ def with_links(net: Netlist) -> None:
             net.add("links", net.cards["loads", name], {"nodes": nodes} | table, name)
             del net.tables["loads"][name]
             joined.add(node)
-    for name, source in net.tables["sources"].items():
-        if (
-            (node := str(source.get("at"))) in alone - joined
-            and source["kind"] == "voltage"
-            and "resistance" not in source
-        ):
+    ideal = {s["at"]: name for name, s in net.tables["sources"].items() if s["kind"] == "voltage" and "at" in s}
+    for node, name in ideal.items():
+        if node in alone - joined and "resistance" not in net.tables["sources"][name]:
             card = net.cards["sources", name]
             net.found.note(card.where, "it stands alone: a resistor of 1 ohm is put beside it")
             net.add("links", card, {"nodes": [node, REFERENCE], "kind": "resistor", "resistance": 1.0}, f"{name}.r")
-            joined.add(node)
     if any(REFERENCE in link["nodes"] for link in net.tables["links"].values()):
         net.tables["loads"]["reference"] = {"at": REFERENCE, "kind": "short"}

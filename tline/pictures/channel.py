@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tline.pictures.bode import plot_misfit
 from tline.pictures.page import drawn, page, table
 from tline.pictures.signals import plot_reflections, plot_statistical_eye
 from tline.signal.all_patterns import StatisticalEye
@@ -70,6 +71,7 @@ def _parts(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inpu
     yield f"<h2>Passivity</h2><p>{escape('; '.join(map(str.strip, verdict.text_lines())))}</p>"
     told = f"{found.order} poles, {found.verdict.status.value} passive, at most {found.error:.2g} from the samples"
     yield f"<p>The model: {told}, of which being passive cost {found.cost:.2g}: {escape(found.why)}.</p>"
+    yield drawn(plot_misfit, found)
     rows = [["samples", f"{len(f)}, {f[0]:.6g} to {f[-1]:.6g} Hz"], ["references", f"{seen.measured.z0.tolist()} ohm"]]
     yield "<h2>Inputs</h2>" + table(["what", "value"], [*rows, *([name, value] for name, value in inputs.items())])
     programs = [["Python", platform.python_version()], *([name, version(name)] for name in PROGRAMS)]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-from tline.signal.eye_diagram import edge_within
+from tline.signal.eye_diagram import above_zero, edge_within
 from tline.signal.pulse import FINE, PulseResponse, until_settled
 from tline.signal.tdr import Reflections
 from tline.units import engineering, to_si
@@ -148,9 +148,7 @@ class Channel(Presentation):
         InputError
             A time out of range.
         """
-        T = to_si(period, "s", "period")
-        if not 0 < T < np.inf:
-            raise InputError("period", "not above zero", "a time", shown(period))
+        T = above_zero(period, "period")
         edge = edge_within(rise, T)
         zero, one = (to_si(level, "V", name) for level, name in ((low, "low"), (high, "high")))
         z0 = self.found.samples.z0
@@ -189,10 +187,8 @@ class Channel(Presentation):
         t_end : float or str, optional
             How long to look, s; three times as long as the channel if not given.
         """
-        edge = to_si(rise, "s", "rise")
-        longest = TURNS * self.delay + 10 * edge if t_end is None else to_si(t_end, "s", "t_end")
-        if not 0 < edge < np.inf or not 0 < longest < np.inf:
-            raise InputError("rise" if not 0 < edge < np.inf else "t_end", "not above zero", "a time")
+        edge = above_zero(rise, "rise")
+        longest = TURNS * self.delay + 10 * edge if t_end is None else above_zero(t_end, "t_end")
         t = np.linspace(0, longest, PROFILE)
         back = (self.ramp(port, port, t) - self.ramp(port, port, t - edge)) / edge
         z0 = float(self.found.samples.z0[port])

@@ -186,12 +186,8 @@ def eye(
     >>> round(seen.height, 9), round(seen.width * 1e9, 6)  # matched: nothing but the edges closes it
     (1.0, 1.0)
     """
-    scene = as_scene(scene)
-    if probe not in scene.probes:
-        raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
-    pattern, T = _pattern(bits), to_si(period, "s", "period")
-    if not 0 < T < np.inf:
-        raise InputError("period", "not above zero", "a time", shown(period))
+    scene, T = probed(scene, probe), above_zero(period, "period")
+    pattern = _pattern(bits)
     table, driver = scene.table(), _driver(scene, source)
     if driver is None:
         if rise is None:
@@ -217,6 +213,21 @@ def _driver(scene: Scene, name: str | None) -> str | None:
     if name is None and len(drivers) == 1 and all(("sources", own) in scene.parts for own in scene.sources):
         return drivers[0]
     return name if name in drivers else None
+
+
+def probed(scene: Scene | str | Path, probe: str) -> Scene:
+    """The scene, if it has that probe."""
+    scene = as_scene(scene)
+    if probe not in scene.probes:
+        raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
+    return scene
+
+
+def above_zero(time: float | str, where: str) -> float:
+    """A time above zero, s."""
+    if not 0 < (T := to_si(time, "s", where)) < np.inf:
+        raise InputError(where, "not above zero", "a time", shown(time))
+    return T
 
 
 def edge_within(rise: float | str, T: float) -> float:

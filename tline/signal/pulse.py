@@ -9,13 +9,10 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.frequency.response import respond, source_named
-from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
-from tline.signal.eye_diagram import edge_within, levels_of
+from tline.signal.eye_diagram import above_zero, edge_within, levels_of, probed
 from tline.solver.simulate import simulate
-from tline.units import to_si
-from tline.words.wording import nearest, shown
 
 FINE = 64  # instants in a bit
 BITS = 64, 128, 256, 512  # that the response may last; more while too much is missing
@@ -154,12 +151,8 @@ def pulse_response(
     >>> pulse_response(scene, "far", "1 ns", "0.25 ns").u[:4, 32].round(9)  # in the middle of each bit
     array([0. , 0. , 0.5, 0. ])
     """
-    scene = as_scene(scene)
-    if probe not in scene.probes:
-        raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
-    T, driver = to_si(period, "s", "period"), source_named(scene, source)
-    if not 0 < T < np.inf:
-        raise InputError("period", "not above zero", "a time", shown(period))
+    scene, T = probed(scene, probe), above_zero(period, "period")
+    driver = source_named(scene, source)
     edge, table = edge_within(rise, T), scene.table()
     zero, one = levels_of(scene, driver, low, high)
     gain = float(respond(scene, np.array([AT_REST / T]), driver)[probe].u[0].real)  # refuses what is not linear

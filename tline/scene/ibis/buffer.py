@@ -26,7 +26,9 @@ ALWAYS = {"output", "output_ecl", *OPEN}  # types that cannot be switched off
 DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
 DRIVING |= {f"{word}_ecl" for word in ("output", "3-state", "i/o")}
 KINDS = DRIVING | {"input", "input_ecl", "terminator"}
-LEFT_OUT = ("submodel", "add submodel", "driver schedule", "algorithmic model")
+LEFT_OUT = (
+    "submodel", "add submodel", "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
+)  # fmt: skip
 LEAST = 1e-15  # F, of a die, for voltages are states of something
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
 TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp whose reference they lead to
@@ -185,7 +187,8 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
         if each.keyword == "external model":
             problem = f"line {each.line}: the model is a program of its own, an [External Model]"
             raise InputError("file", problem, "tables of voltage and current")
-    row = head.find("C_comp")
+    capacitances = next((each for each in own if each.keyword == "c comp corner"), head)
+    row = capacitances.find("C_comp") or head.find("C_comp")
     if row is None:
         raise InputError("file", f"line {head.line}: the model has no C_comp", "C_comp and its capacitance")
     capacitance = at_corner(row[1], corner, row[0], "F")
