@@ -75,11 +75,27 @@ def first_root(p, h, q):
             low, width = low + width, 2.0 * width
         elif abs(q[1]) > rise or width < 1e-12 * h:
             if value(p, low + width) <= 0.0:
-                return low + r + falling_root(q[: p.size], r)
+                root = low + r + falling_root(q[: p.size], r)
+                return root if low > 0.0 else polished(p, root, width)
             low, width = low + width, 2.0 * width
         else:
             width = r
     return inf
+
+
+@function
+def polished(p, root, width):
+    """A root in [0, width] that may be far below it, where its distance to the middle says little: Newton's method."""
+    for _ in range(4):
+        f = slope = 0.0
+        for k in range(p.size - 1, -1, -1):
+            slope = slope * root + f
+            f = f * root + p[k]
+        new = root - f / slope if slope < 0.0 else root
+        if not 0.0 <= new <= width:
+            break
+        root = new
+    return root
 
 
 @function

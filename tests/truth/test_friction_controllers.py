@@ -167,3 +167,10 @@ def test_a_spring_with_play_is_slack_where_scipy_says(v0):
     assert run.status is Status.DONE
     assert len(found) == len(run.events) > 10
     np.testing.assert_allclose([event[1:] for event in run.events], found, rtol=0.0, atol=1e-8)
+
+
+def test_a_mass_that_hardly_moves_beside_a_slack_spring_stops_in_time():
+    """In m·v/(F_a + F_c), which is 1e-10 of the step that the slack spring leaves."""
+    run = simulate(Karnopp(F_c=1.0, F_s=1.0), Testbench(Ramp(0.0, 0.5), 2.0, -3e-10, Spring(155.1, 0.63, 0.328)), 1e-3)
+    assert run.status is Status.DONE
+    assert run.events[0].t == pytest.approx(4e-10, rel=1e-8)
