@@ -49,7 +49,7 @@ def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None
         ("--close ease@soon", "--close: there is no number in front"),
         ("--close ease@1kg", "--close: this unit measures something else"),
         ("--close ease@-1s", "--close: out of range, expected times of zero and more"),
-        ("--close duty@1s", "--close: not a valve, or a pipe, expected"),
+        ("--close duty@1s", "--close: not a valve, or an open pipe, expected"),
         ("--burst b@1s", "--burst: not an operation, expected NODE:FLOW@TIME+DURATION, such as J73:20L/s@2s"),
         ("--burst b:-3L/s@1s", "--burst: not an operation"),
         ("--burst b:3m@1s", "--burst: this unit measures something else"),

@@ -74,7 +74,7 @@ def test_probes_stand_where_something_is_operated_or_where_they_are_wanted(surge
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"close": "abc@1s"}, "close: not a valve, or a pipe, expected"),
+        ({"close": "abc@1s"}, "close: not a valve, or an open pipe, expected"),
         ({"close": ["ab@1s", "ab@2s"]}, "close: 'ab' is operated twice"),
         ({"close": {"ab": 1}.items()}, "close: unknown value, expected a text, or a list of texts, got ('ab', 1)"),
         ({"burst": None}, "burst: unknown value, expected a text, or a list of texts, got None"),

@@ -181,7 +181,7 @@ def test_a_pulse_is_in_order_and_on_one_side(events, said):
     [
         (Event("open", "p1", 1), "open: pipe 'p1' is open already, expected a valve that is not"),
         (Event("trip", "p1", 1), "trip: not a pump, expected a scene that has one, got 'p1'"),
-        (Event("close", "p3", 1), "close: not a valve, or a pipe, expected one of 'p1', 'p2', got 'p3'"),
+        (Event("close", "p3", 1), "close: not a valve, or an open pipe, expected one of 'p1', 'p2', got 'p3'"),
         (Event("burst", "d", 1, 0, 0.1), "burst: no such node, expected one of"),
         (Event("demand", "c", 1, 0, -0.1), "demand: node 'c' draws less, expected at least 100 L/s, got 10 L/s"),
         (Event("demand", "b", 1, 0, -0.1), "demand: node 'b' draws less, expected at least 100 L/s, got 0 L/s"),

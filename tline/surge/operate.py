@@ -32,7 +32,7 @@ Table = dict[str, Any]
 LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
 ROUNDING = 5e-4  # of a flow, as results tell it in four digits
 SURPLUS = 1.2  # torque of a motor that starts, over the most that its pump takes at rated speed
-VALVE = "a valve, or a pipe"
+VALVE = "a valve, or an open pipe"
 NOTHING: Mapping[str, Any] = {}
 
 
