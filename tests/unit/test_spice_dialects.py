@@ -225,6 +225,17 @@ def test_sources_in_a_row_and_floating(read):
     assert scene.sources["VD"].at == "m"
 
 
+def test_the_generator_of_gnucap_makes_pulses(read):
+    """The command may stand behind the source, with words cut short; no width is one without an end."""
+    deck = [CABLE[0], "V1 s 0 generator(2)", *CABLE[2:], ".gen delay=1n ma=3 rise=0.1n", ".tran 0 9n 0.1n"]
+    scene, _ = read(*deck)
+    t = np.array([0.5e-9, 1.05e-9, 2e-9, 9e-9])
+    np.testing.assert_allclose(scene.sources["V1"].value.value(t, t), [0, 3, 6, 6])
+    for wrong in ("freq=1g", "initial=1", "wibble=2"):
+        with pytest.raises(SceneError, match=r"generator"):
+            read(*deck[:2], f".gen {wrong}", *deck[2:])
+
+
 def test_a_line_of_no_length_joins_its_ends(read):
     scene, notes = read(*CABLE[:4], "R2 c 0 100", "O1 b 0 c 0 m", ".model m LTRA R=1 L=1n C=1p LEN=0", RUN)
     assert scene.links["O1"].table() == {"nodes": ("b", "c"), "kind": "resistor", "resistance": 1e-9}

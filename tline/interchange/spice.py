@@ -33,7 +33,7 @@ from tline.interchange.spice_commands import (
 )
 from tline.interchange.spice_impedance import add_coupled, couplings, names_coupled
 from tline.interchange.spice_linear import with_linear_sources
-from tline.interchange.spice_source import Transient
+from tline.interchange.spice_source import Transient, with_generator
 from tline.interchange.subcircuits import opened
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
@@ -87,7 +87,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
 
 def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dict[str, Any], Netlist]:
     """The scene's tables, and the netlist that they are from."""
-    cards = opened(raw, found)
+    cards = with_generator(opened(raw, found), found)
     commands: dict[str, list[Card]] = {name: [] for name in (".tran", ".model", ".ic", *OVER_FREQUENCY)}
     for card in cards:
         commands.get(card.name.lower(), []).append(card)
