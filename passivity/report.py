@@ -50,7 +50,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         told |= _fraction(function)
     told["margins"] = {name: _margin(margin) for name, margin in margins._asdict().items()}
     if witness:
-        told["witness"] = witness.to_dict() | ((verdict.evidence or {}) if function is None else {})
+        told["witness"] = witness.in_texts() | ((verdict.evidence or {}) if function is None else {})
     if verdict.pole:
         told[verdict.pole.word] = verdict.pole.place.str(20)
     if verdict.status is Status.UNDECIDED and (seen := verdict.analysis):

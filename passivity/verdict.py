@@ -133,7 +133,7 @@ class Witness:
             return 2 * sum(a * c + b * d for (a, b), (c, d) in zip(self.vector, self.image, strict=True))
         return sum(a * a + b * b for a, b in self.vector) - sum(a * a + b * b for a, b in self.image)
 
-    def to_dict(self) -> dict[str, Any]:
+    def in_texts(self) -> dict[str, Any]:
         """As texts: of one port with Z or H there, of several with v and the form that is negative."""
         told: dict[str, Any] = {"re": written(self.re), "im": written(self.im)}
         told |= {"values": {name: written(x) for name, x in self.names.items()}} if self.names else {}

@@ -92,7 +92,7 @@ class Derivation(Decided):
         if self.z0 is not None and self.delay is not None:
             told |= {"z0": written(self.z0), "delay": written(self.delay)}
         told["steps"] = [{"claim": x.statement, "status": x.status.value, "reason": x.why} for _, x in self.statements]
-        return told | ({"witness": self.witness.to_dict()} if self.witness else {})  # the value is that of H2
+        return told | ({"witness": self.witness.in_texts()} if self.witness else {})  # the value is that of H2
 
 
 def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[str] = ()) -> Derivation:

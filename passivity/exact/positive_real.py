@@ -59,7 +59,7 @@ def check_positive_real(z: Network | str) -> Verdict:
     >>> check_positive_real(of("50 + 1n*s + 1/(1p*s)")).status
     <Status.PROVED: 'proved'>
     >>> verdict = check_positive_real(of("1/(s^2 + s + 1) - 1/100"))
-    >>> verdict.status, verdict.witness.re > 0, verdict.witness.value_re < 0
+    >>> verdict.status, verdict.witness.re > 0, verdict.witness.value.real < 0
     (<Status.REFUTED: 'refuted'>, True, True)
     >>> check_positive_real(RationalMatrix.from_rows([["s", "2*s"], ["2*s", "4*s"]])).lossless
     True

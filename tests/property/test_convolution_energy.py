@@ -79,9 +79,8 @@ def test_a_rest_gives_laws_no_more_than_it_took(name, s, slabs):
     rule = Quadrature(order, min(line.delay for line in description.lines.values()) / slabs, n)
     lines = [*description.lines.values()]
     whole = np.array([floor(line.delay / rule.h) for line in lines])
-    nothing = np.zeros((len(rule.points), len(rest.names)))
-    at = rule.points * rest.second
-    found = rest.efforts(at, nothing, nothing, rest.admittances(at, np.outer(rule.late, whole)))
+    nowhere, nothing, at = np.empty(0, int), np.zeros((len(rule.points), 0, 0)), rule.points * rest.second
+    found = rest.efforts(at, nowhere, nothing, nothing, rest.admittances(at, np.outer(rule.late, whole)))
     weights = rule.weights(2 * rest.ports @ found.from_laws - np.eye(len(rest.laws)))
     share = np.tile(order.A[-1], len(rest.laws)) / np.repeat(rest.impedances, s)
     scale = np.sqrt(share)

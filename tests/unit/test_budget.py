@@ -61,10 +61,10 @@ def test_what_compiling_takes_does_not_count_and_a_search_leaves_what_others_nee
     search = budget.keeping(lambda boils: 10.0 if boils else 0.0)
     now[0] = 35.0
     runs = [Attempt(1, 0.1, None, 1000, 1.0), Attempt(1, 0.05, 1e-1, 2000, 2.0)]
-    assert not search.limit(runs, 1e-2, last=False)  # 5 s, and twice the 2 s of the last run: less than 20 s
+    assert not search.limit(runs, 1e-2, best=False)  # 5 s, and twice the 2 s of the last run: less than 20 s
     now[0] = 37.0
-    assert search.limit(runs, 1e-2, last=True) == "a finer run would take the total beyond 10 s"
-    assert not search.limit(runs, 1e-2, last=False)
+    assert search.limit(runs, 1e-2, best=True) == "a finer run would take the total beyond 10 s"
+    assert not search.limit(runs, 1e-2, best=False)
 
 
 def test_an_oscillation_that_no_affordable_run_follows_ends_a_search_at_once(monkeypatch):
