@@ -209,8 +209,11 @@ class Signals:
         self.places = [places for _, places, _ in self.known]
         self._all = like._all if like else np.zeros((len(self.of), n * self.basis.s)) if few else None
         rows = [] if self._all is None else self._all
-        for k, (row, parts, found) in enumerate(zip(rows, self.of, self.known, strict=False)):
-            if like is None or found is not like.known[k] or parts != like.of[k]:
+        each = enumerate(zip(self.of, self.known, strict=True))
+        alike = [like and found is like.known[k] and parts == like.of[k] for k, (parts, found) in each]
+        self._broken: dict[tuple[int, int], list[Broken]] = like._broken if like and all(alike) else {}
+        for row, parts, found, same in zip(rows, self.of, self.known, alike, strict=False):
+            if not same:
                 np.multiply(parts[0][1], found[-1][0], out=row)
                 for (_, share), values in zip(parts[1:], found[-1][1:], strict=True):
                     row += share * values
@@ -234,8 +237,13 @@ class Signals:
 
     def broken(self, first: int, n: int) -> list[Broken]:
         """Each excitation in those of n slabs in which it breaks."""
-        each = zip(self.of, self.places, strict=True)
-        return [broken(parts, places, self.basis, self.h, first, n) for parts, places in each]
+        found = self._broken.get((first, n))
+        if found is None:
+            each = zip(self.of, self.places, strict=True)
+            found = [broken(parts, places, self.basis, self.h, first, n) for parts, places in each]
+            if self._all is not None:  # of few samples
+                self._broken[first, n] = found
+        return found
 
     def sampled(self, first: int, n: int) -> NDArray:
         """Excitations of n slabs, shape (excitations, n * s), but of slabs with breaks."""
