@@ -23,6 +23,7 @@ from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 MOST_UNITS = 1000  # in the shortest delay
+DROWNING = 1e6  # times that a wave may be as large as the efforts
 
 
 class Copies(NamedTuple):
@@ -34,7 +35,7 @@ class Copies(NamedTuple):
     junctions: list[NodeOfCopies]
     start: Floats  # (2, 2 L, N) efforts at line ends, and waves that arrive there, before t = 0
     alike: bool  # whether no number varies within elements or waveforms
-    valid: NDArray  # (N,) whether those numbers fit there
+    valid: NDArray  # (N,) whether those numbers fit there, and flows before t = 0 do not drown efforts in rounding
 
     @property
     def linear(self) -> bool:
@@ -72,6 +73,8 @@ def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
         if laws and node.load is not None:
             raise InputError(node.load_name, "keeps a state beside elements with a law", WHAT)
     start = before(description, junctions, z0, delays)
+    effort, wave = np.abs(start).max(axis=1)
+    valid &= wave <= DROWNING * effort
     return Copies(delays[shortest] / parts, delay, z0, junctions, start, len(scenes) == 1, valid)
 
 

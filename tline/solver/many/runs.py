@@ -41,15 +41,18 @@ def resolve(
 ) -> tuple[Floats, int, float]:
     """Edges of slabs (slabs + 1, copies), order, and estimated error of some copies, at least cost."""
     loads = [junction.load.A for junction in copies.junctions if junction.load is not None]
-    ends = [pick(numbers) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
-    ends += [np.abs(A).max(axis=(0, 1)).argmax() for A in loads]
-    rows = np.unique([*ends, *np.linspace(0, len(copies.unit) - 1, COMPARED).astype(int)])
+    valid = np.flatnonzero(copies.valid)
+    if not len(valid):
+        raise InputError("", "no values that copies take")
+    ends = [pick(numbers[valid]) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
+    ends += [np.abs(A[..., valid]).max(axis=(0, 1)).argmax() for A in loads]
+    rows = valid[np.unique([*ends, *np.linspace(0, len(valid) - 1, COMPARED).astype(int)])]
     fronts = front_places(breaks, copies.unit)
 
     def apart(edges: Floats, s: int) -> Floats:
         """The largest difference to the next order, in each slab of a period."""
         found = run(description, copies, edges, s, rows, NOTHING, judged=True).values()
-        return np.nan_to_num(np.max([seen.apart[copies.valid[rows]].max(axis=0) for seen in found], axis=0), nan=inf)
+        return np.nan_to_num(np.max([seen.apart.max(axis=0) for seen in found], axis=0), nan=inf)
 
     if not copies.linear:
         return min((_halved(apart, fronts, s, tol) for s in BY_HALVES), key=lambda found: _cost(found, tol))
