@@ -16,7 +16,7 @@ from tline.scene.quantity import LARGEST, SMALLEST
 from tline.solver.description.given import Scene
 from tline.solver.many import ManyRuns, many_runs
 from tline.solver.many.copies import variable
-from tline.solver.many.elements import within_element
+from tline.solver.many.nodes import within_element
 from tline.solver.tolerance.ladder import Start
 from tline.sweeps.design import Design
 from tline.sweeps.executors import (

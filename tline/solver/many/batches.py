@@ -14,7 +14,6 @@ from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.peaks import extremes, find_extremes
 from tline.solver.kernel.units import law_addresses
 from tline.solver.many.copies import Copies
-from tline.solver.many.elements import Varying
 from tline.solver.many.kernel.advance import (
     Apart,
     CopiesRun,
@@ -26,6 +25,7 @@ from tline.solver.many.kernel.advance import (
     find_values,
     load_maps,
 )
+from tline.solver.many.nodes import Varying
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Samples

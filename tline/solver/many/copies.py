@@ -16,8 +16,7 @@ from tline.scene.refuse import refuse_cavities
 from tline.solver.description.description import Description
 from tline.solver.description.given import Scene
 from tline.solver.description.slab import WHOLE, common_parts
-from tline.solver.many.elements import WHAT, laws_by_node, scenes_of
-from tline.solver.many.nodes import ELEMENTS, NodeOfCopies, junction_of
+from tline.solver.many.nodes import ELEMENTS, WHAT, NodeOfCopies, junction_of, laws_by_node, scenes_of
 from tline.solver.many.steady import before
 from tline.words.wording import place
 

@@ -18,7 +18,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Shape
 from tline.solver.many.copies import Copies
-from tline.solver.many.elements import Varying, value
+from tline.solver.many.nodes import Varying, value
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.float64]

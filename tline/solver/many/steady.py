@@ -16,8 +16,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.groups import parts
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.units import law_addresses
-from tline.solver.many.elements import WHAT, LawOfCopies, value_before
-from tline.solver.many.nodes import NodeOfCopies
+from tline.solver.many.nodes import WHAT, LawOfCopies, NodeOfCopies, value_before
 from tline.solver.steady.steady_state import SAME
 
 Floats = NDArray[np.float64]
