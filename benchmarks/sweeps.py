@@ -113,7 +113,7 @@ def side_by_side() -> str:
     nominal["loads.load.capacitance"] = 4e-12
     vary = {where: value * rng.uniform(0.9, 1.1, COPIES) for where, value in nominal.items()}
     times = np.linspace(0.0, scene.t_end, INSTANTS)
-    alone = [scene.with_changes({where: values[k] for where, values in vary.items()}) for k in range(ALONE)]
+    alone = [scene.change({where: values[k] for where, values in vary.items()}) for k in range(ALONE)]
     truth = np.array([Solution(one, "far").at(times.tolist()).efforts for one in alone[:JUDGED]])
     simulate(alone[0], tol=1e-6)
     single = median(timed(lambda one=one: simulate(one, tol=1e-6), 1, time.perf_counter)[1] for one in alone)
