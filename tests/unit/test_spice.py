@@ -334,6 +334,16 @@ def lossy(model: str = LTRA) -> list[str]:
     return [*CABLE[:3], "O1 a 0 b 0 LOSSY", model, *CABLE[4:]]
 
 
+def test_circuits_too_large_between_lines_are_refused(read, monkeypatch):
+    """What hangs together without lines counts, and no other circuit, though all share the reference."""
+    monkeypatch.setattr("tline.interchange.netlist.MOST_NODES", 5)
+    ladders = [f"{kind}{end}{k} {at} 1" for end in "ab" for k in range(4) for kind, at in (
+        ("R", f"{end}{k or ''} {end}{k + 1}"), ("C", f"{end}{k + 1} 0"))]  # fmt: skip
+    assert len(read(*CABLE[:-2], *ladders, *CABLE[-2:]).links) == 8
+    with pytest.raises(InputError, match=r"^c\.cir: a circuit of too many nodes between lines, .* 5, got 6$"):
+        read(*CABLE[:-2], *ladders, "R9 a4 a5 1", "C9 a5 0 1", *CABLE[-2:])
+
+
 def test_a_line_with_resistance_is_read_and_written(read):
     line = read(*lossy()).lines["O1"]
     assert (line.parameters.z0, line.parameters.delay) == pytest.approx((50, 1e-9), rel=1e-12)

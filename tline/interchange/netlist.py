@@ -8,10 +8,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tline.errors import InputError
 from tline.interchange.deck import Card, Findings
 from tline.interchange.spice_source import Transient
 from tline.interchange.subcircuits import GROUND
+from tline.solver.description.groups import parts
 
 Table = dict[str, Any]
 REFERENCE = "0"
@@ -171,12 +174,13 @@ def connected(net: Netlist) -> set[str]:
 
 def check_size(net: Netlist, path: str) -> None:
     """Refuse circuits of so many nodes, with no lines in between, that their matrices take minutes and gigabytes."""
-    group: dict[str, list[str]] = {}
-    for table in net.tables["links"].values():
-        nodes = [node for node in table["nodes"] if node != REFERENCE]
-        joined = list(dict.fromkeys(node for at in nodes for node in group.get(at, [at])))
-        group |= dict.fromkeys(joined, joined)
-    most = max(map(len, group.values()), default=0)
+    numbers: dict[str, int] = {}
+    ends = [
+        [numbers.setdefault(node, len(numbers)) for node in link["nodes"] if node != REFERENCE]
+        for link in net.tables["links"].values()
+    ]
+    first, second = np.array([(nodes[0], node) for nodes in ends for node in nodes], int).reshape(-1, 2).T
+    most = int(np.bincount(parts(first, second, len(numbers))).max(initial=0))
     if most > MOST_NODES:
         raise InputError(path, "a circuit of too many nodes between lines", f"at most {MOST_NODES}", f"{most}")
 
