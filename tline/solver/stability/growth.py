@@ -1,4 +1,4 @@
-"""Whether the waves of a scene grow."""
+"""Growth rate of the waves of a scene with active parts."""
 
 from dataclasses import dataclass
 
@@ -8,21 +8,21 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.stability.zeros import Box, Characteristic, UncountableError, count, rightmost
 
-NEGLIGIBLE = 1e-3  # growth within a run that counts as none
-PERIODS = 4  # of the shortest line that the search reaches at least beyond the corners of all loads
-BEYOND = 4.0  # times these corners
-ALIKE = 1e-6  # growth rates that differ by less are one
-SAMPLES = 4.0  # per radian that the delays turn
-MOST_WORK = 3e9  # entries of all matrices times their size
+NEGLIGIBLE = 1e-3  # relative growth within a run that is ignored
+PERIODS = 4  # resonances of the shortest line that the searched band includes at least
+BEYOND = 4.0  # highest searched frequency over the highest corner frequency of the loads
+ALIKE = 1e-6  # relative difference of growth rates that count as equal
+SAMPLES = 4.0  # on the boundary, per radian of phase of all delays together
+MOST_WORK = 3e9  # floating-point operations of all determinants, beyond which no search is made
 
 
 @dataclass(frozen=True)
 class Growth:
-    """How the waves of a scene grow."""
+    """Fastest growing wave of a scene."""
 
     # of the waves exp(st) that grow fastest, the exponent, in 1/s; None if none grows by more than 0.1 % in the run
     s: complex | None
-    highest: float  # angular frequency up to which was searched, rad/s
+    highest: float  # highest angular frequency searched, rad/s
 
 
 def growth(description: Description) -> Growth | None:
@@ -69,7 +69,7 @@ def _below(s: complex, box: Box) -> Box:
 
 
 def right_of_all(D: Characteristic, high: float, least: float) -> float:
-    """A real part beyond which what comes back is always less than what was sent."""
+    """Real part to the right of all zeros: the round-trip gain is below 1 there at all frequencies."""
     right = max(D.corner, least, 1.0)
     while True:
         s = right + 1j * np.linspace(0.0, high, 257)
@@ -79,7 +79,7 @@ def right_of_all(D: Characteristic, high: float, least: float) -> float:
 
 
 def growth_sentence(description: Description) -> str:
-    """One sentence on each active part of a scene and one on what they do to it."""
+    """Describe each active part of a scene, and the growth of waves that they cause, in one sentence each."""
     parts = "; ".join(f"{where} {told}" for where, told in description.active.items())
     why = "the scene is too large to search, or its waves lie too close together"
     try:

@@ -1,11 +1,11 @@
-"""A scene in s: lines between nodes that scatter waves.
+"""Scattering of waves by the lines and nodes of a scene at complex frequencies s.
 
 Waves w that arrive at the line ends come back as w = P(s) (S(s) w + g), with the lines' passage P, exp(-sT) without
-losses, the scattering S of the nodes and what the sources send, g. At a node with lines and resistances of conductance
-Y and a load Z = p/q, the effort follows from f u = p (sum of w/z0 + J - i) with f = Y p + q, J the flow of its sources
-and i that into branches, which bind efforts and flows of several nodes; 2u - w leaves each end.
+losses, the scattering S of the nodes and the waves g of the sources. At a node with lines and resistances of
+conductance Y and a load Z = p/q, the effort follows from f u = p (sum of w/z0 + J - i) with f = Y p + q, J the flow of
+its sources and i that into branches, which relate efforts and flows of several nodes; 2u - w leaves each end.
 
-A lossy line in s, exactly: what it does to waves of its z0, and what stands inside it.
+A lossy line is exact in s: its transmission and reflection of waves referred to its z0, and the field inside it.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -29,7 +29,7 @@ CHUNK = 2e6  # complex entries held at once
 
 
 def losses_of(name: str, line: Line) -> LossyLine:
-    """The exact laws of a line that has losses."""
+    """Return the exact series impedance and shunt admittance of a line with losses."""
     losses = line.losses
     if losses is None or not losses.linear:
         problem = "depends on the size of the flow: there is no transfer function"
@@ -38,9 +38,9 @@ def losses_of(name: str, line: Line) -> LossyLine:
 
 
 def carried(line: LossyLine, z0: float, s: NDArray, late: NDArray | float = 0.0) -> tuple[NDArray, NDArray]:
-    """What of a wave that enters the line arrives at its other end, and what comes back; each of the shape of s.
+    """Transmission and reflection of a line for waves referred to z0; each of the shape of s.
 
-    `late` is added to Γl where it stands for the way of a wave: what a delay is beyond sT.
+    `late` is added to Γl where it stands for the propagation of a wave: the part of a delay beyond sT.
     With A, B, C, A the chain matrix these are 2/(2A + B/z0 + C z0) and (B/z0 - C z0)/(2A + B/z0 + C z0).
 
     References
@@ -78,7 +78,7 @@ Parts = tuple[NDArray, NDArray, NDArray]
 class Scattering:
     """A scene after its last switch has moved; s counts in units of 1/`second`.
 
-    Sources count with their resistances only; terminations are conductances at nodes, beside what stands there.
+    Sources count with their resistances only; terminations are conductances added at nodes.
     """
 
     def __init__(self, description: Description, terminations: Mapping[str, float] | None = None):
@@ -135,7 +135,7 @@ class Scattering:
         return 2 * len(self.z0)
 
     def sides(self, s: NDArray) -> tuple[NDArray, NDArray]:
-        """Polynomials p and f of all nodes, or what stands for them; two of shape (n, nodes) for s of shape (n,)."""
+        """Values of p and f of all nodes; two arrays of shape (n, nodes) for s of shape (n,)."""
         found = []
         for (p, f), load, total, held in zip(self.loads, self.measured, self.totals, self.held, strict=True):
             if load is None or held:
@@ -146,7 +146,7 @@ class Scattering:
         return np.stack(p, axis=1), np.stack(f, axis=1)
 
     def _measured(self, load: Touchstone, total: float, s: NDArray) -> tuple[NDArray, NDArray]:
-        """The same from the poles a of S = (Z - z0)/(Z + z0), as good as these: Z = z0 (1 + S)/(1 - S)."""
+        """Values of p and f of a measured load with poles a and S = (Z - z0)/(Z + z0): Z = z0 (1 + S)/(1 - S)."""
         model = load.model.model
         S = model.at(s / (1j * self.second))
         a = np.concatenate([model.poles, model.poles[model.poles.imag > 0].conj()]) * self.second
@@ -154,7 +154,7 @@ class Scattering:
         return size * p, size * (1 - S + total * p)
 
     def balances(self, s: NDArray) -> Iterator[Parts]:
-        """Of each group its nodes, p there, and what efforts and flows into branches are multiplied by.
+        """Yield for each group its nodes, their p, and the matrix of efforts and of flows into branches.
 
         Shapes (k,), (n, k) and (n, k + flows, k + flows).
         """
@@ -174,7 +174,7 @@ class Scattering:
             yield nodes, p[:, nodes], matrix
 
     def _bound(self, branch: Branch, s: NDArray) -> tuple[NDArray, NDArray]:
-        """M u + N i = 0 of a branch, without its states."""
+        """Return M and N of a branch, M u + N i = 0, with its states eliminated."""
         M, N, E, Q, P, R = branch.ports
         states = np.linalg.solve(s[:, None, None] / self.second * np.eye(len(Q)) - Q, np.hstack([P, R])[None])
         less = E @ states
@@ -182,15 +182,15 @@ class Scattering:
 
     @staticmethod
     def answered(balances: Iterable[Parts]) -> Iterator[Parts]:
-        """Of each group its nodes, p there, and W: efforts are W (p times what flows in, or the effort held)."""
+        """Yield for each group its nodes, their p, and W: efforts are W times (p × inflow, or the held effort)."""
         for nodes, p, matrix in balances:
             k = len(nodes)
             yield nodes, p, 1 / matrix if matrix.shape[1] == 1 else np.linalg.inv(matrix)[:, :k, :k]
 
     def carried(self, s: NDArray, late: NDArray | None = None) -> tuple[NDArray, NDArray]:
-        """P by the end that sends: what arrives at the other end, and what comes back; two of shape (n, ends).
+        """Transmission and reflection of lines by the sending end; two arrays of shape (n, ends).
 
-        `late`, of shape (n, lines), is what the delay of each line is beyond sT.
+        `late`, of shape (n, lines), is the part of each line's delay beyond sT.
         """
         late = np.zeros((len(s), len(self.delays))) if late is None else late
         across = np.exp(-np.outer(s, self.delays) - late)
@@ -200,11 +200,11 @@ class Scattering:
         return np.repeat(across, 2, axis=1), np.repeat(back, 2, axis=1)
 
     def returned(self, s: NDArray) -> NDArray:
-        """What comes back of the waves that arrive, P S, shape (n, ends, ends) for s of shape (n,)."""
+        """Loop matrix P S of arriving waves, shape (n, ends, ends) for s of shape (n,)."""
         return self.sent_back(*self.carried(s), self.answered(self.balances(s)))
 
     def sent_back(self, across: NDArray, back: NDArray, answers: Iterable[Parts]) -> NDArray:
-        """The same from what lines carry and the nodes' answers."""
+        """Loop matrix P S from transmission and reflection of the lines and the responses of the nodes."""
         matrix = np.zeros((len(across), self.size, self.size), complex)
         for nodes, p, W in answers:
             ends = np.concatenate([self.ends[node] for node in nodes])
@@ -218,9 +218,9 @@ class Scattering:
 def answers(
     network: Scattering, s: NDArray, held: NDArray, flows: NDArray, late: NDArray | float = 0.0
 ) -> tuple[NDArray, NDArray]:
-    """Waves that arrive at the ends of lines, and efforts of the nodes.
+    """Waves arriving at the ends of lines, and efforts of the nodes.
 
-    Sources hold efforts and drive flows, shape (nodes,) or (n, nodes); `late` (n, lines) is what delays are beyond sT.
+    Sources hold efforts and drive flows, shape (nodes,) or (n, nodes); `late` (n, lines): part of delays beyond sT.
     """
     number = int(len(s) * network.size**2 / CHUNK) + 1
     nodes, lines = ((len(s), len(each)) for each in (network.names, network.delays))

@@ -18,10 +18,10 @@ from tline.solver.description.given import Ports
 from tline.solver.stability.scattering import CHUNK, Scattering
 
 Log = Callable[[NDArray], NDArray]
-TURN = 1.0  # rad, and e-foldings, at most between two samples
-PARTS = np.array([0.25, 0.5, 0.75])  # where samples come between two
+TURN = 1.0  # largest change of phase (rad) and of log magnitude between two samples
+PARTS = np.array([0.25, 0.5, 0.75])  # positions of refining samples between two
 MOST_SAMPLES = 400_000
-SMALL = 1e-9  # of the first rectangle; zeros this near to each other are one
+SMALL = 1e-9  # relative to the first rectangle; zeros nearer to each other count as one
 
 
 class UncountableError(ArithmeticError):
@@ -47,7 +47,7 @@ class Box(NamedTuple):
 
     @property
     def middle(self) -> complex:
-        """Its centre."""
+        """Centre of the rectangle."""
         return complex(self.left + self.right, self.low + self.high) / 2
 
 
@@ -77,7 +77,7 @@ def count(log: Log, box: Box, step: float) -> int:
 
 
 def _turned(log: Log, s: NDArray) -> float:
-    """By how much the argument grows along straight lines from point to point."""
+    """Return the change of the argument along the polygon through the points s."""
     values = log(s)
     while True:
         rise = values[1:] - values[:-1]
@@ -162,7 +162,7 @@ class Characteristic(Scattering):
 
     @property
     def corner(self) -> float:
-        """Beyond this modulus of s the loads behave as at infinity: that of the largest root of all p, q and f.
+        """Modulus of s beyond which loads behave as at infinity: that of the largest root of all p, q and f.
 
         Of branches, that of the largest root of their Q, and of the determinants of M u and N i alone.
         """
@@ -196,7 +196,7 @@ def _log_det(matrices: NDArray) -> NDArray:
 
 
 def _roots(ports: Ports) -> list[NDArray]:
-    """Roots of s - Q, and of the determinants of what stands before the efforts and before the flows, 1/s."""
+    """Roots of det(s - Q) and of the determinants of M + E(s - Q)⁻¹P and N + E(s - Q)⁻¹R, in 1/s."""
     found: list[NDArray] = [np.linalg.eigvals(ports.Q)]
     for matrix, driven in ((ports.M, ports.P), (ports.N, ports.R)):
         if np.linalg.matrix_rank(matrix) == len(matrix):

@@ -1,1 +1,1 @@
-"""A second look at what a run gives out, by code that shares nothing with what made it."""
+"""Independent check of results against the equations of the scene; shares no code with the kernels."""

@@ -1,7 +1,7 @@
 """Flows of elements by their own equations, as a textbook writes them, from efforts and the clock.
 
-Nothing here knows of slabs, waves or kinks, nor how the solver brings a law into a circuit: what both could have wrong
-is the scene alone.
+Nothing here depends on slabs, waves, kinks, or the solver's treatment of laws in circuits: the scene is the only
+input that both share.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,7 @@ Equation = Flow | Impedance | Volume
 
 
 def equation_of(element: Any) -> Equation | None:
-    """Of a load or link; None where its flow is not a matter of the efforts across it, or what it does is not known."""
+    """Return the equation of a load or link; None if it is unknown or its flow does not follow from its effort."""
     kind = element.kind
     if kind in ("open", "closed"):
         return Flow(lambda t, e: 0.0 * e)
@@ -66,7 +66,7 @@ def _impedance(ratio: Ratio) -> Impedance | Flow | None:
 
 
 def over_time(shape: Shape | None, t: NDArray) -> NDArray | float:
-    """An opening or scale, 1 without one."""
+    """Value of an opening or scale at instants t; 1 without one."""
     return 1.0 if shape is None else np.maximum(shape.value(t, t), 0.0)
 
 

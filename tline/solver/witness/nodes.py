@@ -1,4 +1,4 @@
-"""What stands at the nodes of a scene, for a balance of flows at each; and the lines whose waves that needs."""
+"""Balances of flow at the nodes of a scene: the elements there, and the lines whose waves a balance needs."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from tline.solver.description.given import Source
 from tline.solver.witness.equations import Equation, Flow, equation_of
 
 MULTIPORTS = "transformer", "gyrator", "controlled source", "coupled inductors", "junction", "touchstone"
-MOST_NODES, MOST_ENDS = 6, 4  # that are looked at, and line ends at each of them
+MOST_NODES, MOST_ENDS = 6, 4  # nodes that are checked, and line ends at each of them
 
 
 class Term(NamedTuple):
@@ -22,40 +22,40 @@ class Term(NamedTuple):
     equation: Equation
     beyond: str | None = None  # None for the reference
     reversed: bool = False
-    weight: float = 0.0  # effort at which its gauge pressure is zero
+    weight: float = 0.0  # effort at zero gauge pressure
 
 
 @dataclass
 class Balance:
-    """One node: ends of lines there, what else is, and what is prescribed."""
+    """Line ends, elements and prescribed effort at one node."""
 
     name: str
     ends: list[tuple[str, int]] = field(default_factory=list)
     flows: list[Term] = field(default_factory=list)
     stores: list[Term] = field(default_factory=list)
     held: Callable[[NDArray], NDArray] | None = None  # effort at instants
-    known: bool = True  # whether all that stands there is
+    known: bool = True  # whether the equations of all elements there are known
 
     def add(self, term: Term | None) -> None:
-        """Attach an element; None is one of which nothing is known."""
+        """Attach an element; None stands for one whose equation is unknown."""
         if term is None:
             self.known = False
         else:
             (self.flows if isinstance(term.equation, Flow) else self.stores).append(term)
 
     def hold(self, effort: Callable[[NDArray], NDArray]) -> None:
-        """Let something prescribe the effort."""
+        """Prescribe the effort."""
         self.known &= self.held is None
         self.held = effort
 
     @property
     def can_be_checked(self) -> bool:
-        """Whether its equation is known, with no more than one element that remembers."""
+        """Whether all equations are known, with at most one element with memory."""
         return self.known and 0 < len(self.ends) <= MOST_ENDS and len(self.stores) <= 1
 
 
 def balances_of(description: Description) -> dict[str, Balance]:
-    """Of all nodes at which lines end."""
+    """Return the balances of all nodes with line ends, by name."""
     found: dict[str, Balance] = {}
     for name, line in description.lines.items():
         for end, node in enumerate(line.nodes):
@@ -115,9 +115,9 @@ def _drive(found: Mapping[str, Balance], source: Source, weights: Mapping[str, f
 
 
 def watched(description: Description, lumped: Collection[str]) -> list[Balance]:
-    """Nodes whose balance is looked at: those at probes and where something moves or remembers, some of the others.
+    """Select the nodes to check: first those at probes and those with elements, busiest first.
 
-    Waves in lines that are lumped are not known.
+    Waves in lumped lines are unknown.
     """
     found = balances_of(description)
     probed = {node for name in description.probed for node in description.lines[name].nodes}
@@ -131,14 +131,14 @@ def watched(description: Description, lumped: Collection[str]) -> list[Balance]:
 
 
 def _seen(one: Balance, found: Mapping[str, Balance], lumped: Collection[str]) -> bool:
-    """Whether waves at the node and efforts beyond its links are known: lines end there, and none is lumped."""
+    """Whether waves at the node and efforts across its links are known: no line there is lumped."""
     beyond = {term.beyond for term in (*one.flows, *one.stores) if term.beyond is not None}
     each = [one, *(found[node] for node in beyond if node in found)]
     return len(each) == len(beyond) + 1 and not any(name in lumped for here in each for name, _ in here.ends)
 
 
 def lines_at(nodes: Collection[Balance], description: Description) -> list[str]:
-    """Lines whose waves the balances need: all at these nodes, and one at each node beyond their links."""
+    """Lines whose waves the balances need: all at these nodes, and one at the far node of each link."""
     names = [name for one in nodes for name, _ in one.ends]
     beyond = {term.beyond for one in nodes for term in (*one.flows, *one.stores)} - {None}
     for node in sorted(str(node) for node in beyond):

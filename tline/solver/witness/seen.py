@@ -1,12 +1,10 @@
-"""What a result gives out at the ends of lines, at instants of the witness's own, and how far off it may be.
+"""Residuals of a result in the equations of lines, nodes and stores, at random instants, and their allowances.
 
-Whether what a run gives out fits the equations of lines and of what stands at nodes, at instants drawn at random.
+Lines and nodes without memory are checked at random instants, stores of energy or volume over random windows.
 
-Whether what is stored at nodes fits what flows there, over windows drawn at random.
-
-An element with a state ties its effort and its flow by derivatives. Multiplied by a bump φ that vanishes at both ends
-of a window with its derivatives, and integrated by parts, its equation needs none of either: den(D) e = num(D) i makes
-∫ e·den(-D) φ = ∫ i·num(-D) φ, and i = dS/dt makes ∫ i·φ = -∫ S·φ'.
+An element with a state relates effort and flow by derivatives. Multiplied by a bump φ that vanishes at both ends of a
+window with its derivatives, and integrated by parts, its equation contains none: den(D) e = num(D) i gives
+∫ e·den(-D) φ = ∫ i·num(-D) φ, and i = dS/dt gives ∫ i·φ = -∫ S·φ'.
 """
 
 from collections.abc import Iterator
@@ -23,19 +21,19 @@ from tline.solver.result.result import Result, Wave
 from tline.solver.witness.equations import Equation, Flow, Impedance, Volume
 from tline.solver.witness.nodes import Balance, Term
 
-INSTANTS, WINDOWS = 64, 4  # drawn at random, one in each part of the run
-SLABS = 100  # of a window, at most: the longer, the less does it matter how far off an effort may be
-POINTS = leggauss(5)  # of a piece of a window
-MARGIN = 3.0  # times the tolerance, that efforts and flows may be off
-ROUNDING = 1e-10  # of what a node sees, for flows are small differences of waves
-FAINT = 1e-6  # of the largest effort of all, below which nothing is told
-MOST_ASIDE = 4  # instants that may be wrong: polynomials beside fronts at ends that no probe sees
-MOST_WINDOWS = 1  # windows that may be wrong
+INSTANTS, WINDOWS = 64, 4  # random instants and windows, one in each of as many equal parts of the run
+SLABS = 100  # slabs in a window at most: the longer it is, the less an error of effort matters
+POINTS = leggauss(5)  # quadrature in a piece of a window
+MARGIN = 3.0  # allowed error of efforts and flows over the tolerance
+ROUNDING = 1e-10  # relative to the efforts and flows at a node, since flows are small differences of waves
+FAINT = 1e-6  # relative to the largest effort in the scene; smaller signals are not checked
+MOST_ASIDE = 4  # instants that may fail: polynomials beside fronts, at line ends without probes
+MOST_WINDOWS = 1  # windows that may fail
 MOST_DEGREE = 4  # of an impedance
 
 
 class Window:
-    """A part of the run over which is integrated: where it lies among the instants, and the weights of these."""
+    """Interval of integration: its instants, and their quadrature weights."""
 
     def __init__(self, first: int, edges: NDArray):
         x, w = POINTS
@@ -46,12 +44,12 @@ class Window:
 
     @property
     def share(self) -> NDArray:
-        """Instants as shares of the window."""
+        """Instants relative to the window, in 0 to 1."""
         return (self.t - self.begin) / self.width
 
 
 class Seen:
-    """Efforts and flows of a result at `t`: at random, and then those of windows if these are wanted."""
+    """Efforts and flows of a result at instants `t`: random ones, then those of windows if `windows`."""
 
     def __init__(self, result: Result, description: Description, tol: float, windows: bool):
         self.result, self.description, self.tol = result, description, tol
@@ -71,7 +69,7 @@ class Seen:
         self.t = np.concatenate([self.instants, *(window.t for window in self.windows)])
 
     def _edges(self) -> Iterator[NDArray]:
-        """Edges of the pieces of each window: those of slabs and fronts."""
+        """Yield the edges of the pieces of each window: slab ends and fronts."""
         t_end, h = self.description.t_end, self.result.resolution.h
         width = min(t_end / WINDOWS, SLABS * h)
         lines = self.result.lines.values()
@@ -84,7 +82,7 @@ class Seen:
             yield np.unique(np.clip(np.concatenate([[begin, end], slabs, inside]), begin, end))
 
     def end(self, name: str, end: int) -> tuple[NDArray, NDArray]:
-        """Effort at an end of a line, and the flow out of the line there."""
+        """Effort at an end of a line, and flow out of the line there."""
         if (name, end) not in self._ends:
             record = self.result.lines[name]
             a, b = (wave(self.t) for wave in (record.at_end2 if end else record.at_end1))
@@ -92,13 +90,13 @@ class Seen:
         return self._ends[name, end]
 
     def reads(self, one: Balance) -> bool:
-        """Whether all is recorded that the balance of a node needs."""
+        """Whether all lines that the balance of a node needs are recorded."""
         beyond = {term.beyond for term in (*one.flows, *one.stores)} - {None}
         return all(name in self.result.lines for name, _ in one.ends) and beyond <= self.at_node.keys()
 
     @cached_property
     def largest(self) -> float:
-        """The largest effort or wave of all lines."""
+        """Largest effort at any recorded line end."""
         return max((float(np.abs(self.end(*at)[0]).max()) for at in self.at_node.values()), default=0.0)
 
     def conducts(self, one: Balance) -> float:
@@ -106,7 +104,7 @@ class Seen:
         return sum(1 / self.result.lines[name].z0 for name, _ in one.ends)
 
     def efforts(self, one: Balance) -> NDArray:
-        """At a node, as each line end there has them: shape (ends, instants)."""
+        """Effort at a node as each of its line ends has it, shape (ends, instants)."""
         return np.array([self.end(*at)[0] for at in one.ends])
 
     def out(self, one: Balance) -> NDArray:
@@ -114,7 +112,7 @@ class Seen:
         return np.sum([self.end(*at)[1] for at in one.ends], axis=0)
 
     def allowed(self, one: Balance) -> tuple[float, float]:
-        """How far the effort at a node, and the flow out of the lines, may be off."""
+        """Allowed errors of the effort at a node and of the flow out of the lines."""
         gauge = next((term.weight for term in (*one.flows, *one.stores) if term.weight), 0.0)
         flows = sum(float(np.abs(self.end(*at)[1]).max()) for at in one.ends)
         conducts = self.conducts(one)
@@ -123,14 +121,14 @@ class Seen:
         return share * size + 1e-15 * abs(gauge), share * (size * conducts + flows)
 
     def across(self, term: Term, u: NDArray) -> tuple[NDArray, float]:
-        """Effort across an element at a node of effort u, as it counts it, and the sign of its flow out of the node."""
+        """Effort across an element at a node of effort u, in its direction, and the sign of its flow out of the node."""
         if term.beyond is None:
             return u - term.weight, 1.0
         beyond = self.end(*self.at_node[term.beyond])[0]
         return (beyond - u, -1.0) if term.reversed else (u - beyond, 1.0)
 
     def passed(self, one: Balance) -> tuple[NDArray, NDArray]:
-        """Least and largest flow into what keeps nothing: efforts may be off, between two nodes by twice as much."""
+        """Bounds of the flow into elements without memory, given the allowed error of efforts (twice between nodes)."""
         u, off = self.efforts(one)[0], self.allowed(one)[0]
         low, high = np.zeros_like(self.t), np.zeros_like(self.t)
         for term in one.flows:
@@ -143,13 +141,13 @@ class Seen:
 
 
 def _one_in_each(t_end: float, parts: int) -> NDArray:
-    """Drawn at random, one in each part of the run, in order."""
+    """Random instants, one in each of equal parts of the run, in order."""
     rng = np.random.default_rng(parts)
     return (np.arange(parts) + rng.uniform(0.0, 1.0, parts)) / parts * t_end
 
 
 class Doubt(NamedTuple):
-    """Where and when a result does not fit, and what."""
+    """Place, instant and kind of a misfit between a result and the equations."""
 
     where: str
     t: float
@@ -157,7 +155,7 @@ class Doubt(NamedTuple):
 
 
 def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
-    """Nodes at which a result does not fit at more than a few instants."""
+    """Yield nodes whose balance fails at more than a few instants."""
     at = slice(INSTANTS)
     for one in nodes:
         if not seen.reads(one):
@@ -175,7 +173,7 @@ def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
 
 
 def line_doubts(seen: Seen) -> Iterator[Doubt]:
-    """Lossless lines that do more to waves than to delay them, as they are given out and as they were computed."""
+    """Yield lossless lines whose arriving waves are not the delayed ones, in results and in computed polynomials."""
     for name, record in seen.result.lines.items():
         line = seen.description.lines.get(name)
         if line is None or line.losses is not None:
@@ -190,7 +188,7 @@ def line_doubts(seen: Seen) -> Iterator[Doubt]:
 
 
 def _is_another(seen: Seen, sent: Wave, arrived: Wave, delay: float) -> NDArray:
-    """Whether a wave is not what was sent a delay ago, at the instants at random."""
+    """At which random instants a wave differs from the one sent a delay before."""
     now, then = arrived(seen.instants), sent(seen.instants - delay)
     size = max(float(np.abs(now).max()), FAINT * seen.largest)
     return np.abs(now - then) > (4 * seen.tol + ROUNDING) * size
@@ -202,7 +200,7 @@ def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]
 
 
 class Signals(NamedTuple):
-    """Effort across a store and flow into it in a window, and how far they may be off."""
+    """Effort across a store and flow into it in a window, and their allowed errors."""
 
     e: NDArray
     i: NDArray
@@ -211,7 +209,7 @@ class Signals(NamedTuple):
 
 
 def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
-    """Nodes at which what is stored does not fit in more than one window."""
+    """Yield nodes whose stored quantity does not match its inflow in more than one window."""
     for one in nodes:
         if not one.stores or one.held is not None or not seen.reads(one):
             continue
@@ -234,7 +232,7 @@ def _within(signals: Signals, window: Window) -> Signals:
 
 
 def _misses(equation: Equation, signals: Signals, window: Window) -> bool:
-    """Whether the equation of a store does not hold in a window."""
+    """Whether the equation of a store fails in a window."""
     if isinstance(equation, Volume):
         return _misses_volume(equation, signals, window)
     return isinstance(equation, Impedance) and _misses_impedance(equation, signals, window)
@@ -250,7 +248,7 @@ def _misses_impedance(equation: Impedance, signals: Signals, window: Window) -> 
 
 
 def _adjoint(side: tuple[float, ...], degree: int, window: Window) -> NDArray:
-    """p(-D) φ, of a bump φ over the window, for p with the highest power first."""
+    """Return p(-D) φ for a bump φ over the window and a polynomial p, highest power first."""
     bump, found = Polynomial([0.0, 4.0, -4.0]) ** (degree + 1), np.zeros_like(window.t)
     for power, factor in enumerate(reversed(side)):
         found += factor * (-1.0 / window.width) ** power * (bump.deriv(power) if power else bump)(window.share)

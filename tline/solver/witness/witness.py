@@ -1,9 +1,9 @@
-"""The witness of a run to a tolerance: what is given out is held against equations that share nothing with the run.
+"""Check of a run to a tolerance against the scene's equations and against plain first-order runs.
 
-A plain run beside one to a tolerance: first order, nothing cut, graded, lumped or followed.
+A plain run is of first order, and cuts, grades, lumps and follows nothing.
 
-What switches, laws and sources do is spread over slabs, so it is right in the mean alone: compared are integrals over
-windows, and how far two plain runs are apart tells how well they know these.
+It spreads the action of switches, laws and sources over slabs, so only means are accurate: integrals are compared over
+windows, with the difference of two plain runs as their error.
 """
 
 from collections.abc import Collection, Iterator
@@ -23,28 +23,28 @@ from tline.solver.run import run
 from tline.solver.witness.nodes import lines_at, watched
 from tline.solver.witness.seen import Doubt, Seen, balance_doubts, line_doubts, store_doubts
 
-WINDOWS = 8  # of the run, over which is integrated
-SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # of the samples of all runs to the tolerance, that plain ones may take
-CELLS = 10  # of lines that remember, that take as long as a sample
-INSTANTS = 128  # of a window, at which a mean is taken
-FEW = 16  # slabs of a window, at least
-CAUTION = 4.0  # times that two plain runs differ by, within which nothing is told
-FAINT = 1e-4  # of the largest wave, which is always allowed
-KNOWS = 0.1  # of the amplitude: plain runs that differ by more know nothing
+WINDOWS = 8  # windows of integration in the run
+SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # cost of plain runs: share of the samples of all runs, and its limits in samples
+CELLS = 10  # cells of lines with memory that cost as much as a sample
+INSTANTS = 128  # samples of a mean over a window
+FEW = 16  # slabs in a window at least
+CAUTION = 4.0  # allowed difference, over that of the two plain runs
+FAINT = 1e-4  # relative to the largest wave: a difference always allowed
+KNOWS = 0.1  # relative to the amplitude: plain runs that differ by more are no evidence
 
 
 def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
-    """Probes whose integrals over windows are not those of plain runs, by more than these differ by."""
+    """Yield probes whose means over windows differ from those of plain runs by more than these differ."""
     h = _slab(description, result)
     if h is None:
         return
     try:
         plain = [Resolution(1, h / k, fit=FAINT, plain=True) for k in (1, 2)]
         coarse, fine = (run(description, chosen) for chosen in plain)
-    except (InputError, NoFlowError):  # a plain run may not be had, which says nothing of the other
+    except (InputError, NoFlowError):  # a plain run may fail, which is no evidence against the other
         return
     window = description.t_end / WINDOWS
-    late = h / 2 / window + 1 / INSTANTS  # of a window, by which a jump may be moved, in both plain runs alike
+    late = h / 2 / window + 1 / INSTANTS  # shift of a jump, relative to a window, common to both plain runs
     largest = max(float(np.abs([probe.a, probe.b]).max()) for probe in fine.probes.values())
     for name, probe in result.probes.items():
         told = [_means(each.probes[name], description.t_end) for each in (coarse, fine, result)]
@@ -59,7 +59,7 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
 
 
 def _slab(description: Description, result: Result) -> float | None:
-    """Widest slab that suits all lines, if two runs with it and with half of it are cheap enough."""
+    """Widest slab that suits all lines; None if runs with it and with half of it cost too much."""
     attempts = result.accuracy.attempts if result.accuracy else ()
     affordable = min(max(SHARE * sum(attempt.samples for attempt in attempts), LEAST), MOST)
     shortest = min(line.delay for line in description.lines.values())
@@ -74,16 +74,16 @@ def _slab(description: Description, result: Result) -> float | None:
 
 
 def _means(probe: ProbeResult, t_end: float) -> NDArray:
-    """Of effort and flow over windows, shape (2, windows)."""
+    """Means of effort and flow over windows, shape (2, windows)."""
     t = (np.arange(WINDOWS * INSTANTS) + 0.5) / (WINDOWS * INSTANTS) * t_end
     seen = probe.at(t)
     return np.array([each.reshape(WINDOWS, INSTANTS).mean(axis=1) for each in (seen.u, seen.y)])
 
 
 class Witness:
-    """Looks at some nodes of a scene; made before its runs, for these keep the waves that it needs.
+    """Checker of some nodes of a scene; made before its runs, which must record the waves that it needs.
 
-    Lines that are kept anyway are not lumped; `lines` are those whose waves it needs.
+    Lines that are `kept` anyway are not lumped; `lines` are those whose waves it needs.
     """
 
     def __init__(self, description: Description, kept: Collection[str] = ()):
@@ -92,7 +92,7 @@ class Witness:
         self.lines = lines_at(self.nodes, description)
 
     def heard(self, result: Result) -> Result:
-        """A result that says where it does not fit the scene's equations: its tolerance is then not met."""
+        """Return the result, marked as not meeting its tolerance where it does not fit the scene's equations."""
         accuracy = result.accuracy
         if accuracy is None or not accuracy.met:
             return result
