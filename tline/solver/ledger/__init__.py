@@ -1,1 +1,1 @@
-"""The energy ledger of a run: what every element supplied, dissipated and stored, and what does not add up."""
+"""Energy ledger of a run: supplied, dissipated and stored energy of every element, and the residual."""

@@ -1,10 +1,10 @@
-"""The accounts of one group of nodes: powers of all that stands there, from the waves at its line ends.
+"""Energy accounts of one group of nodes: powers of its elements, from the waves at its line ends.
 
-Which flows into elements follow from those of the lines alone.
+Some flows into elements follow from those of the lines alone.
 
-At each node of a group what the lines bring, less what known conductances and sources take, is the rest, r. Where only
-one element has a port at a node, its flow is the rest; the flow of an element between two nodes is then known at the
-other as well; and so on. What cannot be told apart so shares an account.
+At each node of a group the flow from lines, less that into conductances and sources, is the remainder r. Where only
+one element has a port at a node, its flow is r; the flow of an element between two nodes is then known at the
+other as well; and so on. Elements whose flows cannot be separated in this way share an account.
 """
 
 from collections.abc import Sequence
@@ -36,21 +36,21 @@ class Port(NamedTuple):
 
     element: int
     node: int
-    twin: int = -1  # the port from which the same flow comes out again
+    twin: int = -1  # the port at which the same flow leaves the element
 
 
 class Flows(NamedTuple):
-    """What flows from nodes into elements, in terms of the rests."""
+    """Flows from nodes into elements, as linear combinations of the remainders r."""
 
     shares: NDArray  # (rows, nodes) rows @ r are flows
-    node: NDArray  # (rows,) from which
-    elements: list[tuple[int, ...]]  # of each row, into which; none where a rest must vanish
+    node: NDArray  # (rows,) node that each flow leaves
+    elements: list[tuple[int, ...]]  # elements that each flow enters; empty where a remainder must vanish
 
 
 def flows_of(ports: Sequence[Port], seen: Sequence[bool]) -> Flows:
     """Flows of a group's ports.
 
-    Where a node's effort is not seen, the rest is nothing, and elements share an account.
+    Where a node's effort is unknown, the remainder is of no use, and the elements there share an account.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def flows_of(ports: Sequence[Port], seen: Sequence[bool]) -> Flows:
 
 
 def _followed(ports: Sequence[Port], n: int) -> tuple[dict[int, NDArray], set[int], list[set[int]]]:
-    """Known flows by port, the nodes they were told from, and of each node the elements whose flows remain unknown."""
+    """Known flows by port, the nodes whose balance gave them, and the elements of unknown flow at each node."""
     known: dict[int, NDArray] = {}
     told: set[int] = set()
     waiting = [{p for p, port in enumerate(ports) if port.node == k} for k in range(n)]
@@ -106,7 +106,7 @@ def _followed(ports: Sequence[Port], n: int) -> tuple[dict[int, NDArray], set[in
 
 
 class Columns(NamedTuple):
-    """Slabs in one piece, or pieces of slabs."""
+    """Time intervals of integration: whole slabs, or pieces of slabs."""
 
     basis: Basis
     h: float
@@ -115,16 +115,16 @@ class Columns(NamedTuple):
 
     @property
     def width(self) -> NDArray:
-        """Of each, s; shape (m,)."""
+        """Widths of the intervals, s; shape (m,)."""
         return np.full(len(self.slab), self.h) if self.span is None else self.h * (self.span[:, 1] - self.span[:, 0])
 
     @property
     def middle(self) -> NDArray:
-        """Of each, s; shape (m,)."""
+        """Midpoints of the intervals, s; shape (m,)."""
         return self.h * (self.slab + (0.5 if self.span is None else self.span.mean(axis=1)))
 
     def values(self, shape: Shape, breaks: NDArray) -> NDArray:
-        """A waveform with breaks at instants in slabs, at the points of each; shape (m, s)."""
+        """Values of a waveform, with breaks at instants in slabs, at the points of each interval; shape (m, s)."""
         basis, h = self.basis, self.h
         start = self.middle - self.width / 2
         values = shape.value(start[:, None] + self.width[:, None] * basis.c, self.middle[:, None])
@@ -141,37 +141,37 @@ class Columns(NamedTuple):
         return values
 
     def integral(self, x: NDArray, y: NDArray) -> NDArray:
-        """Of products of polynomials over each, exact; shapes (…, m, s) to (…, m)."""
+        """Exact integral of x·y over each interval, for polynomials of shape (…, m, s); shape (…, m)."""
         return (x * y) @ self.basis.A[-1] * self.width
 
     def integral_of(self, x: NDArray) -> NDArray:
-        """Of polynomials over each; shapes (…, m, s) to (…, m)."""
+        """Integral of polynomials over each interval; shapes (…, m, s) to (…, m)."""
         return x @ self.basis.A[-1] * self.width
 
 
 class Accounts(NamedTuple):
-    """Those of a group; node numbers are places in the group."""
+    """Energy accounts of a group; node numbers count within the group."""
 
     where: list[str]  # of each account
     may_give: list[bool]
     ends: NDArray  # (ends,) numbers of the line ends here
     z0: NDArray  # (ends,)
-    gathers: NDArray  # (nodes, ends) from w - o to what flows into the nodes
-    heads: dict[int, int]  # of nodes with ends one of them
-    held: dict[int, Shape]  # efforts of nodes without ends
+    gathers: NDArray  # (nodes, ends) from w - o to flows into the nodes
+    heads: dict[int, int]  # one line end of each node that has any
+    held: dict[int, Shape]  # prescribed efforts of nodes without line ends
     excitations: list[tuple[int, int, Excitation]]  # account, node
     conductors: list[tuple[int, int, Resistive]]
     flows: Flows
-    posts: list[tuple[int, int, Member | None]]  # of each flow its account, column, and the member if it is one alone
-    above_level: NDArray  # (nodes,) effort at which the gauge pressure is zero
-    falls: NDArray  # (flows,) the same where all that takes the flow leads to the open air, else 0
-    gravity: int  # account of what goes out to the air below the level
+    posts: list[tuple[int, int, Member | None]]  # account and column of each flow; its member if there is one only
+    above_level: NDArray  # (nodes,) effort at zero gauge pressure
+    falls: NDArray  # (flows,) effort at zero gauge pressure if all the flow leaves to the open air, else 0
+    gravity: int  # account of outflow to the open air below the level
 
     def energies(self, w: NDArray, o: NDArray, columns: Columns) -> tuple[NDArray, NDArray]:
-        """Energies in each stretch of time, J.
+        """Energies in each time interval, J.
 
-        Waves w arrive and o leave, shape (ends, m, s). Returned are what comes out of lines (ends, m), and what goes to
-        each account (accounts, columns of a ledger, m).
+        Waves w arrive and o leave, shape (ends, m, s). Returned are energies out of lines (ends, m), and into
+        accounts (accounts, columns of a ledger, m).
         """
         m, integral = len(columns.slab), columns.integral
         found = np.zeros((len(self.where), len(COLUMNS), m))
@@ -213,7 +213,7 @@ class Accounts(NamedTuple):
 
 
 def _conductance(conductor: Resistive, columns: Columns) -> NDArray:
-    """Shape (m,); a switch that moves where no piece begins moves at the nearest edge of a slab."""
+    """Conductance in each interval, shape (m,); a switch that moves inside one moves at its nearest edge."""
     switch = conductor.switch
     if switch is None:
         return np.full(len(columns.slab), conductor.conductance)

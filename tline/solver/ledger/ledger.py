@@ -1,4 +1,4 @@
-"""What a ledger says: of every element and line the energy it gave and took, and what does not add up."""
+"""Ledger of a run: energy supplied, dissipated and stored by every element and line, and the residual."""
 
 from typing import NamedTuple
 
@@ -9,31 +9,31 @@ from tline.errors import InputError
 
 COLUMNS = ("supplied", "dissipated", "stored", "taken", "unaccounted")
 UNACCOUNTED = 4  # the other columns have the numbers that the inventory gives them
-GRAVITY = "gravity"  # account of what flows out to the open air below the highest node
-TOLERANCE = 1e-3  # of the turnover; what is lost or made beyond it is told
+GRAVITY = "gravity"  # account of outflow to the open air below the highest node
+TOLERANCE = 1e-3  # relative to the turnover; a larger loss or gain is reported
 
 
 class Entry(NamedTuple):
-    """One account, J."""
+    """Energies of one account, J."""
 
-    # place in the scene of an element or a line; of several whose shares the waves do not tell apart, or a node
+    # place of an element, a line or a node in the scene; of several elements if waves do not separate their shares
     where: str
-    supplied: float  # what came from a source, a reservoir or a pump; negative if it took
+    supplied: float  # by a source, a reservoir or a pump; negative if it absorbed energy
     dissipated: float  # in resistances, valves and diodes
-    stored: float  # change of what it stores
-    taken: float  # dissipated and stored together, where these are not told apart
-    # what was lost on the way: by a line where fronts or fractional delays are projected on slabs (numerical
-    # dissipation, never negative but for rounding), at a node where flows do not balance
+    stored: float  # change of the stored energy
+    taken: float  # dissipated and stored together, where these are not separable
+    # lost by a line where fronts or fractional delays are projected on slabs (numerical
+    # dissipation, negative by rounding only), or at a node whose flows do not balance
     unaccounted: float
-    # the most that it had given beyond what it had taken and held, at any slab's end, if it must not; else 0
+    # largest energy that a passive account had given beyond that taken and stored, at any slab end; else 0
     created: float
 
 
 class Ledger(NamedTuple):
-    """Energy of a whole run, by element: supplied = dissipated + stored + taken + unaccounted.
+    """Energy balance of a whole run, by element: supplied = dissipated + stored + taken + unaccounted.
 
-    With elevations, energies of lines, sources and reservoirs count from the highest node, those of what leads to the
-    open air from the gauge pressure; "gravity" supplies the difference, density·g·height for what flows out below.
+    With elevations, energies of lines, sources and reservoirs count from the highest node, those of outlets to the
+    open air from the gauge pressure; "gravity" supplies the difference, density·g·height for outflow below.
 
     Examples
     --------
@@ -51,10 +51,10 @@ class Ledger(NamedTuple):
     """
 
     entries: tuple[Entry, ...]  # lines first, then elements, then nodes
-    turnover: float  # what lossless lines held before t = 0, and the most that each account had given at any time, J
+    turnover: float  # energy of lossless lines before t = 0, and the most that each account gave at any time, J
 
     def of(self, where: str) -> Entry:
-        """The account at a place in the scene, such as ``"lines.pipe"``."""
+        """Return the account at a place in the scene, such as ``"lines.pipe"``."""
         for entry in self.entries:
             if entry.where == where:
                 return entry
@@ -62,18 +62,18 @@ class Ledger(NamedTuple):
 
     @property
     def total(self) -> Entry:
-        """Sums of all columns."""
+        """Sum of all accounts, column by column."""
         return Entry("sum", *(float(part) for part in self._numbers().sum(axis=0)))
 
     @property
     def residual(self) -> float:
-        """Sum of the sizes of all that is not accounted for, relative to the turnover; 0 if nothing moved."""
+        """Sum of the absolute unaccounted energies over the turnover; 0 if nothing moved."""
         off = float(np.abs(self._numbers()[:, UNACCOUNTED]).sum())
         return off / self.turnover if self.turnover else 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Of a residual or energy made beyond a thousandth of the turnover a sentence each, naming who did most."""
+        """Sentences on a residual, or energy created, beyond a thousandth of the turnover, with the largest cause."""
         told, bound = [], TOLERANCE * self.turnover
         if self.residual > TOLERANCE:
             worst = max(self.entries, key=lambda entry: abs(entry.unaccounted))

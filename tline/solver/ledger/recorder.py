@@ -15,16 +15,16 @@ from tline.solver.loop.slabs import Slabs, cut_at_end
 from tline.solver.radau import gauss
 from tline.words.wording import place
 
-BLOCK = 100_000  # samples of a group's line ends looked at together
-NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # what an account takes, of its columns
+BLOCK = 100_000  # samples of a group's line ends processed together
+NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # weights of an account's columns in the energy that it takes
 
 
 class Found(NamedTuple):
-    """Slabs in pieces of one group."""
+    """Pieces of the slabs with fronts, of one group."""
 
     slab: NDArray  # (pieces,)
     span: NDArray  # (pieces, 2)
-    waves: NDArray  # (pieces, ends, 2, s) what arrived and what left
+    waves: NDArray  # (pieces, ends, 2, s) arriving and leaving waves
 
 
 class Recorder:
@@ -52,9 +52,9 @@ class Recorder:
             self.group_of_end[group.ends] = g
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
-        """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
+        """Account for n slabs from number `first` on, which begin at the first column of the record."""
         s = self.assembly.basis.s
-        through = np.zeros((len(self.z0), n))  # what each line takes in each slab
+        through = np.zeros((len(self.z0), n))  # energy into each line in each slab
         found = self._sorted(self._until_end(record, first, n, pieces))
         for g, group in enumerate(self.groups):
             rows = self.assembly.network.record_row[group.ends]
@@ -68,7 +68,7 @@ class Recorder:
         self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
 
     def _until_end(self, record: NDArray, first: int, n: int, pieces: Noted) -> Noted:
-        """Pieces at ends of lines, in place of rows, up to the end of the run; what lines take behind it is kept."""
+        """Pieces by line end, in place of row, up to the end of the run; energies into lines behind it are kept."""
         end = self.end_of_row[pieces.row]
         pieces = Noted(end[end >= 0], *(part[end >= 0] for part in pieces[1:]))
         if first + n <= self.slabs.whole:
@@ -101,7 +101,7 @@ class Recorder:
         self.totals[g] += posted.sum(axis=2)
 
     def _sorted(self, pieces: Noted) -> dict[int, Found]:
-        """Pieces at ends of lines by group; those of one group and slab are alike at all its ends."""
+        """Pieces by group; in one group and slab they have the same spans at all line ends."""
         end = pieces.row
         g = self.group_of_end[end]
         place = np.empty(len(self.group_of_end), int)
@@ -117,7 +117,7 @@ class Recorder:
         return found
 
     def ledger(self, fronts: Fronts | None) -> Ledger:
-        """What was entered, when the run is over."""
+        """Ledger of the finished run."""
         entries = self._of_lines(stored(self.assembly, fronts) - self.behind)
         lossless = np.array([line.losses is None for line in self.assembly.lines.values()])
         turnover = float(np.where(lossless, self.start, np.maximum(-self.least, 0.0)).sum())
@@ -147,9 +147,9 @@ class Recorder:
 
 
 def stored(assembly: Assembly, fronts: Fronts | None) -> NDArray:
-    """Integral of (a² + b²)/(4 z0) over what was sent and has not arrived, J; of lossless lines, shape (lines,).
+    """Energy in lossless lines: integral of (a² + b²)/(4 z0) over waves under way, J, shape (lines,).
 
-    The part of the slab that arrived last which a fractional delay still holds back is among it.
+    It includes the part of the last arrived slab that a fractional delay still holds back.
     """
     network, state, basis = assembly.network, assembly.state, assembly.basis
     s, h, weights = basis.s, assembly.resolution.h, basis.A[-1]
@@ -170,7 +170,7 @@ def stored(assembly: Assembly, fronts: Fronts | None) -> NDArray:
 
 
 def _squares(fronts: Fronts, rows: NDArray, after: NDArray) -> NDArray:
-    """Integral of the square of slabs in pieces from an instant of each on, in slab time."""
+    """Integral of the squares of slabs in pieces, each from an instant `after` on, in slab time."""
     pieces, (x, weights) = fronts.pieces, gauss(fronts.pieces.coef.shape[2])
     start, stop = pieces.start[rows, :-1], pieces.start[rows, 1:]
     there = np.arange(start.shape[1]) < pieces.number[rows][:, None]

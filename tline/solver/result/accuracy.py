@@ -1,4 +1,4 @@
-"""How accurate a run is: what runs of rising order, or on narrower slabs, leave of their differences."""
+"""Accuracy of a run, estimated from differences between runs of rising order or on narrower slabs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from tline.solver.result.result import Result
 
-SLOWEST = 0.5  # share of a difference that a step counts as leaving, at most
-EXACT = 1e-12  # errors told below it are rounding
+SLOWEST = 0.5  # largest ratio of successive differences that counts as convergence
+EXACT = 1e-12  # smaller error estimates are rounding
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Estimate:
         return max(self.u, self.y)
 
     def or_more(self, other: "Estimate") -> "Estimate":
-        """Of each quantity the larger of two estimates."""
+        """Return the larger of two estimates for each quantity."""
         return Estimate(max(self.u, other.u), max(self.y, other.y))
 
 
@@ -35,8 +35,8 @@ class Attempt:
 
     order: int
     slab: float  # width of a slab, s
-    # the worst of all probes, at any instant, or at slab ends alone where that is beyond the tolerance; None where
-    # there is nothing to compare with yet
+    # worst estimate of all probes, at any instant, or at slab ends alone where that exceeds the tolerance; None where
+    # there is no earlier run to compare with
     estimate: float | None
     samples: int  # line-end samples computed
     seconds: float  # time spent stepping
@@ -51,7 +51,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """How accurate a result is, and what that took."""
+    """Error estimates of a result, and the runs that gave them."""
 
     tol: float | None  # what was asked; None for a run fixed by hand
     estimates: Mapping[str, Estimate] = field(default_factory=dict)  # by probe, at slab ends
@@ -81,7 +81,7 @@ class Accuracy:
         return max((estimate.worst for estimate in self.blurred.values()), default=0.0)
 
     def times(self, by: float, at_ends: float = 1.0) -> "Accuracy":
-        """The same with errors so many times as large, inside slabs and at their ends."""
+        """Scale the errors inside slabs by a factor, and those at slab ends by another."""
         estimates, inside, blurred = (
             {name: Estimate(factor * told.u, factor * told.y) for name, told in each.items()}
             for each, factor in ((self.estimates, at_ends), (self.inside, by), (self.blurred, by))
@@ -89,7 +89,7 @@ class Accuracy:
         return replace(self, estimates=estimates, inside=inside, blurred=blurred)
 
     def at_least(self, error: float) -> "Accuracy":
-        """The same where no error at any instant is told to be smaller, but of what is exact."""
+        """Raise smaller errors at any instant to `error`, except those of exact quantities."""
         inside, blurred = (
             {
                 name: Estimate(*(max(e, error) if e > EXACT else e for e in (told.u, told.y)))
@@ -101,5 +101,5 @@ class Accuracy:
 
     @property
     def met(self) -> bool:
-        """Whether the tolerance is met, as far as can be told."""
+        """Whether the tolerance is met, by the estimates."""
         return self.tol is None or (self.worst <= self.tol and not self.limit)

@@ -1,4 +1,4 @@
-"""The waves between slab ends: fit to be drawn, and to be searched for extremes."""
+"""Dense output: waves between slab ends, for drawing and for the search of extremes."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,19 +11,19 @@ from tline.solver.result.quantities import Bounds, quantity
 from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
 
 DENSE = 4000  # instants
-AFTER = 1e-8  # slabs behind an edge where the value just after it is taken
-ROUGH = 1e-2  # of the wave's range: larger in the highest degrees, and at a slab's edge, means a front inside it
-NOISE = 1e-13  # of the largest wave; a smaller effort, or flow times z0, is zero
-PLACES = 5  # in a slab, at least, where extremes are looked for
-CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples round which is searched, places round each, and how often
-SAME = 1e-9  # of the range: what is lower by less is as high
-WIDEST = 4  # slabs over which a front may have spread
+AFTER = 1e-8  # distance behind an edge, in slabs, of the value just after it
+ROUGH = 1e-2  # relative to the wave's range: larger highest coefficients and a jump at the edge mean a front inside
+NOISE = 1e-13  # relative to the largest wave; a smaller effort, or flow times z0, is zero
+PLACES = 5  # samples in a slab, at least, in the search of extremes
+CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples refined in the search, places around each, and refinements
+SAME = 1e-9  # relative to the range: smaller differences of extremes count as ties
+WIDEST = 4  # slabs over which a front may be smeared
 
 
 def curve(probe: ProbeResult, least: int = 2) -> Samples:
-    """What a probe saw along the whole run, several instants a slab and both sides of every front and slab's edge.
+    """Samples of a probe over the whole run: several in a slab, and both sides of every front and slab edge.
 
-    A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab wiggles round it;
+    A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab oscillates;
     there the curve is a straight line between the slabs on either side, where values are accurate.
 
     Some four thousand instants, or `least` in a slab, edges included, if there are many slabs.
@@ -53,9 +53,9 @@ def curve(probe: ProbeResult, least: int = 2) -> Samples:
 
 
 def _seen(probe: ProbeResult, t: NDArray, behind: NDArray, late: float) -> Samples:
-    """What a probe sees at rising instants; at those marked, so late behind an edge, straight on from there back to it.
+    """Samples at rising instants; at those marked `behind` an edge, extrapolated to it from `late` after it.
 
-    Unless another one is as near.
+    Instants with another one as near are not extrapolated.
     """
     seen, marked = probe.at(t), np.flatnonzero(behind & (np.diff(t, append=np.inf) > 2 * late))
     more = probe.at(t[marked] + late)
@@ -76,7 +76,7 @@ def _fronts(probe: ProbeResult) -> NDArray:
 
 
 def drawable(record: LineRecord) -> LineRecord:
-    """The record with straight lines across slabs with fronts that were not followed."""
+    """Return the record with straight lines across slabs that hold unfollowed fronts."""
     if not record.smeared:
         return record
     largest = ROUGH * _span(record)
@@ -96,7 +96,7 @@ def _span(record: LineRecord) -> float:
 
 
 def _tail(wave: Wave) -> NDArray:
-    """Of each slab the largest part of its two highest degrees; one alone may vanish by chance."""
+    """Largest of the two highest Legendre coefficients of each slab; one alone may vanish by chance."""
     highest = wave.basis.to_legendre[max(wave.basis.s - 2, 1) :]
     return np.abs(wave.values @ highest.T).max(axis=1, initial=0.0)
 
@@ -109,14 +109,14 @@ def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
 
 
 def _rough(wave: Wave, breaks: NDArray, largest: float) -> NDArray:
-    """Slabs in one piece whose highest degrees are large and that do not continue their neighbours."""
+    """Slabs in one piece with large highest coefficients and a jump at an edge."""
     rough = (_tail(wave) > largest) & (breaks[:-1] | breaks[1:])
     rough[wave.pieces.slab] = False
     return rough
 
 
 def _bridged(wave: Wave, largest: float) -> Wave:
-    """A straight line across each front, from the end of the slab before it to the start of the slab after it.
+    """Draw a straight line across each front, from the end of the slab before it to the start of the slab after it.
 
     Where rough slabs go on for more than a few, something oscillates too fast for them, and the polynomials stay as
     they are.
@@ -139,9 +139,9 @@ def _bridged(wave: Wave, largest: float) -> Wave:
 
 
 def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[float, float]]:
-    """The smallest and the largest value of the curve, and when each is first reached.
+    """Smallest and largest value of the curve, and the instant when each is first reached.
 
-    Slabs are sampled; where values, or parabolas through three of them, come highest, the polynomials are searched.
+    Slabs are sampled; around the highest values, or parabolas through three of them, the polynomials are searched.
     """
     if (waves := _in_whole_slabs(probe)) is not None:
         return _of_polynomials(probe, key, *waves)
@@ -155,7 +155,7 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
 
 
 def _in_whole_slabs(probe: ProbeResult) -> tuple[Wave, Wave] | None:
-    """The waves at an end of a line, as they are drawn, if no slab of them is in pieces."""
+    """Waves at an end of a line, as drawn; None if some slab is in pieces."""
     waves, record, n = probe.waves, probe.record, probe.slabs.number
     if probe.share not in (0.0, 1.0) or any(len(wave.pieces.slab) or len(wave.values) != n for wave in waves):
         return None
@@ -165,7 +165,7 @@ def _in_whole_slabs(probe: ProbeResult) -> tuple[Wave, Wave] | None:
 
 
 def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tuple[float, float], tuple[float, float]]:
-    """The extremes of what is one polynomial of its waves in each slab, and when each is first reached."""
+    """Extremes of a quantity that is one polynomial in each slab, and the instants when they are first reached."""
     from tline.solver.kernel.peaks import extremes as search
     from tline.solver.kernel.peaks import find_extremes
 
@@ -176,7 +176,7 @@ def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tup
     seen = np.asarray(what.of(probe._samples(np.empty(0), *values)))
     nothing = what.error(bounds)
     seen[np.abs(seen) <= nothing] = 0.0
-    first, seen = float(seen[0]), seen - seen[0]  # what is sought begins at zero
+    first, seen = float(seen[0]), seen - seen[0]  # the search expects a signal that begins at zero
     wave, end, found = seen[1:].reshape(slabs.number, -1, 1), slabs.whole + slabs.rest, np.empty((4, 1))
     job = search(wave, np.ones(1), np.array([[0.0], [1.0]]), end, order.c, order.to_powers, found)
     find_extremes(pack(job))
@@ -200,10 +200,10 @@ def highest(
     width: float,
     candidates: int = CANDIDATES,
 ) -> tuple[float, float]:
-    """The largest value (sign 1) or the smallest (sign -1) of a signal that is known at samples, and when.
+    """Largest value (sign 1) or smallest (sign -1) of a sampled signal, and its instant.
 
-    Samples are several in a slab, so wide apart; what is found between them must exceed theirs by the noise. So many
-    candidates are samples round which is searched, and as many the highest parabolas.
+    Samples are several in a slab, `width` apart; a value between them must exceed theirs by `noise`. As many
+    `candidates` as given are refined around the highest samples, and as many around the highest parabolas.
     """
     rising = sign * values
     fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
@@ -221,9 +221,9 @@ def highest(
 def zoomed(
     at: Callable[[NDArray], NDArray], found: NDArray, width: float, span: tuple[float, float], sign: int
 ) -> tuple[NDArray, NDArray]:
-    """Where a signal, times a sign, is largest round each of some instants within a span; and that value.
+    """Maximum of a signal times a sign around each of some instants within a span: its instant and value.
 
-    `at` takes instants whose last axis are those round one of the instants given, so far (`width`) round each.
+    `at` takes instants whose last axis lies around one of the instants given, within ± `width`.
     """
     around, heights = np.linspace(-1.0, 1.0, AROUND), np.empty(found.shape)
     for _ in range(ZOOMS):
@@ -236,7 +236,7 @@ def zoomed(
 
 
 def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
-    """The largest value (sign 1) or the smallest (sign -1), and when it is first reached, rounding aside."""
+    """Largest sample (sign 1) or smallest (sign -1), and the instant when it is first reached, within rounding."""
     best = (sign * samples).max()
     reached = sign * samples >= best - SAME * np.ptp(samples)
     return float(sign * best) + 0.0, float(t[reached].min())  # no negative zero

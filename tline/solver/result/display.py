@@ -1,4 +1,4 @@
-"""How results show themselves: in a screen of text, and in the pictures of `tline.pictures`."""
+"""Presentation of results: a screen of text, and the pictures of `tline.pictures`."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ SHOWN = 20  # probes
 
 
 class Display(Presentation):
-    """What a result can show of itself: each method imports what it draws with."""
+    """Text and plots of a result; each method imports its plotting module."""
 
     def text_lines(self) -> Iterator[str]:
-        """What was run, how accurate it is, and the extremes of each probe."""
+        """Scene, order and slabs, error estimate, and extremes of each probe."""
         yield from as_text(cast("Result", self)).splitlines()
 
     def to_dict(self) -> dict[str, Any]:
-        """Order, slabs, extremes and last value of each probe, measures and notes, in SI, as ``tline run --json``."""
+        """Order, slabs, extremes and last value of each probe, measures and notes, in SI; see ``tline run --json``."""
         from tline.solver.result.dense_output import extremes
         from tline.solver.result.quantities import in_tables
 
@@ -72,12 +72,12 @@ class Display(Presentation):
         quantity: str | None = None,
         label: str = "",
     ) -> Figure | Axes:
-        """Draw what the probes saw over time.
+        """Draw the signals of the probes over time.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw one quantity, beside what is there; without it a new figure with all.
+            Axes for one quantity, which keep their content; without it a new figure with all quantities.
         probes : iterable of str, optional
             Some of the probes.
         quantity : str, optional
@@ -88,7 +88,7 @@ class Display(Presentation):
         Returns
         -------
         Figure or Axes
-            What was drawn on. Several results in one figure: `tline.plot`.
+            The figure or axes drawn on. Several results in one figure: `tline.plot`.
 
         Raises
         ------
@@ -144,7 +144,7 @@ class Display(Presentation):
         return tl.pictures.plot_lattice(cast("Result", self))
 
     def animate(self, *nodes: str) -> tl.pictures.Animation:
-        """Waves along a path, a to the right and b to the left, and the effort, moving.
+        """Animate the waves along a path, a to the right and b to the left, and the effort.
 
         Notebooks play it; its method ``save`` writes it as a page that needs nothing else, or as a GIF.
 
@@ -160,7 +160,7 @@ class Display(Presentation):
 
 
 def as_text(result: Result) -> str:
-    """What was run, how accurate it is, and the extremes of each probe."""
+    """Scene, order and slabs, error estimate, and extremes of each probe."""
     from tline.solver.result.dense_output import extremes
     from tline.solver.result.quantities import in_tables
 
@@ -182,10 +182,10 @@ def as_text(result: Result) -> str:
 
 
 def with_unit(value: float, unit: str) -> str:
-    """A value for people; heights stay in metres."""
+    """Format a value with an engineering prefix; heights stay in metres."""
     return f"{value:.4g} m" if unit == "m" else engineering(value, unit)
 
 
 def shortly(kind: str, **parts: Any) -> str:
-    """One line that stands for an object with long arrays."""
+    """Return a one-line representation of an object with long arrays."""
     return f"<{kind}: {', '.join(f'{key} {value}' for key, value in parts.items())}>"

@@ -1,4 +1,4 @@
-"""The lowest and highest effort at every node, and when, without a record of all that lies between."""
+"""Envelope of a run: lowest and highest effort at every node and their instants, without a full record."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -20,20 +20,20 @@ from tline.solver.radau import Basis, basis
 class Envelope:
     """Extremes at nodes, at any instant; at slab ends in scenes with cavities or air valves, which blur fronts."""
 
-    nodes: tuple[str, ...]  # those that a line ends at which is not lumped
+    nodes: tuple[str, ...]  # nodes with an end of a line that is not lumped
     # (nodes,) effort before t = 0, Pa or V; in a scene with elevations the piezometric pressure, as the next
     start: NDArray
     lowest: NDArray  # (nodes,) Pa or V
-    lowest_at: NDArray  # (nodes,) when that is first reached, s
-    # (nodes,) Pa or V: 1.5 to 3 times the difference to that of the next finer run; not a number if there is none
+    lowest_at: NDArray  # (nodes,) instant when it is first reached, s
+    # (nodes,) Pa or V: 1.5 to 3 times the difference from the next finer run; NaN if there is none
     lowest_error: NDArray
     highest: NDArray  # (nodes,)
     highest_at: NDArray  # (nodes,)
     highest_error: NDArray
     weight: NDArray  # (nodes,) density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure
     per_metre: NDArray  # (nodes,) density·g, Pa/m
-    # of nodes at which no line ends that is not lumped: effort before, the highest and when; behind what is shut on all
-    # sides, the lowest is none
+    # effort before t = 0, highest effort and its instant, of nodes without such a line end; a region closed on all
+    # sides has no lowest effort
     peaks: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     def of(self, node: str) -> dict[str, float]:
@@ -44,7 +44,7 @@ class Envelope:
         return {name: float(getattr(self, name)[k]) for name in COLUMNS}
 
     def compared(self, other: "Envelope", caution: float) -> "Envelope":
-        """The same with its differences to another envelope, so many times, as errors, or with known larger ones."""
+        """Set the errors to `caution` times the differences from another envelope, where known ones are not larger."""
         low, high = (caution * np.abs(getattr(self, key) - getattr(other, key)) for key in ("lowest", "highest"))
         errors = np.fmax(self.lowest_error, low), np.fmax(self.highest_error, high)
         return replace(self, lowest_error=errors[0], highest_error=errors[1])
@@ -54,7 +54,7 @@ COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_a
 
 
 class Extremes:
-    """An envelope that grows with a run."""
+    """Recorder of extremes during a run."""
 
     def __init__(
         self,
@@ -69,10 +69,10 @@ class Extremes:
         self.nodes, self.alone, self.rows, self.start = nodes, alone, rows, start
         self.order, self.slabs = order, slabs
         self.at_ends, self.sought = at_ends, basis(1) if at_ends else order
-        self.top, self.at = np.zeros((2, 2, len(start)))  # by how much efforts are below the start, and above; when
+        self.top, self.at = np.zeros((2, 2, len(start)))  # largest fall and rise from the start, and their instants
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
-        """Take note of n slabs from number `first` on, recorded from the first column of the record on."""
+        """Search n slabs from number `first` on, which begin at the first column of the record."""
         s, h, whole = self.order.s, self.slabs.width, self.slabs.whole - first
         node = np.full(len(record), -1)
         node[self.rows] = np.arange(len(self.rows))
@@ -100,20 +100,20 @@ class Extremes:
             self._note(k, pieces.row[order], found[order], when[order])
 
     def _highest(self, u: NDArray) -> Iterator[tuple[NDArray, NDArray]]:
-        """How far polynomials, shape (slabs, points, rows), fall below zero and rise above it, and in which slabs."""
+        """Yield largest fall below zero and rise above it of polynomials (slabs, points, rows), and the slabs."""
         found, edges = np.empty((4, u.shape[2])), np.repeat([[0.0], [1.0]], u.shape[2], axis=1)
         find_extremes(pack(extremes(u, edges[1], edges, float(len(u)), self.sought.c, self.sought.to_powers, found)))
         yield -found[0], found[1]
         yield found[2], found[3]
 
     def _note(self, k: int, node: NDArray, found: NDArray, when: NDArray) -> None:
-        """Keep what is higher; of several at one node the last is the highest."""
+        """Keep higher values; of several at one node the last must be the highest."""
         top = self.top[k]
         new = found > top[node] * (1 + SAME)
         top[node[new]], self.at[k, node[new]] = found[new], np.minimum(when[new], self.slabs.end)
 
     def envelope(self, heights: Mapping[str, Height]) -> Envelope:
-        """What was seen at nodes of these heights, counted from their levels."""
+        """Envelope so far, with efforts counted from the levels of the nodes."""
         at = [heights.get(node, Height()) for node in (*self.nodes, *self.alone)]
         ours, level = len(self.nodes), np.array([height.level for height in at])
         start = self.start + level
@@ -128,7 +128,7 @@ class Extremes:
 
 
 def watch(assembly: Assembly, slabs: Slabs) -> Extremes:
-    """Extremes of an assembled scene on slabs; what is not recorded of its nodes is from now on."""
+    """Set up the recorder of extremes of an assembled scene, and record its nodes."""
     network, nodes = assembly.network, list(assembly.nodes)
     ends = np.diff(network.first)
     there = np.flatnonzero(ends)

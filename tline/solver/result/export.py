@@ -23,10 +23,10 @@ SUFFIXES = ".csv", ".npz", ".nc", ".h5", ".zarr"
 
 
 class Export:
-    """What a result can be turned into."""
+    """Conversion of a result to tables, datasets and files."""
 
     def to_dataframe(self, t: ArrayLike | None = None) -> DataFrame:
-        """What the probes saw as a table of pandas.
+        """Return the signals of the probes as a table of pandas.
 
         Parameters
         ----------
@@ -50,7 +50,7 @@ class Export:
         return pandas.DataFrame(columns, index=index).rename_axis(columns=["probe", "quantity"])
 
     def to_xarray(self, t: ArrayLike | None = None) -> Dataset:
-        """What the probes saw as a dataset of xarray, with units, the scene and how accurate it is.
+        """Return the signals of the probes as a dataset of xarray, with units, scene and accuracy.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Export:
         return xarray.Dataset(found, places, about)
 
     def save(self, path: str | Path, t: ArrayLike | None = None) -> None:
-        """Write what the probes saw to a file that other programs read.
+        """Write the signals of the probes to a file for other programs.
 
         Parameters
         ----------

@@ -1,9 +1,9 @@
-"""What happens inside a line, from the waves that entered at its ends and what they lose on the way.
+"""Interior field of a line, from the waves that entered at its ends and their losses under way.
 
-With a = a1(t - x/c) - A and b = b2(t - (l - x)/c) + B, the losses A and B so far grow along each wave's own way by what
-the line takes at the places it passes, dA = (p + g) dx and dB = (p - g) dx, with p the drop per metre and g = z0 times
+With a = a1(t - x/c) - A and b = b2(t - (l - x)/c) + B, the accumulated losses A and B grow along each characteristic by
+the local loss of the line, dA = (p + g) dx and dB = (p - g) dx, with p the drop per metre and g = z0 times
 the leakage per metre. Both follow by Picard's iteration on a lattice of places and instants, with the trapezoidal rule
-along the ways, and are of second order in its step; a front that is met costs up to half of what a cell takes.
+along the characteristics, and are of second order in its step; a front on the way costs up to half the loss of a cell.
 """
 
 from dataclasses import dataclass
@@ -23,11 +23,11 @@ from tline.solver.result.result import LineRecord, Result
 from tline.words.wording import place
 
 CELLS = 16
-INSTANTS, OF_SLAB = 2000, 2  # of the lattice on a lossless line, at least, and of each slab
-PEAKS = 2  # of the samples at a place, round which extremes are looked for
-MOST_INSTANTS = 20_000  # of a lattice, if it has more than one cell; between those of the lossless, more
+INSTANTS, OF_SLAB = 2000, 2  # of the lattice on a lossless line: in all and in a slab, at least
+PEAKS = 2  # highest samples at a place that are refined in the search of extremes
+MOST_INSTANTS = 20_000  # of a lattice with more than one cell; a lossless line has more between them
 ROUGHLY = 1e-5  # tolerance of circuits where a run had none
-CLOSE, MOST_ROUNDS = 1e-6, 200  # of the largest wave, where the iteration ends
+CLOSE, MOST_ROUNDS = 1e-6, 200  # the iteration ends at this change, relative to the largest wave
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,10 +36,10 @@ class Inside:
 
     record: LineRecord  # waves at its ends
     t: NDArray  # (instants,) instants of the lattice, s: the delay of a cell is a whole number of its steps
-    # (2, cells + 1, instants) what losses take from a and give to b at places apart by equal delays; None of a
+    # (2, cells + 1, instants) losses A and B at places apart by equal delays; None for a
     # lossless line
     lost: NDArray | None
-    cells: int  # how many such stretches the line has
+    cells: int  # number of intervals between these places
 
     @property
     def places(self) -> NDArray:
@@ -103,7 +103,7 @@ class Inside:
 
 @dataclass(frozen=True, eq=False)
 class InStretches:
-    """The same inside a line in stretches."""
+    """Waves and effort inside a line in stretches."""
 
     cut: Stretches
     stretches: "list[Inside]"  # from end 1 on
@@ -132,9 +132,9 @@ class InStretches:
 
 
 def inside(result: Result, line: str, cells: int = CELLS) -> Inside | InStretches:
-    """The inside of a line that was recorded.
+    """Interior field of a recorded line.
 
-    Losses are known at the ends of so many cells; of fewer where the run is far longer than the delay.
+    Losses are computed at the ends of `cells` cells, or of fewer if the run is far longer than the delay.
 
     References
     ----------
@@ -175,7 +175,7 @@ def _inside(result: Result, line: str, cells: int) -> Inside:
 
 
 def _entered(record: LineRecord, cells: int, n: int, step: float) -> tuple[list[NDArray], list[NDArray]]:
-    """The waves a and b without what losses do to them, at the places and the first n instants of a lattice."""
+    """Waves a and b without losses, at the places and the first n instants of a lattice."""
     (entered1, _), (_, entered2) = record.at_end1, record.at_end2
     way = round(record.delay / cells / step)  # of a cell, in steps
     before = cells * way
@@ -186,12 +186,12 @@ def _entered(record: LineRecord, cells: int, n: int, step: float) -> tuple[list[
 
 
 def _circuits(result: Result, line: str, step: float) -> Circuits:
-    """What stands for the laws of a line that was computed with the laws themselves."""
+    """Circuits that approximate the laws of a line that was computed without circuits."""
     return circuits_of({line: describe(result.scene).lines[line]}, fit_of(float(result.t[-1]), step, ROUGHLY))[line]
 
 
 def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray) -> NDArray:
-    """What losses take from a and give to b, A and B at places and instants."""
+    """Losses A (taken from a) and B (added to b) at places and instants."""
     losses = result.scene.single_lines[line].losses
     assert losses is not None
     cell = losses.exact.length / cells
@@ -212,7 +212,7 @@ def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray)
 
 
 def _along(taken: NDArray) -> NDArray:
-    """Sum of what cells take along the way from the first place on, one cell an instant; steady before the first."""
+    """Sum of the losses of cells along the characteristic from the first place on; steady before the first instant."""
     total = np.zeros_like(taken)
     for j in range(1, len(taken)):
         behind = total[j - 1] + taken[j - 1] / 2
@@ -221,7 +221,7 @@ def _along(taken: NDArray) -> NDArray:
 
 
 def _taken(law: Foster, z: NDArray, step: float) -> NDArray:
-    """What a law without its storage takes per metre of flows or efforts z, straight lines between instants."""
+    """Drop (or leakage) per metre of a law without its storage, for flows (or efforts) z linear between instants."""
     taken = law.loss * z
     for strength, rate in zip(law.strengths, law.rates, strict=True):
         from scipy.signal import lfilter

@@ -1,6 +1,6 @@
-"""A run of stretches, seen as one of the lines that they are parts of.
+"""Results of an expanded scene, merged into those of the scene described.
 
-What a probe at one of several coupled conductors, or at a pair of them, sees: the sum of its modes.
+A probe at one of several coupled conductors, or at a pair of them, records the sum of its modes.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,7 +24,7 @@ NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns
 
 @dataclass(frozen=True, eq=False)
 class CutRecord(LineRecord):
-    """The waves of a line in stretches, at its ends and at both sides of every place."""
+    """Waves of a line in stretches, at its ends and at both sides of every place."""
 
     cut: Stretches
     stretches: tuple[LineRecord, ...]  # from end 1 on
@@ -36,7 +36,7 @@ class CutRecord(LineRecord):
 
 
 def merged(result: Result, description: Description, doublings: int = 0) -> Result:
-    """The result of an expanded scene as one of the scene described; `Result.parts` keeps the former."""
+    """Merge the result of an expanded scene into one of the scene described; `Result.parts` keeps the former."""
     mixing = {name: stretches.mixing for name, stretches in description.stretches.items() if stretches.mixing}
     cut = {name: stretches for name, stretches in description.stretches.items() if name not in mixing}
     hidden = {each for stretches in cut.values() for each in stretches.lines}
@@ -64,7 +64,7 @@ def merged(result: Result, description: Description, doublings: int = 0) -> Resu
 
 
 def recorded(description: Description, names: Iterable[str]) -> list[str]:
-    """The lines to be recorded for those of the scene."""
+    """Lines of the expanded scene that represent lines of the scene."""
     cut = description.stretches
     return [each for name in names for each in (cut[name].lines if name in cut else [name])]
 
@@ -77,7 +77,7 @@ def _record(cut: Stretches, stretches: tuple[LineRecord, ...]) -> CutRecord:
 
 
 class _Summed(NamedTuple):
-    """The ledger of a run of stretches as one of the lines, once it is read."""
+    """Ledger of an expanded scene, summed by the lines of the scene when it is first read."""
 
     parts: Result
     scene: Scene
@@ -87,7 +87,7 @@ class _Summed(NamedTuple):
 
 
 def _without(envelope: Envelope, places: set[str]) -> Envelope:
-    """Extremes at the nodes that the scene names."""
+    """Drop from an envelope the places inside lines."""
     kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
     columns = (getattr(envelope, name)[kept] for name in (*COLUMNS, "weight", "per_metre"))
     return Envelope(tuple(envelope.nodes[k] for k in kept), *columns, peaks=envelope.peaks)
@@ -109,7 +109,7 @@ def _summed(ledger: Ledger, description: Description) -> Ledger:
 def probed(
     description: Description, lines: Mapping[str, LineRecord], alone: Mapping[str, LineRecord], slabs: Slabs
 ) -> dict[str, ProbeResult]:
-    """What probes saw, by name, of records of lines, and of nodes at which none ends."""
+    """Results of probes by name, from records of lines, and of nodes without line ends."""
     found = {}
     for name, at in description.probes.items():
         record = alone[at.node] if at.node else record_of(at, lines)
@@ -118,9 +118,9 @@ def probed(
 
 
 def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecord:
-    """What a probe recorded; at conductors as on a single line that carries their voltage and current.
+    """Record of a probe; at coupled conductors that of a single line with their voltage and current.
 
-    The z0 is then that of the conductor while the others are held at zero, of two while these are in that mode.
+    The z0 is then that of the conductor with the others at zero, or of the pair in its mode.
     """
     at = probe.conductor
     if at is None:

@@ -1,4 +1,4 @@
-"""What a user should know of a run beside its numbers."""
+"""Notes on a run: limits, unresolved fronts, lumped lines, tanks, surges."""
 
 from collections.abc import Mapping
 from math import inf
@@ -14,13 +14,13 @@ from tline.solver.result.states import emptied
 from tline.solver.result.surge import beyond_limits, surges
 from tline.words.wording import place
 
-LISTED = 4  # names
-VISIBLE = 1e-6  # of the largest wave
-ROUNDING = 1e-9  # of the energy turned over
+LISTED = 4  # names in a sentence
+VISIBLE = 1e-6  # relative to the largest wave
+ROUNDING = 1e-9  # relative to the energy turned over
 
 
 def remarks_of(result: Result) -> tuple[str, ...]:
-    """All there is to say of a run but what was not resolved, and what its ledger has."""
+    """Notes on a run, without those of its ledger and of unresolved parts."""
     description, probes, envelope = describe(result.scene), result.probes, result.envelope
     return (
         *_active(description, result),
@@ -50,7 +50,7 @@ def _active(description: Description, result: Result) -> list[str]:
 
 
 def _extremes(probes: Mapping[str, ProbeResult], envelope: Envelope | None) -> dict[str, tuple[float, float]]:
-    """Lowest and highest effort at each probe and node; of pressures the gauge pressures."""
+    """Lowest and highest effort, or gauge pressure, at each probe and node."""
     found = {}
     for name, probe in probes.items():
         found[place("probes", name)] = float(probe.gauge_pressure.min()), float(probe.gauge_pressure.max())
@@ -62,7 +62,7 @@ def _extremes(probes: Mapping[str, ProbeResult], envelope: Envelope | None) -> d
 
 
 def tank_limits(description: Description, seen: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Tanks that would overflow or be empty, as far as something saw their nodes."""
+    """Notes on tanks that overflow or run empty, where probes or the envelope cover their nodes."""
     at = {place("probes", name): probe.at for name, probe in description.scene.probes.items()}
     found = []
     for where, tank in description.levels.items():
@@ -78,7 +78,7 @@ def tank_limits(description: Description, seen: Mapping[str, tuple[float, float]
 
 
 def smeared(fronts: Tally) -> list[str]:
-    """Fronts that were not followed, if that shows."""
+    """Note on fronts that were not followed, if they are visible."""
     if fronts.lost < VISIBLE:
         return []
     by = (
@@ -93,7 +93,7 @@ def smeared(fronts: Tally) -> list[str]:
 
 
 def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
-    """Probes that saw nothing at all."""
+    """Notes on probes that no wave reached."""
     return [
         f"{place('probes', name)}: no wave reached it before the end"
         for name, probe in probes.items()
@@ -102,7 +102,7 @@ def untouched(probes: Mapping[str, ProbeResult]) -> list[str]:
 
 
 def lumped(result: Result) -> list[str]:
-    """Lines that are lumped, and how far off that is behind fronts."""
+    """Note on lumped lines, and their error behind fronts."""
     chosen, accuracy = result.resolution, result.accuracy
     if not chosen.sections:
         return []
@@ -118,7 +118,7 @@ def lumped(result: Result) -> list[str]:
 
 
 def blurred(result: Result) -> list[str]:
-    """How far off a convolution is beside jumps, if there are any."""
+    """Note on the error of a convolution beside jumps."""
     accuracy, chosen = result.accuracy, result.resolution
     if not (chosen.convolved and chosen.settle) or accuracy is None or accuracy.tol is None:
         return []
@@ -130,7 +130,7 @@ def blurred(result: Result) -> list[str]:
 
 
 def unconnected(description: Description) -> list[str]:
-    """Parts of the scene that no line joins with the rest: often a node whose name is written in two ways."""
+    """Note on unconnected parts of the scene: often a node whose name is spelled in two ways."""
     scene = description.scene
     pairs = [*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)]
     nodes = list(dict.fromkeys(node for pair in pairs for node in pair))

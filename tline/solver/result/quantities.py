@@ -1,4 +1,4 @@
-"""The table of what a probe shows: names, units, from what, and whose error; all that shows results reads it.
+"""Table of the quantities of a probe: names, units, formulas and errors; read by all tables, files and plots.
 
 `u` is the effort of the waves everywhere: a voltage, or the piezometric pressure, which is the gauge pressure where
 the scene has no elevations.
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Bounds(NamedTuple):
-    """Errors of effort and flow at a probe, Pa or V, and m³/s or A, and what others follow from them with."""
+    """Errors of effort (Pa or V) and flow (m³/s or A) at a probe, and parameters for those of other quantities."""
 
     u: float
     y: float
@@ -27,37 +27,37 @@ class Bounds(NamedTuple):
 
 
 class Quantity(NamedTuple):
-    """What a probe shows."""
+    """One quantity of a probe."""
 
-    key: str  # its name in Python, arrays and files of arrays
-    word: str  # its name for people; empty if the medium has one
-    unit: str  # SI unit, or whose unit of the medium it has: "effort" or "flow"
+    key: str  # name in Python, arrays and files of arrays
+    word: str  # name for people; empty if the medium has one
+    unit: str  # SI unit, or "effort" or "flow" for that of the medium
     of: "Callable[[Samples], NDArray]"  # from samples to values
     error: Callable[[Bounds], float]  # from bounds of effort and flow to that of the quantity
-    flows: bool = False  # whether it takes a line's flow
-    # whether only scenes with elevations have it (True), or people read it only in scenes without (False)
+    flows: bool = False  # whether it needs a line's flow
+    # True: only in scenes with elevations; False: in tables for people only in scenes without
     heights: bool | None = None
-    in_tables: bool = True  # whether tables, plots and sweeps show it, and not files alone
+    in_tables: bool = True  # False: in files only, not in tables, plots and sweeps
 
     def named(self, scene: Scene) -> str:
-        """What people call it."""
+        """Name for people."""
         medium = readable(scene)
         return self.word or (medium.effort if self.unit == "effort" else medium.flow)
 
     def si(self, scene: Scene) -> str:
-        """Its SI unit."""
+        """SI unit."""
         return readable(scene).units.get(self.unit, self.unit)
 
     def shown(self, scene: Scene) -> str:
-        """The unit in which people read it."""
+        """Unit for people."""
         return readable(scene).shown.get(self.unit, self.unit)
 
     def written(self, scene: Scene) -> tuple[float, str]:
-        """Size and name of the unit in which tables in files have it."""
+        """Size and name of the unit in tables in files."""
         return readable(scene).unit(self.unit, written=True)
 
     def seen_by(self, probe: "ProbeResult") -> bool:
-        """Whether a probe has it."""
+        """Whether a probe has this quantity."""
         return probe.has_flow or not self.flows
 
 
@@ -74,25 +74,25 @@ QUANTITIES = (
 
 
 def quantity(key: str) -> Quantity:
-    """That of a name in Python."""
+    """Return the quantity with a name in Python."""
     return next(each for each in QUANTITIES if each.key == key)
 
 
 def in_arrays(scene: Scene) -> list[Quantity]:
-    """What a scene's results hold, for programs."""
+    """Quantities of a scene's results, for programs."""
     return [each for each in QUANTITIES if scene.heights or not each.heights]
 
 
 def in_columns(scene: Scene) -> list[Quantity]:
-    """What people read of them: in a scene with elevations gauge pressure and head stand for the effort."""
+    """Quantities for people: in a scene with elevations gauge pressure and head replace the effort."""
     return [each for each in QUANTITIES if each.heights in (None, bool(scene.heights))]
 
 
 def in_tables(scene: Scene) -> list[Quantity]:
-    """The same without waves."""
+    """Quantities for people, without waves."""
     return [each for each in in_columns(scene) if each.in_tables]
 
 
 def in_sweeps(scene: Scene) -> list[Quantity]:
-    """What sweeps keep at instants."""
+    """Quantities that sweeps keep at instants."""
     return [each for each in in_arrays(scene) if each.in_tables]

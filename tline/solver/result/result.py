@@ -1,4 +1,4 @@
-"""What a run gives back: the waves at the ends of recorded lines, and all that follows from them."""
+"""Result of a run: the waves at the ends of recorded lines, and the quantities derived from them."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from tline.solver.loop.march import Noted
     from tline.solver.result.states import Measured, StateTrace
 
-NEAR = 1e-9  # slabs; an instant this near to a slab's end is its end
-ROUNDINGS = 1e-14  # of an instant; a front may be told so near to where it is
+NEAR = 1e-9  # in slabs; an instant this near to a slab end is taken as the end
+ROUNDINGS = 1e-14  # relative rounding error of the instant of a front
 
 
 class Pieces(NamedTuple):
-    """The slabs of a wave that hold fronts: between two fronts a polynomial of its own."""
+    """Slabs with fronts of a wave: one polynomial between each two fronts."""
 
     slab: NDArray  # (pieces,) number of the slab, in order of time
     span: NDArray  # (pieces, 2) start and end in slab time
@@ -56,14 +56,14 @@ class Wave:
     def of_row(
         cls, waves: NDArray, noted: "Noted", row: int, side: int, before: float, lift: float, basis: Basis, h: float
     ) -> "Wave":
-        """What arrived (side 0) or left at a row of a run's record, lifted, and that was `before` t = 0, as it is."""
+        """Make the arriving (side 0) or leaving wave of a row of a record, raised by `lift`; `before` already is."""
         here = noted.row == row if len(noted.row) else slice(0)
         pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + lift)
         values = waves[row, side].reshape(-1, basis.s)
         return cls(values + lift if lift else values, before, basis, h, pieces)
 
     def __call__(self, t: ArrayLike) -> NDArray:
-        """Value at any instants up to the end of the run, same shape as t; at a jump the value before it."""
+        """Return the value at any instants up to the end of the run, same shape as t; at a jump that before it."""
         t = np.asarray(t, float)
         place = t.ravel() / self.h
         slab = np.ceil(place - NEAR).astype(int) - 1
@@ -75,7 +75,7 @@ class Wave:
         return np.where(slab < 0, self.before, wave).reshape(t.shape)
 
     def _in_pieces(self, place: NDArray, slab: NDArray, wave: NDArray) -> None:
-        """Put right what lies in slabs in pieces."""
+        """Replace values in slabs with fronts by those of their pieces."""
         seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
         start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
         near = np.minimum(ROUNDINGS * place[seen], NEAR)  # behind a front pieces may be far narrower than a slab
@@ -99,7 +99,7 @@ class Wave:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LineRecord:
-    """The waves at both ends of a line: a leaves end 1 and arrives at end 2, b leaves end 2 and arrives at end 1."""
+    """Waves at both ends of a line: a leaves end 1 and arrives at end 2, b leaves end 2 and arrives at end 1."""
 
     z0: float
     delay: float
@@ -108,23 +108,23 @@ class LineRecord:
     a2: Wave
     b2: Wave
     smeared: bool  # whether fronts were left out
-    raw: bool = field(default=False, kw_only=True)  # whether polynomials are to be those of the run
+    raw: bool = field(default=False, kw_only=True)  # whether to keep the polynomials of the run
 
     def __repr__(self) -> str:
         return shortly("LineRecord", z0=f"{self.z0:.6g}", delay=f"{self.delay:.6g} s")
 
     @cached_property
     def at_end1(self) -> tuple[Wave, Wave]:
-        """The waves (a, b) at end 1, at any instant nearly as accurate as at slab ends."""
+        """Waves (a, b) at end 1, at any instant nearly as accurate as at slab ends."""
         return (self.a1, self.b1) if self.smeared or self.raw else superconvergent(self.a1, self.b1)
 
     @cached_property
     def at_end2(self) -> tuple[Wave, Wave]:
-        """The same at end 2."""
+        """Waves (a, b) at end 2, at any instant nearly as accurate as at slab ends."""
         return (self.a2, self.b2) if self.smeared or self.raw else superconvergent(self.a2, self.b2)
 
     def seen(self, share: float) -> tuple[Wave, Wave]:
-        """The waves (a, b) that pass a place given as a share of the delay, as they are at an end."""
+        """Waves (a, b), as they are at an end, that pass a place given as a share of the delay."""
         return (self.at_end1 if share < 1.0 else self.at_end2)[0], (self.at_end1 if share == 0.0 else self.at_end2)[1]
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
@@ -135,12 +135,12 @@ class LineRecord:
 
 
 class ElementRecord(NamedTuple):
-    """The wave e + ρ i into the law of an element, behind the impedance ρ; of a store what drives its flow."""
+    """Wave e + ρ i into the law of an element behind the impedance ρ, or the effort that drives a store; its states."""
 
     wave: Wave
     impedance: float
-    # (2, slabs + 1) its first and its last state, or its opening that moves by itself, at slab ends from t = 0 on;
-    # empty if it has neither
+    # (2, slabs + 1) first and last state, or self-acting opening, at slab ends from t = 0 on;
+    # empty without either
     states: NDArray
 
 
@@ -165,7 +165,7 @@ class Samples:
 
     @property
     def head(self) -> NDArray:
-        """Height above the zero of elevations to which the liquid would rise, m: u/(density·g).
+        """Piezometric head above the zero of elevations, m: u/(density·g).
 
         Raises
         ------
@@ -179,10 +179,10 @@ class Samples:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ProbeResult:
-    """What one probe saw."""
+    """Signals at one probe."""
 
     name: str
-    line: str  # '' at a node where none ends
+    line: str  # '' at a node without line ends
     share: float  # place on the line, 0 at end 1 and 1 at end 2
     record: LineRecord
     slabs: Slabs
@@ -193,13 +193,13 @@ class ProbeResult:
 
     @property
     def has_flow(self) -> bool:
-        """Whether it sees a line's flow; at a node where no line ends that is 0, and both waves are the effort."""
+        """Whether the probe is on a line; at a node without line ends flow is 0 and both waves are the effort."""
         return bool(self.line)
 
     def at(self, t: ArrayLike) -> Samples:
-        """Effort, flow and waves at any instants of the run, and before t = 0; at a jump what was before it.
+        """Effort, flow and waves at any instants of the run, and before t = 0; at a jump the values before it.
 
-        Errors are as `Accuracy.inside` tells; slab ends (`t`, `u`, `y`) are more accurate.
+        Errors are estimated by `Accuracy.inside`; slab ends (`t`, `u`, `y`) are more accurate.
 
         Raises
         ------
@@ -215,7 +215,7 @@ class ProbeResult:
 
     @cached_property
     def samples(self) -> Samples:
-        """At slab ends, t = 0 included, and at the end of the run."""
+        """Signals at slab ends, t = 0 included, and at the end of the run."""
         seen = self.at_slab_ends
         if not self.slabs.rest:
             return seen
@@ -224,7 +224,7 @@ class ProbeResult:
 
     @cached_property
     def at_slab_ends(self) -> Samples:
-        """At the ends of slabs in the run, t = 0 included: where values are most accurate."""
+        """Signals at slab ends within the run, t = 0 included, where values are most accurate."""
         record, n = self.record, self.slabs.whole + 1
         a, b = (record.a1, record.b1) if self.share == 0.0 else (record.a2, record.b2)
         t = self.slabs.ends[:n] if self.slabs.rest else self.slabs.ends  # one array for all probes
@@ -234,7 +234,7 @@ class ProbeResult:
 
     @property
     def waves(self) -> tuple[Wave, Wave]:
-        """The waves that it sees, as they are at an end of its line."""
+        """Waves (a, b) that pass the probe, as they are at an end of its line."""
         return self.record.seen(self.share)
 
     def _samples(self, t: NDArray, a: NDArray, b: NDArray) -> Samples:
@@ -257,7 +257,7 @@ class ProbeResult:
 
     @property
     def head(self) -> NDArray:
-        """Height above the zero of elevations to which the liquid would rise, m: u/(density·g).
+        """Piezometric head above the zero of elevations, m: u/(density·g).
 
         Raises
         ------
@@ -299,7 +299,7 @@ class Result(Display, Export):
     resolution : Resolution
         Order s and slab width h.
     unresolved : tuple of str
-        What was not resolved; empty if all is well.
+        Parts of the run that were not resolved; empty if all were.
     start : mapping of str to ndarray
         By line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
     samples : int
@@ -307,23 +307,23 @@ class Result(Display, Export):
     seconds : float
         Time spent stepping [s].
     fronts : Tally
-        What became of the fronts that did not fit the slabs.
+        Count and size of the fronts that did not fit the slabs.
     accuracy : Accuracy or None
         Estimated errors; None for a run whose order or slab is fixed by hand, without a tolerance.
     envelope : Envelope or None
         Lowest and highest effort at every node; None if not asked for.
     accounts : Ledger, callable or None
-        Energy by element, or what accounts for it; `ledger` has it.
+        Energy by element, or a function that returns it; `ledger` reads it.
     circuits : mapping of str to Circuits
-        What stands for the laws of lossy lines, by line.
+        Circuits that approximate the laws of lossy lines, by line.
     elements : mapping of str to ElementRecord
-        Of elements with states, by place; of those whose laws kink, too, in the runs on the way to a tolerance.
+        Records of elements with states, by place; in runs on the way to a tolerance also of laws with kinks.
     slams : mapping of str to float
-        Of check valves with a disc, by place, the largest velocity with which liquid flowed back through them, m/s.
+        Largest velocity of reverse flow through check valves with a disc, by place, m/s.
     parts : Result or None
-        The same of a scene with stretches in place of lines with cavities; None if there are none.
+        Result of the expanded scene, with stretches in place of lines with cavities; None if there are none.
     warned : tuple of str
-        What there was to say before the run; first of the remarks.
+        Remarks made before the run.
     """
 
     scene: Scene
@@ -352,12 +352,12 @@ class Result(Display, Export):
 
     @cached_property
     def ledger(self) -> Ledger | None:
-        """Energy by element, accounted for when it is first read; None if that was not wanted or takes long."""
+        """Energy by element, computed when first read; None if not asked for or too expensive."""
         return self.accounts() if callable(self.accounts) else self.accounts
 
     @cached_property
     def states(self) -> "list[StateTrace]":
-        """What elements with states, or with openings or speeds that change, show of themselves at slab ends.
+        """States, openings and speeds of elements at slab ends.
 
         Speed, torque and power of pumps, volume and pressure of gas, levels, openings, volumes of air and cavities.
         """
@@ -367,21 +367,21 @@ class Result(Display, Export):
 
     @cached_property
     def measures(self) -> "Mapping[str, Measured]":
-        """Value and unit of each measure of the scene by name; not a number where it does not happen."""
+        """Value and unit of each measure of the scene by name; NaN where its event does not happen."""
         from tline.solver.result.states import measures_of
 
         return measures_of(self)
 
     @cached_property
     def remarks(self) -> tuple[str, ...]:
-        """What a user should know beside the numbers; empty if all is well."""
+        """Remarks on the scene and the run; empty if there are none."""
         from tline.solver.result.notes import remarks_of
 
         return (*self.warned, *(self.parts.remarks if self.parts else remarks_of(self)))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """All there is to remark."""
+        """Remarks, notes of the ledger, and unresolved parts."""
         return (*self.remarks, *(self.ledger.notes if self.ledger else ()), *self.unresolved)
 
     @property

@@ -1,4 +1,4 @@
-"""Results in files that other programs read: CSV and NPZ."""
+"""Files of results for other programs: CSV and NPZ."""
 
 from collections.abc import Iterator
 from importlib.metadata import version
@@ -21,11 +21,11 @@ ROWS = 10_000  # turned into text at a time
 
 
 def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> None:
-    """Write what the probes saw as a table: time, then effort, flow and both waves of each probe on a line.
+    """Write the signals of the probes as a table: time, then effort, flow and both waves of each probe on a line.
 
     One header line names quantity and unit, SI if the scene says nothing, such as ``valve pressure [Pa]``, in a scene
-    with elevations ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves. Where a value
-    jumps just then, it is the one before the jump. Numbers are written so that reading them gives the same floats.
+    with elevations ``valve gauge pressure [Pa]`` and ``valve head [m]``; a and b are waves. At a jump
+    it is the value before it. Numbers are written so that reading them gives the same floats.
     """
     scene = result.scene
     instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
@@ -43,7 +43,7 @@ def save_csv(result: Result, path: str | Path, t: ArrayLike | None = None) -> No
 def save_envelope(result: Result, path: str | Path) -> None:
     """Write the effort before t = 0 and its extremes at every node as a table, in full precision.
 
-    In a scene with elevations the gauge pressures, and behind them the heads.
+    In a scene with elevations these are gauge pressures, followed by heads.
     """
     envelope, written = result.envelope, quantity("u").written
     if envelope is None:
@@ -64,7 +64,7 @@ def save_envelope(result: Result, path: str | Path) -> None:
 
 
 def save_states(result: Result, path: str | Path) -> None:
-    """Write over time what elements with states show, a column each."""
+    """Write the states of elements over time, a column each."""
     if not result.states:
         raise InputError(str(path), "nothing has a state", "a pump that trips, a vessel, a tank, a cavity, a valve")
     units = [result.medium.unit(trace.unit, written=True) for trace in result.states]
@@ -74,14 +74,14 @@ def save_states(result: Result, path: str | Path) -> None:
 
 
 def save_ledger(result: Result, path: str | Path) -> None:
-    """Write what every line and element gave, took and stored as a table, J and in full precision."""
+    """Write the energy supplied, dissipated and stored by every line and element as a table, J, in full precision."""
     if result.ledger is None:
         raise InputError(str(path), "the run kept no ledger", "simulate(scene, ledger=True)")
     write_table(path, ["where", *(f"{column} [J]" for column in Entry._fields[1:])], result.ledger.entries)
 
 
 def save_npz(result: Result, path: str | Path, t: ArrayLike | None = None) -> None:
-    """Write what the probes saw as NumPy arrays, with the scene that led to it.
+    """Write the signals of the probes as NumPy arrays, with the scene.
 
     The arrays are ``t``; ``NAME/u``, ``NAME/y``, ``NAME/a`` and ``NAME/b`` of each probe, in SI, of one at a node where
     no line ends ``NAME/u`` alone; in a scene with elevations also ``NAME/gauge_pressure`` and ``NAME/head``, and u is

@@ -1,8 +1,6 @@
-"""What elements with states, or openings that move, show of themselves over time: the table of it is their own.
+"""States and openings of elements over time, as listed by the elements, and measures of a finished run.
 
-An element tells what it shows in `shows` (`tline.scene.law.Shown`): word, SI unit, and from which state and flow.
-
-What the measures of a scene say of a finished run.
+An element lists them in `shows` (`tline.scene.law.Shown`): word, SI unit, and formula of state and flow.
 """
 
 from __future__ import annotations
@@ -34,44 +32,44 @@ from tline.solver.result.dense_output import PLACES, curve, drawable, highest
 from tline.solver.result.result import ElementRecord, ProbeResult, Result
 from tline.words.wording import place
 
-MOST_SAMPLES = 2e7  # of states that a run keeps without being asked
-BISECTIONS = 50  # of the time between two samples, as long as these halves are numbers of their own
+MOST_SAMPLES = 2e7  # samples of states that a run keeps by default
+BISECTIONS = 50  # of the time between two samples
 GAUSS = np.polynomial.legendre.leggauss(4)
 
 
 class StateTrace(NamedTuple):
     """One quantity of an element at slab ends."""
 
-    where: str  # place of the element
-    word: str  # what it is called, such as "speed"
-    unit: str  # SI; empty of a share
+    where: str  # place of the element in the scene
+    word: str  # name of the quantity, such as "speed"
+    unit: str  # SI; empty for a ratio
     t: NDArray  # (slabs + 1,) from t = 0 on, s
     values: NDArray  # (slabs + 1,) in SI
 
     @property
     def name(self) -> str:
-        """What a column of it is called."""
+        """Heading of its column in tables."""
         return f"{self.where.partition('.')[2]} {self.word}"
 
     def extremes(self) -> tuple[float, float, float, float]:
-        """Lowest value and its instant, highest value and its instant."""
+        """Return the lowest value and its instant, and the highest and its instant."""
         low, high = int(np.argmin(self.values)), int(np.argmax(self.values))
         return float(self.values[low]), float(self.t[low]), float(self.values[high]), float(self.t[high])
 
     def row(self, size: float) -> tuple[float, ...]:
-        """Value before t = 0, lowest and its instant, highest and its instant, and last, in a unit of this size."""
+        """Return the value before t = 0, lowest and its instant, highest and its instant, and last, in this unit."""
         low, low_at, high, high_at = self.extremes()
         return float(self.values[0]) / size, low / size, low_at, high / size, high_at, float(self.values[-1]) / size
 
 
 def watched(description: Description, samples: float) -> Collection[str]:
-    """Places of the elements whose states a run of so many samples for each keeps."""
+    """Places of the elements whose states a run keeps, at `samples` samples for each."""
     found = {e.where for e in description.elements if e.kind.states or e.governor is not None}
     return found if len(found) * samples <= MOST_SAMPLES else ()
 
 
 def states_of(result: Result) -> list[StateTrace]:
-    """All that elements of a scene show, in its order; of stretches in lines with cavities too."""
+    """Traces of all elements of a scene, in its order, including cavities along lines."""
     whole = result.parts or result
     found, t = list[StateTrace](), whole.t
     placed = {place(*at): element for at, element in whole.scene.placed}
@@ -90,7 +88,7 @@ def states_of(result: Result) -> list[StateTrace]:
 
 
 def emptied(result: Result) -> dict[str, tuple[float, float]]:
-    """Vessels, by place, that run empty of liquid, with the instant, s, and the volume that gas fills then, m³."""
+    """Vessels that run empty of liquid, by place, with the instant, s, and the volume then filled by gas, m³."""
     vessels = {
         place(*at): element.total_volume
         for at, element in result.scene.placed
@@ -110,7 +108,7 @@ def emptied(result: Result) -> dict[str, tuple[float, float]]:
 
 
 def _reached(trace: StateTrace, k: int, value: float) -> float:
-    """When a trace came to a value that it has at slab end k, on a straight line from the one before, s."""
+    """Instant, s, at which a trace reaches a value by slab end k, by linear interpolation from the end before."""
     if k == 0:
         return float(trace.t[0])
     share = (value - trace.values[k - 1]) / (trace.values[k] - trace.values[k - 1])
@@ -118,7 +116,7 @@ def _reached(trace: StateTrace, k: int, value: float) -> float:
 
 
 def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
-    """Flow into a store at slab ends, at first as after one slab; not a number where its unit does not tell it."""
+    """Flow into a store at slab ends, the first as after one slab; NaN if its kernel unit does not compute it."""
     module = import_module(f"tline.solver.kernel.{element.kind.unit.rpartition('.')[0]}")
     entering: Callable | None = getattr(module, "entering", None)
     if entering is None:
@@ -130,22 +128,22 @@ def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
 
 
 class Measured(NamedTuple):
-    """A value in SI, not a number where what is measured does not happen, and its unit."""
+    """Value of a measure in SI, NaN where its event does not happen, and its unit."""
 
     value: float
     unit: str
 
 
 class Track(NamedTuple):
-    """A signal as samples, both sides of every front and slab's edge among them, and at any instant."""
+    """Signal as samples, with both sides of every front and slab edge, and as a function of time."""
 
     t: NDArray
     u: NDArray
     at: Callable[[NDArray], NDArray]
-    step: float  # time between samples, s
+    step: float  # largest time between samples, s
 
     def within(self, start: float, stop: float) -> Track:
-        """The part between two instants."""
+        """Return the part between two instants."""
         ends = np.array([start, min(stop, self.t[-1])])
         inside = (self.t > ends[0]) & (self.t < ends[1])
         near, far = self.at(ends)
@@ -154,7 +152,7 @@ class Track(NamedTuple):
 
 
 def measures_of(result: Result) -> dict[str, Measured]:
-    """Each measure by name.
+    """Evaluate each measure of the scene, by name.
 
     Examples
     --------
@@ -204,7 +202,7 @@ def _of_probe(probe: ProbeResult) -> Track:
 
 
 def _both_sides(track: Track, t: NDArray) -> NDArray:
-    """Values at rising instants; of two that are the same the second is that behind a jump."""
+    """Values at rising instants; the second of two equal ones is the value behind a jump."""
     behind = np.append(False, np.diff(t) == 0)
     before, after = (np.searchsorted(track.t, t, side) for side in ("left", "right"))
     known = after > before

@@ -1,13 +1,13 @@
-"""Waves between slab ends nearly as accurate as at these, from what of a run is superconvergent.
+"""Superconvergent post-processing: waves between slab ends nearly as accurate as at slab ends.
 
-At the end of a slab, and in its low moments, a wave is far more accurate than anywhere inside. Between two fronts three
-polynomials are at hand for a slab, each with its own end and moments:
+At the end of a slab, and in its low moments, a wave is far more accurate than inside. Between two fronts, three
+polynomials are available for a slab, each with its own end and moments:
 
-- its own, of degree s - 1;
+- the computed one, of degree s - 1;
 - one degree higher, with the end of the slab before as its start: order s + 1;
 - of degree 2s - 2, shared with a neighbour, through the ends of both: order s + 2 at least.
 
-Each is taken as long as it fits what the one before it lets expect: a start that is off by no more than the highest
+Each is accepted if it is consistent with the one before it: a start that differs by no more than the highest
 coefficients change from slab to slab, and a shared polynomial that changes less than the start did. A front at a slab's
 edge fits neither; there the polynomial of the slabs behind it has no start.
 
@@ -32,19 +32,19 @@ from tline.solver.radau import basis, gauss
 if TYPE_CHECKING:
     from tline.solver.result.result import Wave
 
-SHARED = 8  # order up to which polynomials are shared; beyond, rounding is all that is left
-SAME = 1e-12  # widths that near to each other, relatively, are equal
-CHUNK = 4096  # pairs of cells at a time
+SHARED = 8  # highest order whose polynomials are shared; beyond, the error is rounding
+SAME = 1e-12  # relative difference of widths that count as equal
+CHUNK = 4096  # pairs of cells processed at a time
 NONE = np.empty(0, int)
 
 
 def degree(s: int) -> int:
-    """Degree of the polynomials that are made of those of order s, from 2 on."""
+    """Degree of the post-processed polynomials of order s ≥ 2."""
     return 2 * s - 2 if s <= SHARED else s
 
 
 def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
-    """The two waves at an end of a line, of higher degree."""
+    """Post-process the two waves at an end of a line to a higher degree."""
     s, n, pieces = a.basis.s, len(a.values), a.pieces
     if s == 1:
         return a, b
@@ -75,10 +75,10 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
 
 
 def improved(width: NDArray, waves: NDArray, s: int) -> NDArray | None:
-    """Values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1); None if nothing changes.
+    """Post-processed values at the Radau points of order ``degree(s) + 1``, shape (2, cells, degree + 1), or None.
 
-    Two waves (2, cells * s + 1) are what was constant before the first cell, and values at the Radau points of each;
-    cells are so wide, in slabs, in order of time.
+    Each of the two waves, shape (2, cells * s + 1), has the constant value before the first cell and then values at
+    the Radau points of each cell, of these widths in slabs. None means that nothing changes.
     """
     n = width.size
     spread, told, start = _matrices(s)
@@ -94,7 +94,7 @@ def improved(width: NDArray, waves: NDArray, s: int) -> NDArray | None:
 
 
 def _share(at: Joined, packed: Any) -> None:
-    """Change the values of cells to those of polynomials that they share with their neighbours."""
+    """Replace the values of cells by those of polynomials shared with their neighbours."""
     s, pairs, (row, word) = at.s, at.width.size - 1, at.waves.strides
     change, changes = np.zeros((2, at.start.size)), np.zeros(1, bool)
     windows = np.ndarray((2, pairs, 2 * s + 1), buffer=at.waves, strides=(row, s * word, word))
@@ -116,7 +116,7 @@ def _share(at: Joined, packed: Any) -> None:
 
 
 def _unequal(at: Joined) -> tuple[NDArray, NDArray]:
-    """Widths of cells over those before them, and the first cells of pairs in which they count and are not equal."""
+    """Ratios of the widths of neighbouring cells, and the first cells of joined pairs of unequal width."""
     if at.width.min() == at.width.max():
         return NONE, NONE
     ratio = at.width[1:] / at.width[:-1]
@@ -124,7 +124,7 @@ def _unequal(at: Joined) -> tuple[NDArray, NDArray]:
 
 
 def _moments(s: int, known: bool) -> tuple[int, int]:
-    """Legendre coefficients that are kept of both cells: as many as make a degree of at most 2 s - 2."""
+    """Number of Legendre coefficients kept of each cell, for a degree of at most 2 s - 2."""
     return (s - 1 if s < 5 and not known else s - 2), s - 2
 
 
@@ -134,9 +134,9 @@ def _equal(s: int, known: bool) -> NDArray:
 
 
 def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
-    """Matrices of cells of widths 1 and `ratio`, shape (pairs, 2 s + 1, 2 p), to `Shared.values`.
+    """Matrices to `Shared.values` for cells of widths 1 and `ratio`, shape (pairs, 2 s + 1, 2 p).
 
-    They take the end of the cell before, and the values at the points of both.
+    Their input is the end value of the cell before, and the values at the points of both.
     """
     q, m = _moments(s, known), sum(_moments(s, known)) + 2 + known
     places, test = _places(s, m)
@@ -152,7 +152,7 @@ def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
 
 @lru_cache
 def _kept(s: int, known: bool) -> NDArray:
-    """From what `_pair` takes to the Legendre coefficients that are kept of both cells, and values at their ends."""
+    """Matrix from the input of `_pair` to the kept Legendre coefficients of both cells and values at their ends."""
     series, ends, q = basis(s).to_legendre.T, np.eye(2 * s + 1)[:, (not known) * s :: s], _moments(s, known)
     kept = np.zeros((2 * s + 1, sum(q)))
     kept[1 : s + 1, : q[0]], kept[s + 1 :, q[0] :] = series[:, : q[0]], series[:, : q[1]]
@@ -161,7 +161,7 @@ def _kept(s: int, known: bool) -> NDArray:
 
 @lru_cache
 def _places(s: int, m: int) -> tuple[NDArray, NDArray]:
-    """Ends of a cell, Gauss points and points of a higher order; from values at the Gauss points to coefficients."""
+    """Ends, Gauss points and higher-order points of a cell; matrix from values at Gauss points to coefficients."""
     x, weights = gauss(m)
     test = legvander(2 * x - 1, s - 1) * (2 * np.arange(s) + 1) * weights[:, None]
     return np.concatenate([[0.0, 1.0], x, basis(degree(s) + 1).c]), test.T
@@ -169,9 +169,9 @@ def _places(s: int, m: int) -> tuple[NDArray, NDArray]:
 
 @lru_cache
 def _matrices(s: int) -> tuple[NDArray, NDArray, NDArray]:
-    """Of order s: from values at its points to those at more points, and to `Joined.told`.
+    """Matrices of order s from values at its points to those at more points, and to `Joined.told`.
 
-    And what the polynomial that is 1 at the start and vanishes at the points of order s is at more points.
+    The third holds, at more points, the polynomial that is 1 at the start and vanishes at the points of order s.
     """
     order, x = basis(s), basis(degree(s) + 1).c
     start = np.prod((order.c[:, None] - x) / order.c[:, None], axis=0)

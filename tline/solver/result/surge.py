@@ -1,6 +1,6 @@
-"""Rises of pressure beyond what the change of the flow in one pipe explains.
+"""Notes on pressures beyond limits, and on rises above Joukowsky's pressure and line packing.
 
-Where a run exceeds what a liquid or a wall can bear: sentences for its notes.
+Limits are the vapour pressure of a liquid and the rating of the scene.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,13 +17,13 @@ from tline.units import engineering
 from tline.words.wording import place
 
 VACUUM = -101_325.0  # Pa, gauge
-LISTED = 3  # elements
+LISTED = 3  # elements in a sentence
 MARGIN = 1.01
-TRICKLE = 1e-6  # of the efforts; a smaller rise is none
+TRICKLE = 1e-6  # relative to the efforts; a smaller rise is ignored
 
 
 def beyond_limits(description: Description, extremes: Mapping[str, tuple[float, float]]) -> list[str]:
-    """Whether pressures fall below those that a liquid can have, or an effort exceeds the scene's rating.
+    """Notes where pressures fall below vacuum, or efforts exceed the scene's rating.
 
     Extremes are the lowest and highest effort by place; a gauge pressure, Pa; else V.
 
@@ -63,12 +63,12 @@ def beyond_limits(description: Description, extremes: Mapping[str, tuple[float, 
 
 
 def worst_first(sizes: Mapping[str, float], sign: int) -> list[str]:
-    """Places by falling size (sign 1) or rising (sign -1); those that only rounding tells apart as they are given."""
+    """Places by falling size (sign 1) or rising (sign -1); ties within rounding keep their order."""
     return sorted(sizes, key=lambda where: -sign * float(f"{sizes[where]:.9g}"))
 
 
 def first_of(places: list[str]) -> str:
-    """The first, and how many more there are."""
+    """Name the first place, and the number of others."""
     return places[0] + f" and {len(places) - 1} more" * (len(places) > 1)
 
 
@@ -79,12 +79,12 @@ def surges(
     probes: Mapping[str, ProbeResult],
     envelope: Envelope | None,
 ) -> list[str]:
-    """What rises above Joukowsky and line packing, and what was operated; one sentence, or none.
+    """Note on the rise above Joukowsky's pressure and line packing, and its causes; one sentence, or none.
 
-    Where the flow y of a single pipe stops, the pressure rises by z0 |y| (Joukowsky) and by what friction had taken on
-    the way from the highest pressure (line packing). A source of a flow may change it by more. Higher rises come where
-    waves add up: at dead ends, beyond junctions, where columns collapse. Nothing is said beside a source whose
-    pressure changes, for that may rise as it likes, nor where nothing flows at first.
+    Where the flow y of a single pipe stops, the pressure rises by z0 |y| (Joukowsky) and by the friction loss on
+    the way from the highest pressure (line packing). A source of flow may change it by more. Higher rises come where
+    waves add up: at dead ends, beyond junctions, where columns collapse. There is no note beside a source whose
+    pressure changes, nor where nothing flows at first.
 
     `start` has by line the waves (a1, b1, a2, b2) before t = 0, counted from the level.
 
@@ -121,7 +121,7 @@ def surges(
 def _rises(
     description: Description, probes: Mapping[str, ProbeResult], envelope: Envelope | None
 ) -> dict[str, tuple[float, float]]:
-    """Effort before t = 0, and the highest, at each probe and at nodes without one, counted from the level."""
+    """Effort before t = 0 and highest effort, at each probe and at nodes without one, counted from the level."""
     found = {}
     for name, probe in probes.items():
         u = probe.u - probe.height.level

@@ -121,7 +121,7 @@ class Seen:
         return share * size + 1e-15 * abs(gauge), share * (size * conducts + flows)
 
     def across(self, term: Term, u: NDArray) -> tuple[NDArray, float]:
-        """Effort across an element at a node of effort u, in its direction, and the sign of its flow out of the node."""
+        """Effort across an element at a node of effort u, in its direction, and the sign of its flow from the node."""
         if term.beyond is None:
             return u - term.weight, 1.0
         beyond = self.end(*self.at_node[term.beyond])[0]
