@@ -15,7 +15,7 @@ from tline.solver.description.description import Description
 
 
 class Bundle(NamedTuple):
-    """Numbers of its modes' lines, and what they are per metre: storage without losses, R, K of K √s, and G."""
+    """Coupled conductors with losses: numbers of their modes' lines, and parameters per metre: R, K of K √s, and G."""
 
     lines: NDArray
     length: float
@@ -41,7 +41,7 @@ class Bundle(NamedTuple):
         return s * np.diag(self.inductance) + unit * lost
 
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n,) is what its delay is beyond sT."""
+        """Return Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n,) is the part of the delay beyond sT."""
         Z, Y = self.series(s), self.conductance + s[:, None, None] * np.diag(self.capacitance)
         squares, vectors = np.linalg.eig(Z @ Y)
         gamma = np.sqrt(squares)

@@ -1,12 +1,12 @@
-"""What stands between the line ends of a group of nodes, as one state space.
+"""State space of the circuit between the line ends of a group of nodes.
 
-At a node with conductance g flows balance: g (w - u) is what flows into the branches there, with the Thévenin wave w of
-line ends, resistors and sources. A law, whose flow is no linear function of the effort, is a line end of no length: the
-circuit sees the wave β that comes out of it behind an impedance ρ, e - ρ i = β. With the equations of the branches,
+At a node with conductance g flows balance: g (w - u) flows into the branches there, with the Thévenin wave w of
+line ends, resistors and sources. A law, with its non-linear flow, is connected like a line end of no length: the
+circuit receives its wave β behind an impedance ρ, e - ρ i = β. With the equations of the branches,
 M u + N i = E x, that is one linear system for efforts and flows; the states x follow them.
 
-Where it is singular, as in loops of capacitors and where inductors alone meet, some states bind each other: these are
-taken together, and what the efforts or flows lack follows from the rates of what is bound (index reduction; Hairer,
+Where it is singular, as in loops of capacitors and where inductors alone meet, some states depend on others: these are
+eliminated, and the missing efforts or flows follow from the rates of the dependent states (index reduction; Hairer,
 Wanner: Solving Ordinary Differential Equations II, 1996, section VII.2).
 """
 
@@ -26,7 +26,7 @@ SMALL, BOUND = 1e-9, 1e-6  # what rounding leaves of coefficients, and what a st
 
 
 class LawPort(NamedTuple):
-    """Where a law stands: places of its nodes, -1 for the reference, and the impedance behind which it is seen."""
+    """Port of a law: positions of its nodes, -1 for the reference, and the impedance in front of it."""
 
     where: str
     from_node: int
@@ -35,7 +35,7 @@ class LawPort(NamedTuple):
 
 
 class Circuit(NamedTuple):
-    """A state space, and which of the states of all branches, one after the other, are its own."""
+    """State space of a circuit, and the indices of its states among those of all branches."""
 
     system: StateSpace
     kept: NDArray
@@ -189,9 +189,9 @@ def _reduced(
 
 
 def _eliminated(together: NDArray, size: NDArray, moving: NDArray) -> tuple[NDArray, NDArray]:
-    """States that are left where combinations of all vanish, and all in terms of these.
+    """Independent states under constraints that combinations of states vanish, and all states in terms of them.
 
-    The first ones that are bound go: so it is the same ones wherever switches stand, and whatever laws see.
+    The first dependent states are eliminated: the same ones for all positions of switches and all impedances of laws.
     """
     rest, gone = together / size * moving, []
     for column in range(together.shape[1]):

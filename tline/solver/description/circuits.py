@@ -19,16 +19,16 @@ NONE = np.empty(0)
 
 
 class Fit(NamedTuple):
-    """How well circuits stand for the laws of lossy lines."""
+    """Band and tolerance of the circuits that approximate the laws of lossy lines."""
 
     low: float  # Hz, of the band
     high: float  # Hz
-    tolerance: float  # of the impedance and the admittance in it, relative
-    fastest: float  # rate up to which laws that are circuits stay what they are, 1/s
+    tolerance: float  # relative error of impedance and admittance in the band
+    fastest: float  # highest rate at which a law that is a circuit is kept unchanged, 1/s
 
 
 class Circuits(NamedTuple):
-    """Of one line, per metre, and their largest error in the band, relative."""
+    """Circuits of one line per metre, and their largest relative error in the band."""
 
     series: Foster
     shunt: Foster
@@ -36,9 +36,9 @@ class Circuits(NamedTuple):
 
 
 def fit_of(t_end: float, h: float, tolerance: float, drive: float = 0.0) -> Fit:
-    """What a run of slabs of width h needs.
+    """Band and tolerance of circuits for a run with slabs of width h.
 
-    `drive` is the shortest time scale of what drives, s, which the band is to hold up to `BAND` cycles per slab.
+    `drive` is the shortest time scale of excitations, s; the band includes it, up to `BAND` cycles per slab.
 
     Examples
     --------
@@ -85,12 +85,12 @@ def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
 
 
 def one_step(law: Foster, scale: float, order: Basis, h: float) -> NDArray:
-    """What a circuit of ζ = scale (loss + Σ r s/(s + p)) does in a slab of width h, by Radau IIA.
+    """Matrices of a circuit ζ = scale (loss + Σ r s/(s + p)) over a slab of width h, by Radau IIA.
 
-    With 2 q + ζ q = w and e = w - 2 q, in the coordinates in which its states do not see each other: ξ' = -p ξ + v q,
+    With 2 q + ζ q = w and e = w - 2 q, in coordinates in which its states are decoupled: ξ' = -p ξ + v q,
     v² = r p, and q = (w + v·ξ)/(2 + loss + Σ r). That matrix is symmetric.
 
-    Returned are D (s, s), C (s, modes), B (modes, s), decay (modes,), one after the other: e = D w + C x, x' = B w +
+    Returned are D (s, s), C (s, modes), B (modes, s), decay (modes,), flattened in order: e = D w + C x, x' = B w +
     decay x.
     """
     r, p, s = scale * law.strengths, law.rates, order.s

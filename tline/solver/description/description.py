@@ -1,4 +1,4 @@
-"""A scene as plain data in SI, read once: what a run needs to know of it."""
+"""Description of a scene: its data in SI, as runs need them."""
 
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -36,7 +36,7 @@ MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest d
 
 @dataclass(frozen=True, eq=False)
 class Description:
-    """What a scene is made of; what not every run needs is found when it is asked for first."""
+    """Description of a scene; data that only some runs need are computed on first use."""
 
     scene: Scene  # as it was given, for the result
     medium: Medium
@@ -78,12 +78,12 @@ class Description:
 
     @cached_property
     def _composed(self) -> bool:
-        """Whether other elements stand in place of some."""
+        """Whether some elements are replaced by others."""
         return bool(self.scene.composed or self.stretches)
 
     @cached_property
     def anew(self) -> dict[str, Node]:
-        """Nodes that are not those of the description from which it was changed."""
+        """Nodes that differ from those of the description from which this one was changed."""
         if self.origin is None:
             return {}
         return nodes_anew(self.scene, self.origin.nodes, self.origin.changed)
@@ -105,13 +105,13 @@ class Description:
 
     @cached_property
     def diamonds(self) -> bool:
-        """Whether lines lose something, and what each of them loses depends on its flow alone, at once."""
+        """Whether some lines have losses, and all losses depend on the instantaneous flow alone."""
         lossy = [line for line in self.lines.values() if line.losses is not None]
         return bool(lossy) and all(line.in_diamonds for line in lossy)
 
     @cached_property
     def crowded(self) -> bool:
-        """Whether fronts are not followed: those of valves that move multiply beside very short lines that lose."""
+        """Whether there are too many fronts to follow: moving valves beside very short lossy lines multiply them."""
         lossy = [line.delay for line in self.lines.values() if line.dispersive]
         moving = (getattr(self.scene, part)[name].kind for part, name, _ in self.scene.waveforms)
         return bool(lossy) and self.t_end * sum(lossy) > MOST_BESIDE_VALVES * min(lossy) ** 2 and "orifice" in moving
@@ -133,14 +133,14 @@ class Description:
 
     @cached_property
     def nodes(self) -> dict[str, Node]:
-        """What stands at each node while no line is lumped."""
+        """Elements and line ends at each node, without lumped lines."""
         if self.origin is not None:
             return self.origin.nodes | self.anew
         return nodes_of(self.scene, self.lines, self.ends)
 
     @cached_property
     def elements(self) -> list[PlacedLaw]:
-        """Non-linear elements, but for those between efforts that are held."""
+        """Non-linear elements, except those between prescribed efforts."""
         return elements_of(self.scene, self.laws, self.nodes, self.origin.description.elements if self.origin else ())
 
     @cached_property
@@ -150,13 +150,13 @@ class Description:
 
     @property
     def _like(self) -> "Description | None":
-        """What it was changed from, if the same nodes are joined by the same elements."""
+        """Description from which this one was changed, if the same elements connect the same nodes."""
         like = self.origin and self.origin.description
         return like if like and [e.where for e in like.elements] == [e.where for e in self.elements] else None
 
     @property
     def resistive(self) -> list[PlacedLaw]:
-        """What passes a steady flow between nodes in proportion to the effort."""
+        """Linear resistances between nodes to a steady flow."""
         return resistive(self.scene, self.nodes)
 
     @property
@@ -176,7 +176,7 @@ class Description:
 
     @cached_property
     def probed(self) -> set[str]:
-        """Lines that probes see."""
+        """Lines with probes."""
         return {line for probe in self.probes.values() for line in probe.lines}
 
     @cached_property
@@ -201,7 +201,7 @@ class Description:
 
     @cached_property
     def time_scales(self) -> dict[str, tuple[float, float]]:
-        """Of each curved waveform and dynamic load the shortest time scale, and that of its oscillations, s."""
+        """Shortest time scale of each curved waveform and dynamic load, and that of its oscillations, s."""
         return time_scales(self.waveforms, self.grouped()[0])
 
     def filling_times(self, pressure: float) -> list[float]:
@@ -225,17 +225,17 @@ class Description:
 
     @property
     def levels(self) -> dict[str, Levels]:
-        """Of tanks, by place."""
+        """Levels of tanks, by place."""
         return levels_of(self.scene)
 
     @property
     def plausibility_notes(self) -> list[str]:
-        """What is valid in the scene and yet probably not meant."""
+        """Notes on valid but implausible values in the scene."""
         return plausibility_notes(self.scene)
 
     @cached_property
     def stretches(self) -> dict[str, Stretches]:
-        """What a run puts in place of lines with cavities, or with losses and probes inside."""
+        """Stretches that replace lines with cavities, or with losses and probes inside, in a run."""
         return stretches_of(self.scene)
 
     @property
@@ -244,7 +244,7 @@ class Description:
         return any(stretches.mixing for stretches in self.stretches.values())
 
     def parted(self, doublings: int = 0) -> "Description":
-        """Of what stands in place of lines in stretches; itself if there are none.
+        """Description of the scene expanded into stretches; itself if there are none.
 
         Conductors whose losses mix the modes have twice as many stretches with each doubling.
         """
@@ -257,13 +257,13 @@ class Description:
 
     @cached_property
     def active(self) -> dict[str, str]:
-        """What there is to say of each element that may feed waves, by its place."""
+        """Sentence on each element that may be active, by place."""
         like = self.origin and self.origin.description
         return like.active if like and not like.impedances else active_parts(self.scene)
 
     @cached_property
     def impedances(self) -> dict[str, Any]:
-        """Elements that are active or not as their numbers tell, by place."""
+        """Elements that are active or passive depending on their values, by place."""
         return impedances(self.scene)
 
     def grouped(
@@ -296,16 +296,16 @@ class Description:
 
 
 class Origin(NamedTuple):
-    """What a description was changed from, nodes whose loads or sources have other values, and laws that have."""
+    """Description from which another was changed, with the nodes and laws whose values differ."""
 
     description: Description
     changed: set[str]
     laws: LawsByPlace
-    nodes: dict[str, Node]  # of the description, found before: two properties that wait for each other wait for ever
+    nodes: dict[str, Node]  # of that description, computed before: cached properties must not wait for each other
 
 
 class Beside:
-    """A description that its scene carries along; copies of the scene, also in other processes, begin without."""
+    """Cached description of a scene, dropped when the scene is copied or sent to another process."""
 
     def __init__(self, description: Description | None = None):
         self.description = description

@@ -24,18 +24,18 @@ class PlacedLaw(NamedTuple):
 
     @property
     def kind(self) -> LawKind:
-        """What there is to know of its law."""
+        """Kind of the law."""
         return self.law.of_kind
 
     @property
     def constants(self) -> tuple[float, ...]:
-        """Of its law; the first, from which efforts count, at its height."""
+        """Constants of the law, the first (its reference effort) at the element's height, and of its governor."""
         first, *rest = self.law.constants
         return (first + self.above_level, *rest, *(self.governor.flat() if self.governor is not None else ()))
 
     @property
     def governor(self) -> Governor | None:
-        """Of its opening, for efforts as they are counted; a difference of efforts has no height."""
+        """Governor of the opening, with set points referred to the level; a difference of efforts has none."""
         governor = self.law.governor
         if governor is None or (governor.here[0] and governor.there[0]):
             return governor
@@ -59,7 +59,7 @@ class PlacedLaw(NamedTuple):
         return [node for node in (self.from_node, self.to_node) if node is not None]
 
     def seen(self, nodes: Mapping[str, Node]) -> float:
-        """Impedance of what its nodes would be without anything that is not resistive."""
+        """Thévenin resistance at the nodes, of lines and resistances alone."""
         return sum(1 / abs(nodes[node].total) for node in self.nodes if nodes[node].held is None)
 
 
@@ -69,9 +69,9 @@ def elements_of(
     nodes: Mapping[str, Node],
     like: Iterable[PlacedLaw] = (),
 ) -> list[PlacedLaw]:
-    """Those elements of a scene that are seen by anything: not those between efforts that are held.
+    """Select the non-linear elements of a scene, without those between prescribed efforts.
 
-    One of the same law as at the same place in `like` is that one, and what scales it likewise is the same object.
+    An element equal to that at the same place in `like` is taken over, and so is an equal opening.
     """
     found, known = [], {element.where: element for element in like}
     for (part, name), law in laws.items():

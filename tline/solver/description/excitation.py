@@ -75,9 +75,9 @@ def places_of(parts: Sequence[tuple[Waveform, float]], t_end: float, h: float) -
 
 
 def jumps_of(parts: Sequence[tuple[Waveform, float]], places: NDArray, t_end: float, h: float, steady: bool) -> NDArray:
-    """Those of the places that constants on slabs have to follow: jumps, and corners less than a slab apart.
+    """Select the places that piecewise constants must follow: jumps, and corners less than a slab apart.
 
-    From rest t = 0 is one, whatever the waveforms.
+    In a run from rest t = 0 is always among them.
     """
     edges, t = np.append(places, t_end / h), h * places
     middle, near = h * (edges[:-1] + edges[1:]) / 2, np.diff(places) < 1

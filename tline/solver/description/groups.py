@@ -1,8 +1,6 @@
-"""Nodes that see each other without delay, and the circuit that stands between their line ends.
+"""Groups of nodes connected without delay, and the circuit between their line ends.
 
-What hangs together.
-
-How fast the waveforms and the dynamic loads of a scene are.
+Connected components of graphs, and time scales of waveforms and dynamic loads.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -63,7 +61,7 @@ GONE = 20.0  # time constants after which 2e-9 is left
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Nodes that branches or laws join, or one node; what it finds of itself it keeps."""
+    """Nodes connected by branches or laws, or a single node; circuits are cached."""
 
     nodes: list[Node]
     branches: list[Branch]  # beside the loads
@@ -89,7 +87,7 @@ class Group:
 
     @cached_property
     def simple(self) -> bool:
-        """Whether one law alone stands behind line ends, resistors and sources."""
+        """Whether the group is one law behind line ends, resistors and sources."""
         return len(self.elements) == 1 and not self.dynamic and not any(node.dead for node in self.nodes)
 
     @cached_property
@@ -121,11 +119,11 @@ class Group:
 
     @cached_property
     def always(self) -> StateSpace:
-        """From waves of its nodes to efforts there, if no switch moves and no law stands there."""
+        """State space from waves of the nodes to their efforts, without moving switches and laws."""
         return self.circuits()[-1].system
 
     def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
-        """The circuit before the first of its instants, and after each; without impedances it has no laws."""
+        """Circuits before the first switching instant and after each; without impedances they have no laws."""
         key = tuple(impedances)
         if key not in self._circuits:
             self._circuits[key] = [self.circuit(t, impedances) for t in (*self.instants, np.inf)]
@@ -146,23 +144,23 @@ class Group:
 
     @cached_property
     def _alone(self) -> list[float]:
-        """Impedances that its laws would see of their nodes with nothing but resistors there."""
+        """Impedances at the laws' ports with resistors alone at their nodes."""
         nodes = {node.name: node for node in self.nodes}
         return [element.seen(nodes) for element in self.elements]
 
     @cached_property
     def _initial(self) -> Circuit:
-        """The circuit at t = 0, its laws behind such impedances."""
+        """Circuit at t = 0, with the laws behind these impedances."""
         return self.circuit(0.0, self._alone) if self.elements else self.circuits()[0]
 
     def ports(self, impedances: Sequence[float]) -> list[LawPort]:
-        """Its laws, seen behind impedances."""
+        """Ports of the laws, behind impedances."""
         at = {node.name: k for k, node in enumerate(self.nodes)} | {None: -1}
         each = zip(self.elements, impedances, strict=bool(impedances))
         return [LawPort(e.where, at[e.from_node], at[e.to_node], z) for e, z in each]
 
     def matched(self, rate: float) -> list[float]:
-        """Impedances that its laws see where all changes at a rate, 1/s, with the other laws behind such ones too."""
+        """Impedances matched to the circuit at its laws' ports, for signals of a rate, 1/s, all laws being matched."""
         if not self.elements or self.simple:
             return self._alone if self.elements else []
         seen = np.array(self._alone)
@@ -181,7 +179,7 @@ class Group:
         return z.tolist()
 
     def settles(self, h: float) -> float:
-        """Time in which what lumped lines make faster than slabs of width h dies away, s."""
+        """Time, s, in which oscillations of lumped lines that are faster than slabs of width h decay."""
         if not self.lumped_lines:
             return 0.0
         poles = np.linalg.eigvals(self.circuit(0.0).system.A)
@@ -226,7 +224,7 @@ class Group:
         return self._kept(np.linalg.lstsq(system, given)[0][len(F) - n - k :])
 
     def _kept(self, states: NDArray) -> NDArray:
-        """Of the states of all branches, zero where not given, and of the 1 behind them those that the circuit has."""
+        """Select the circuit's states from those of all branches (zero where not given) and a final 1."""
         number = sum(len(branch.ports.Q) for branch in (*self.loads, *self.branches))
         full = np.append(np.zeros(number), 1.0)
         full[: len(states)] = states
@@ -239,7 +237,7 @@ def poles_of(system: StateSpace) -> NDArray:
 
 
 def regrouped(groups: Sequence[Group], nodes: Mapping[str, Node], elements: Sequence[PlacedLaw]) -> list[Group]:
-    """The same groups with these nodes, and with these laws at the places of theirs; those that stay are kept."""
+    """Update groups to changed nodes and laws; unchanged groups are kept."""
     at = {element.where: element for element in elements}
     found = []
     for group in groups:
@@ -287,7 +285,7 @@ def grouped(
 
 
 def time_scales(waveforms: Mapping[str, Shape], groups: Iterable[Group]) -> dict[str, tuple[float, float]]:
-    """Of each curved waveform and dynamic circuit the shortest time scale, and that of its oscillations, s."""
+    """Shortest time scale of each curved waveform and dynamic circuit, and that of its oscillations, s."""
     scales = {where: (waveform.fastest(), waveform.fastest()) for where, waveform in waveforms.items()}
     for group in groups:
         if group.poles is not None:
@@ -309,6 +307,6 @@ def filling_times(elements: Iterable[PlacedLaw], nodes: Mapping[str, Node], pres
 
 
 def _shortest(poles: NDArray) -> float:
-    """Time scale of the fastest pole, s; infinite if there is none."""
+    """Time scale of the fastest pole, s; infinite without poles."""
     fastest = float(np.abs(poles).max(initial=0.0))
     return 1 / fastest if fastest else inf

@@ -1,4 +1,4 @@
-"""What stands at the nodes of a scene, sorted by how its power is found."""
+"""Inventory of the elements at nodes, sorted by the way their power is computed."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -22,13 +22,13 @@ SUPPLIED, DISSIPATED, STORED, TAKEN = range(4)  # what an element is expected to
 
 
 class Member(NamedTuple):
-    """An element whose flow follows from what the lines bring; also what holds the effort of a node."""
+    """Element whose flow follows from that of the lines, or that prescribes the effort of a node."""
 
     where: str
     nodes: tuple[str, ...]
     column: int
     may_give: bool
-    through: bool = False  # whether what flows in at one node flows out at the other
+    through: bool = False  # whether the flow into one node leaves at the other
     to_air: bool = True  # whether it leads from its nodes to the open air at their heights
     series: float = 0.0  # resistance that the flow passes
     beside: float = 0.0  # conductance beside the rest
@@ -63,7 +63,7 @@ class Inventory(NamedTuple):
 
 
 def inventory_of(description: Description, group: Group, h: float, t_end: float) -> Inventory:
-    """Sort what stands at the nodes of a group; beside a held effort what has no known conductance is not seen."""
+    """Sort the elements at the nodes of a group; beside a prescribed effort only known conductances are included."""
     found, steady = Inventory([], [], []), description.steady
     for node in group.nodes:
         alone = not node.ends and node.held is None  # no line tells its effort

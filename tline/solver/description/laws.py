@@ -28,9 +28,9 @@ def tools_of(basis: Basis) -> Any:
 def laws_of(
     groups: Sequence[Group], impedances: Sequence[float], first_row: int, first_state: int
 ) -> tuple[Laws, list[Shape]]:
-    """Elements of groups as arrays, without the slabs' order and width; and what scales them over time.
+    """Arrays of the laws of groups, independent of the slabs' order and width, and the shapes of their openings.
 
-    Elements are seen behind impedances; excitation rows and states are numbered from given ones on.
+    Each law stands behind an impedance; excitation rows and states are numbered from the given ones on.
     """
     excitations: list[Shape] = []
     rows, controls, states, moving = [], [], [], []
@@ -87,10 +87,10 @@ def started(
     through: Mapping[str, float],
     openings: Mapping[str, float],
 ) -> Laws:
-    """The same as they are before t = 0.
+    """Set laws to their state before t = 0.
 
-    That makes the waves into elements, by efforts at their nodes and flows through them, and what those keep that keep
-    what there is.
+    That sets the waves into elements, from efforts at their nodes and flows through them, and set points that keep
+    the initial value.
     """
     constants = laws.constants.copy()
     for element, at in zip(elements, laws.governor, strict=True):
@@ -108,7 +108,7 @@ def started(
 
 
 def opened(laws: Laws, elements: Sequence[PlacedLaw], openings: Mapping[str, float]) -> Laws:
-    """The same with openings, by place, of elements that move them by themselves."""
+    """Set the openings of self-acting elements, by place."""
     each = zip(elements, laws.control, strict=True)
     return laws._replace(
         control=np.array([e.share(openings[e.where]) if e.governor is not None else now for e, now in each], float)
@@ -116,7 +116,7 @@ def opened(laws: Laws, elements: Sequence[PlacedLaw], openings: Mapping[str, flo
 
 
 def with_basis(laws: Laws, order: Basis, h: float, record_row: NDArray) -> Laws:
-    """The same for slabs of that order and width, recorded in these rows."""
+    """Set the order and width of slabs, and the rows of the record."""
     return laws._replace(tools=tools_of(order), step=h, record_row=record_row)
 
 

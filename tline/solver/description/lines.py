@@ -15,7 +15,7 @@ from tline.words.wording import place
 
 
 class Conductor(NamedTuple):
-    """One of several coupled conductors, or a mode of two: what its current is of theirs, and at which end."""
+    """One of several coupled conductors, or a mode of two: weights of their currents in its own, and the end."""
 
     weights: tuple[float, ...]
     end: int
@@ -33,7 +33,7 @@ class ProbePlace(NamedTuple):
 
     @property
     def lines(self) -> list[str]:
-        """The lines that it sees: those of all modes at a conductor."""
+        """Lines recorded by the probe: those of all modes at a conductor."""
         at = self.conductor
         if self.node is not None:
             return []
@@ -63,7 +63,7 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
 
 
 def _weights(probe: Probe, conductors: tuple[str, ...]) -> tuple[float, ...]:
-    """Currents of conductors in what a probe sees: i, (i1 - i2)/2 of the differential mode, i1 + i2 of the common."""
+    """Weights of currents at a probe: i of a conductor, (i1 - i2)/2 differential mode, i1 + i2 common mode."""
     first, second = {"differential": (0.5, -0.5), "common": (1.0, 1.0), None: (1.0, 0.0)}[probe.mode]
     return tuple(first if node == probe.at else second if node == probe.beside else 0.0 for node in conductors)
 

@@ -1,8 +1,8 @@
-"""Linear links, and sources between two nodes: as branches, and what is left of them while nothing changes.
+"""Linear links and sources between two nodes as branches, and their resistances to a steady flow.
 
-Equations of what stands at the nodes of a circuit and between them.
+Equations of elements at the nodes of a circuit and between them.
 
-Whatever it is, it binds the efforts u of its terminals and the flows i into them: M u + N i = E x, with states x that
+Each relates the efforts u of its terminals and the flows i into them: M u + N i = E x, with states x that
 follow dx/dt = Q x + P u + R i.
 """
 
@@ -25,17 +25,17 @@ from tline.words.wording import place
 
 
 class Branch(NamedTuple):
-    """Something with terminals: what it is called, their places among the nodes of its group, and its equations."""
+    """Linear element: name, positions of its terminals among the nodes of its group, and equations."""
 
     where: str
     nodes: NDArray
     ports: Ports
-    to_air: bool = False  # whether it sees the gauge pressure at its nodes
+    to_air: bool = False  # whether its efforts are gauge pressures
     flows: tuple[float, ...] = ()  # into its terminals before t = 0, where these are known
     switch: Switch | None = None  # if it is one
 
     def before(self, t: float) -> "Branch":
-        """The same just before an instant."""
+        """Return the branch just before an instant, with the switch set."""
         if self.switch is None:
             return self
         now = self.switch.after if self.switch.time < t else self.switch.before
@@ -43,7 +43,7 @@ class Branch(NamedTuple):
 
 
 class PlacedBranch(NamedTuple):
-    """The same with the names of the nodes."""
+    """Linear element with its nodes by name."""
 
     where: str
     nodes: Sequence[str]
@@ -64,7 +64,7 @@ def one_port(reflection: StateSpace, z: float) -> Ports:
 
 
 def between(ports: Ports) -> Ports:
-    """The same from one terminal to another."""
+    """Convert equations of a one-port to those of a branch between two terminals."""
     M, N, E, Q, P, R = ports
     none = np.zeros((1, E.shape[1]))
     return Ports(
@@ -146,7 +146,7 @@ def _behind(r: float) -> Ports:
 
 
 def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
-    """Those that pass a steady flow in proportion to the effort, beside what a source adds, where a node is free."""
+    """Linear resistances to a steady flow, with the effort of a source in series, between nodes not both prescribed."""
     return [law for law in _resistive(scene) if any(nodes[node].held is None for node in law.nodes)]
 
 
@@ -167,7 +167,7 @@ def _resistive(scene: Scene) -> Iterator[PlacedLaw]:
 
 
 def _straight(where: str, nodes: tuple[str, str], open_: float, r: float) -> PlacedLaw:
-    """A law that passes no flow at one effort, and in proportion to what is beyond."""
+    """Law of a resistance r with an effort `open_` in series."""
     return PlacedLaw(where, ElementLaw("table", (0.0, 2.0, open_, open_ + r, 0.0, 1.0)), *nodes)
 
 

@@ -1,10 +1,10 @@
-"""What stands at each node of a scene, in numbers: conductances, prescribed efforts and flows, loads, switches.
+"""Nodes of a scene in numbers: conductances, prescribed efforts and flows, loads, switches.
 
 In a scene with heights all efforts count from the level: the piezometric pressure of the liquid at rest, filled up to
-the highest node. What stands between a node and the open air sees the gauge pressure there, the effort less
+the highest node. The effort across an element from a node to the open air is the gauge pressure, the effort less
 `Height.above_level`.
 
-How far a tank may fill and empty.
+Tanks have limits of their levels.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -58,12 +58,12 @@ class Node:
 
     @property
     def total(self) -> float:
-        """Conductance that the waves see; some reference where there is none."""
+        """Conductance of lines, resistors and sources at the node; a reference value where there is none."""
         return self.alone if self.lines == 0 == self.conductance else self.lines + self.conductance
 
     @property
     def dead(self) -> bool:
-        """Whether no line, resistor or source conducts, so that what else stands there says what its effort is."""
+        """Whether no line, resistor or source conducts, so that other elements determine the effort."""
         return self.held is None and self.lines == 0 == self.conductance
 
     @cached_property
@@ -115,7 +115,7 @@ class Node:
         return sum(factor * just_before(waveform) for waveform, factor in self.flows)
 
     def attach(self, load: Load, where: str) -> None:
-        """Attach a load that stands at `where` in the scene."""
+        """Attach the load of place `where` in the scene."""
         self.loads[where] = load
         match load:
             case Resistor():
@@ -136,7 +136,7 @@ class Node:
                 pass
 
     def prescribe(self, source: Source, where: str) -> None:
-        """Attach a source that stands at `where` in the scene; a pressure is piezometric."""
+        """Attach the source of place `where` in the scene; a pressure is piezometric."""
         self.sources[where] = source
         waveform, conductance, is_effort = source.value, source.conductance, source.is_effort
         if is_effort:
@@ -228,7 +228,7 @@ def nodes_of(
 
 
 def nodes_anew(scene: Scene, nodes: Mapping[str, Node], names: Iterable[str]) -> dict[str, Node]:
-    """Nodes of those names with what now stands there in a scene; they have kept their lines and heights."""
+    """Rebuild nodes of a scene with changed loads and sources; lines and heights are kept."""
     fresh = {}
     for name in names:
         node = nodes[name]
@@ -285,7 +285,7 @@ class Levels(NamedTuple):
 
 
 def levels_of(scene: Scene) -> dict[str, Levels]:
-    """Of tanks, by place."""
+    """Limits of the levels of tanks, by place."""
     return {
         place("loads", name): Levels(
             load.at,

@@ -1,13 +1,9 @@
-"""Whether what stands between line ends is passive as a whole.
+"""Passivity of the circuits between line ends, and the active elements of a scene.
 
-What flows into a circuit flows into its elements, so that passive elements make a passive circuit. With active ones its
+Power into a circuit flows into its elements, so a circuit of passive elements is passive. With active ones its
 scattering matrix at the line ends is found exactly, from the numbers as typed. Elements whose passivity rests on more
-than these numbers, such as laws, switches and what was measured, stay outside, with ports at their nodes: what is
-passive there is passive with them too.
-
-Linear elements of a scene with exact coefficients, from the numbers as typed; and which elements are none.
-
-Which elements of a scene may feed waves.
+than these numbers, such as laws, switches and measured data, stay outside, with ports at their nodes: a rest that is
+passive is passive with them too.
 """
 
 from collections.abc import Mapping, Sequence
@@ -50,7 +46,7 @@ MOST_PORTS = 12  # as many as are decided
 
 
 class ExactElement(NamedTuple):
-    """Where it stands, and M and N of M u + N i = 0; none of laws, switches and what is passive to rounding only."""
+    """Element with exact M and N of M u + N i = 0; None for laws, switches and elements passive only to rounding."""
 
     where: str
     nodes: Sequence[str]
@@ -58,7 +54,7 @@ class ExactElement(NamedTuple):
 
 
 def exact_elements(scene: Scene) -> Iterator[ExactElement]:
-    """All loads and links, and sources, which are silent."""
+    """Yield all loads and links, and sources with zero value."""
     for (part, name), element in scene.placed:
         nodes = element.nodes if part == "links" else (element.at,)
         yield ExactElement(place(part, name), nodes, _equations(scene, element, len(nodes)))
@@ -109,7 +105,7 @@ def one_port(M: Matrix, N: Matrix) -> "tuple[RationalFunction, RationalFunction]
 
 
 def _multiport(element: Multiport) -> tuple[Matrix, Matrix]:
-    """Of M u + N i = E x and dx/dt = P u + R i, s (M u + N i) = E (P u + R i)."""
+    """Matrices of s (M u + N i) = E (P u + R i), from M u + N i = E x and dx/dt = P u + R i."""
     from passivity import RationalFunction
 
     typed = np.vectorize(lambda x: Fraction(repr(float(x))), otypes=[object])
@@ -124,7 +120,7 @@ def _multiport(element: Multiport) -> tuple[Matrix, Matrix]:
 
 @dataclass(frozen=True)
 class CircuitVerdict(Decided):
-    """Whether a circuit is passive, seen from its ports, and its scattering matrix there if that was needed."""
+    """Verdict on the passivity of a circuit at its ports, with its scattering matrix if it was needed."""
 
     elements: Sequence[str]
     nodes: Sequence[str]
@@ -274,15 +270,15 @@ def controlled_sources(scene: Scene) -> list[str]:
 
 
 def laws_not_through_the_origin(scene: Scene) -> dict[str, str]:
-    """What there is to say of each law that is not passive by its kind, by its place.
+    """Sentence on each law that is not passive by its kind, by place.
 
-    A law that never falls takes energy if no flow passes it without an effort; where one does, there is a source in it.
+    A monotone law is passive if its flow is zero without effort; otherwise it contains a source.
     """
     told = {place(*at): law.of_kind.source(law.constants) for at, law in scene.laws.items()}
     return {where: sentence for where, sentence in told.items() if sentence}
 
 
 def active_parts(scene: Scene) -> dict[str, str]:
-    """What there is to say of each active load, and of each link that may feed waves, by its place."""
+    """Sentence on each active load, and on each link that may be active, by place."""
     told = {where: f"is active: {verdict.why}" for where, verdict in active_impedances(scene).items()}
     return told | {place("links", name): "may feed waves" for name in controlled_sources(scene)}

@@ -1,9 +1,9 @@
-"""What a scene takes up, as one function of s: a sum over its parts that is positive real if each of them is.
+"""Power absorbed by a scene as one function of s: a sum over its parts, positive real if each part is.
 
-With efforts and flows that grow as exp(s t), Re s > 0, what its sources give is the real part of Σ w Z, w = |i|² >= 0
-for the flow i through each impedance Z, because nodes take nothing. A uniform line is two of them, z0 coth(Γ/2) for
-what its ends do alike and z0 tanh(Γ/2) for what they do against each other. What has no text (laws, losses that are not
-constant, multiports, circuits that are passive though an element is not) is a name that is assumed positive real.
+With efforts and flows that grow as exp(s t), Re s > 0, the power of sources is the real part of Σ w Z, w = |i|² >= 0
+for the flow i through each impedance Z, because nodes absorb nothing. A uniform line is two of them, z0 coth(Γ/2) for
+the even mode of its ends and z0 tanh(Γ/2) for the odd one. Parts without a formula (laws, losses that are not
+constant, multiports, circuits that are passive though an element is not) are names assumed to be positive real.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def taken_power(scene: Scene, circuits: Sequence[CircuitVerdict] | None = None) -> "Structure | CircuitVerdict":
-    """What a scene takes up with silent sources, as a text in s, or the verdict on a circuit that is not passive.
+    """Power absorbed by a scene with zero sources, as a text in s, or the verdict on a circuit that is not passive.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def taken_power(scene: Scene, circuits: Sequence[CircuitVerdict] | None = None) 
     Returns
     -------
     Structure or CircuitVerdict
-        What `passivity.is_positive_real` takes: `text`, `assume` of the names in it, and the `statement` that it makes.
+        Arguments of `passivity.is_positive_real`: `text`, `assume` of the names in it, and the resulting `statement`.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""Order and slab width of a run: as the user fixed them, or fine enough for what the scene holds.
+"""Order and slab width of a run: given by the user, or chosen for the scene.
 
-Lines so short beside all else that they may be lumped; whether that is good enough is measured afterwards.
+Very short lines may be lumped; the error of that is measured afterwards.
 """
 
 from collections.abc import Iterable, Mapping
@@ -34,16 +34,16 @@ MOST_STATES = 12  # of a group
 
 
 class Resolution(NamedTuple):
-    """How finely a scene is computed, and what that leaves out."""
+    """Order, slab width and simplifications of a run."""
 
     s: int
     h: float
     notes: tuple[str, ...] = ()
-    blind: bool = False  # whether an oscillation may pass unseen, so that no comparison with another order tells
-    sections: Mapping[str, int] = NONE  # of each lumped line
+    blind: bool = False  # whether an oscillation may be missed by all orders, so that comparing them is no evidence
+    sections: Mapping[str, int] = NONE  # number of LC sections of each lumped line
     settle: float = 0.0  # time in which these settle after a front, or that a convolution blurs beside a jump, s
     fit: float = FIT  # tolerance of the circuits of lossy lines, relative
-    layers: float = 0.0  # of the largest wave: what is followed of what decays behind fronts; 0 for nothing
+    layers: float = 0.0  # smallest decay behind a front that is followed, relative to the largest wave; 0 for none
     same: float = 0.0  # of the largest wave: pieces that continue each other so well are one, and always by rounding
     exact: bool = True  # whether waves are convolutions, where a scene is one for that; else lines have cells
     diamonds: bool = True  # whether friction is in diamonds where lines neither remember nor leak; else in cells
@@ -66,9 +66,9 @@ def resolution(
     sections: Mapping[str, int] = NONE,
     settle: float = 0.0,
 ) -> Resolution:
-    """Order and slab width of a scene, if they are not given, and notes on what is too fast for them.
+    """Choose order and slab width of a scene, unless given, with notes on parts too fast for them.
 
-    `sections` are those of lumped lines, which ask for no slabs. A slab is to be longer, if the lines allow it, than
+    `sections` are those of lumped lines, which do not limit slabs. If the other lines allow it, a slab is longer than
     the time in which lumped lines settle after a front.
     """
     lines, fixed, t_end = description.lines, description.scene.solver, description.t_end
@@ -136,7 +136,7 @@ class GridChoice(NamedTuple):
 
 
 def grid_choice(description: Description, chosen: Resolution) -> GridChoice:
-    """Classify the slabs of a run by what they divide, and predict its cost as the search for the cheapest does."""
+    """Classify the slabs of a run by the delays that they divide, and predict the relative cost of the run."""
     h, breaks = chosen.h, breaks_of(description)
     delays = [line.delay for name, line in description.lines.items() if name not in chosen.sections]
     work = relative_work(h, delays, breaks)

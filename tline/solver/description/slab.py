@@ -1,4 +1,4 @@
-"""Slab width of a scene: the cheapest that is fine enough for what it holds."""
+"""Slab width of a scene: the cheapest that resolves it."""
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
@@ -34,11 +34,11 @@ ORDER = 5
 def slab_of(
     description: Description, lines: Mapping[str, float], scales: Mapping[str, tuple[float, float]], settle: float
 ) -> float:
-    """A slab that is fine enough for what the scene holds, if that is affordable; lines are given by their delays."""
+    """Slab width that resolves the scene, if affordable; `lines` are delays by name."""
     delays = [*lines.values()]
     lossy = [delay for name, delay in lines.items() if description.dispersive and description.lines[name].dispersive]
     shortest, breaks = min(delays), breaks_of(description)
-    layered = description.t_end / SLABS_FOR_FRONTS  # decays beyond are followed behind fronts, not by narrow slabs
+    layered = description.t_end / SLABS_FOR_FRONTS  # faster decays are followed behind fronts, not by narrow slabs
     slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]
     resolved = min([shortest / SLABS_PER_DELAY, *slower])
     affordable = min(_affordable(description, delays, CHEAP), shortest)
@@ -54,9 +54,9 @@ def slab_of(
 
 
 def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wanted: float) -> float:
-    """A slab of which not too many meet inside lines, and that divides all delays, and breaks, if that is not narrower.
+    """Slab width that limits the number of diamonds and divides all delays, and breaks if that costs no more.
 
-    It is one of 2^k parts, so that runs on halved slabs share their ends.
+    The number of parts is a power of two times a common one, so that runs on halved slabs share their ends.
     """
     shortest = min(delays)
     wanted = min(max(wanted, sqrt(2 * t_end * sum(delays) / DIAMONDS)), shortest)
@@ -74,7 +74,7 @@ def cell_of(description: Description, s: int, h: float) -> float:
 
 
 def cells_in(description: Description, width: float) -> float:
-    """Cells, or diamonds, of so many seconds in a run."""
+    """Number of cells, or diamonds, of a given width, s, in a run."""
     delays = [line.delay for line in description.lines.values() if line.dispersive]
     return 2 * sum(delays) * description.t_end / width**2
 
@@ -83,7 +83,7 @@ def cells_in(description: Description, width: float) -> float:
 def _cheapest(
     delays: tuple[float, ...], breaks: tuple[float, ...], t_end: float, affordable: float, wanted: float, often: float
 ) -> float:
-    """The cheapest of the slabs that divide delays and breaks, that divide delays, and that divide the shortest delay.
+    """Cheapest slab of those that divide delays and breaks, delays alone, and the shortest delay.
 
     Without fronts inside they may be so narrow that samples come often, and low orders do.
     """
@@ -118,14 +118,14 @@ def relative_work(h: float, delays: Sequence[float], breaks: ArrayLike) -> float
 
 
 def _divided(shortest: float, parts: int, wanted: float) -> float:
-    """So many parts of the shortest delay, or of each of these as many as it takes."""
+    """Divide the shortest delay into `parts`, and each of these further until no wider than wanted."""
     return shortest / (parts * ceil(shortest / parts / wanted - WHOLE))
 
 
 def _slab_beside_losses(
     description: Description, delays: list[float], lossy: list[float], resolved: float, least: float
 ) -> float:
-    """A slab beside lines that remember or leak."""
+    """Slab width beside lines with memory or leakage."""
     cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, breaks_of(description)
     few = len(breaks) <= MOST_MARKS
     fronts = [max(gap, t_end / SLABS_FOR_FRONTS) for gap in _gaps(description)]
