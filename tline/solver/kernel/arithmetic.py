@@ -92,13 +92,13 @@ def eliminate_all(system, size, sides):
 
 @function
 def eliminate(system, size):
-    """The same with one right side."""
+    """Solve a system with one right-hand side by elimination."""
     eliminate_all(system, size, 1)
 
 
 @function
 def left_of(rest, first, aim, size):
-    """Take 1 - aim of the first residuals from the present ones. Returns the largest that is left."""
+    """Subtract 1 - aim of the first residuals from the present ones. Returns the largest remainder."""
     largest = 0.0
     for i in range(size):
         rest[i] -= (1.0 - aim) * first[i]
@@ -118,7 +118,7 @@ def series(coef, y):
 
 @function
 def project(coef, a, b, p, q, gauss, out):
-    """Add to the projection on [p, q] what a polynomial on [a, b] has there; a restriction is exact."""
+    """Add the part of a polynomial on [a, b] to its projection on [p, q]; a restriction is exact."""
     low, high = max(a, p), min(b, q)
     if high <= low:
         return

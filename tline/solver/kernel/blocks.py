@@ -15,7 +15,7 @@ from tline.solver.kernel.scatter import FAR, NEAR
 
 @function
 def rotate(network, state, lines, count):
-    """Let so many slabs pass on some lines."""
+    """Rotate the buffers of some lines by `count` slabs."""
     delay, slots = network.delay, state.slot
     for line in lines:
         slots[line] += count
@@ -26,7 +26,7 @@ def rotate(network, state, lines, count):
 
 @function
 def until_due(run, rows, most):
-    """Slabs until friction is due in the cells of some lines, at most so many."""
+    """Slabs until friction is due in the cells of some lines, at most `most`."""
     for r in rows:
         if run.network.diamonds.cell[r] > 0:
             most = min(most, run.network.diamonds.cell[r] - run.state.since[r])
@@ -79,7 +79,7 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
 
 @function
 def add_one(row, m, shift, i, j, history):
-    """Add to m samples what a point of the slabs that were sent has in them."""
+    """Add to m samples the contribution of one point of the slabs that were sent."""
     now, then = shift[0, i, j], shift[1, i, j]
     for k in range(m):
         row[k] += now * history[j, k + 1] + then * history[j, k]
@@ -87,7 +87,7 @@ def add_one(row, m, shift, i, j, history):
 
 @function
 def add_two(row, m, shift, i, j, history):
-    """The same of two points: sums are fetched and put back less often."""
+    """Add to m samples the contribution of two points, with fewer loads and stores than one by one."""
     now, then, now_next, then_next = shift[0, i, j], shift[1, i, j], shift[0, i, j + 1], shift[1, i, j + 1]
     for k in range(m):
         here = now * history[j, k + 1] + then * history[j, k]

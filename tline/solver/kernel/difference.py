@@ -1,4 +1,4 @@
-"""The largest difference between what two runs have at a line's end, where no front lies inside a slab."""
+"""Largest difference between two runs at a line's end, in slabs without fronts inside."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ from tline.compiled.structure import Floats2, Floats3
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear
 
-BLOCK = 128  # slabs that are compared side by side
+BLOCK = 128  # slabs compared side by side
 
 
 class Compared(NamedTuple):
@@ -27,7 +27,7 @@ class Compared(NamedTuple):
 
 @function
 def transpose(wave, first, step, n, out):
-    """Points of every so many slabs, each in a row."""
+    """Transpose the points of every `step`-th slab: one row a point."""
     for j in range(wave.shape[1]):
         for i in range(n):
             out[j, i] = wave[first + i * step, j]
@@ -35,7 +35,7 @@ def transpose(wave, first, step, n, out):
 
 @function
 def evaluate(points, weights, out):
-    """Polynomials at a place."""
+    """Evaluate polynomials at a place."""
     clear(out)
     for j in range(len(weights)):
         weight, row = weights[j], points[j]

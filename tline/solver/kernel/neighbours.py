@@ -1,28 +1,28 @@
-"""Polynomials of neighbouring slabs or pieces: whether one goes on where the other ends, and what both share."""
+"""Polynomials of neighbouring slabs or pieces: their continuity, and polynomials shared by two."""
 
 from typing import NamedTuple
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3
 from tline.compiled.unit import function, unit
 
-EXPECTED = 4.0  # times what the change of the highest coefficient lets expect, that a start may be off
-FALLS = 0.1  # of a change of the start, that a shared polynomial may change at most
-FIRST = 10.0  # the same in a cell without a start
+EXPECTED = 4.0  # largest mismatch of a start, over the change of the highest coefficient
+FALLS = 0.1  # largest change by a shared polynomial, over that by the start
+FIRST = 10.0  # largest change by a shared polynomial in a cell without a start
 UNEQUAL = 16.0  # widths of neighbours beyond this ratio are not compared
 ROUNDING = 4e-15  # of the largest value
 
 
 class Joined(NamedTuple):
-    """Polynomials of W waves at an end of a line, of order s, in order of time, and what is made of them."""
+    """Polynomials of order s of W waves at an end of a line, in order of time, and the improved ones."""
 
     s: int
     width: Floats  # (cells,) slabs
     waves: Floats2  # (W, cells * s + 1) value before the first, and at the Radau points of each
     told: Floats3  # (W, cells, 2) highest Legendre coefficient, and the value at the start
     start: Floats  # (p,) the polynomial that is 1 at the start and vanishes at the points of order s
-    values: Floats3  # (W, cells, p) of what is made of them
+    values: Floats3  # (W, cells, p) of the improved polynomials
     bend: Floats  # (cells,) change of the highest coefficient
-    off: Floats  # (cells,) by which the start of a cell was off
+    off: Floats  # (cells,) mismatch of the start of each cell
     joined: Flags  # (cells,) whether it goes on where the one before it ends
 
 

@@ -1,11 +1,11 @@
-"""A scene as arrays: what assembly writes and the kernel reads. No names, no units.
+"""Scene as arrays, written by the assembly and read by the kernel: without names and units.
 
 A line end is numbered 2 * line (end 1) or 2 * line + 1 (end 2). Each line owns two buffers of ``delay`` slabs; a slab
 is s samples. An end reads the wave that arrives and writes the one it sends back into the same place, in one buffer;
 each time a line's slot wraps, its ends change buffers. So every buffer slot is consumed and refilled exactly once per
 delay, and nothing is ever copied along a line.
 
-Nodes that see each other without delay, through a state space of their own, form a group. A node alone is one too.
+Nodes coupled without delay, through a state space, form a group. A node alone is one too.
 
 The two buffers of a line are one ring of twice its delay D: in slab t end 1 works at place t, end 2 at t + D. What
 passes p slabs from end 1 in slab t is found at t - p (from end 1) and t + p (from end 2). Losses act there, in place.
@@ -53,10 +53,10 @@ class Laws(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What lines in cells remember or leak: in each column of cells, one above the other in time, the same circuit.
+    """Memory and leakage of lines in cells: the same circuit in each column of cells, one above the other in time.
 
-    It sees w = a + sign b: a - b drives the flow through a series impedance, a + b the effort over a shunt admittance.
-    It takes away e: a becomes a - e, b becomes b - sign e.
+    Its input is w = a + sign b: a - b for the flow through a series impedance, a + b for the effort over a shunt.
+    Its output e is subtracted: a becomes a - e, b becomes b - sign e.
     """
 
     first: Integers  # (rows of diamonds + 1,) those of row r are first[r] to first[r + 1]
@@ -145,7 +145,7 @@ class Network(NamedTuple):
 
 
 class State(NamedTuple):
-    """What changes: waves under way, and the states of loads."""
+    """State of a run: waves under way, and states of loads."""
 
     waves: Floats  # (samples,) all buffers
     slot: Integers  # (L,) slab of the buffers that is due
@@ -153,7 +153,7 @@ class State(NamedTuple):
     before: Floats2  # (2 L, s) the slab that arrived last, as sent; used where delays have a fractional rest
     load: Floats  # of all groups, one after the other
     memory: Floats  # of all circuits in cells
-    halves: Floats2  # (2 L, M) what friction takes at the points of the half diamonds at line ends
+    halves: Floats2  # (2 L, M) friction loss at the points of the half diamonds at line ends
     since: Integers  # (rows of diamonds,) slabs since the cells of a line were advanced
 
 
@@ -182,10 +182,10 @@ class Units(NamedTuple):
 
 
 class Crossing(NamedTuple):
-    """What a law of an element gets, and gives back, at n samples."""
+    """Input and output of an element's law at n samples."""
 
     constants: Floats  # of all elements
-    v: Floats  # effort of the Thévenin source that the element sees
+    v: Floats  # effort of the Thévenin source
     control: Floats  # control signal
     flow: Floats  # its flow i
     slope: Floats  # di/dv
@@ -195,7 +195,7 @@ DIVIDED, MISSES, SPENT = range(3)  # places in the division of a store
 
 
 class Store(NamedTuple):
-    """What the store of an element gets, and gives back, at the s points of a slab, and its workspace."""
+    """Input, output and workspace of an element's store at the s points of a slab."""
 
     constants: Floats  # of all elements
     states: Floats  # of all groups
@@ -203,7 +203,7 @@ class Store(NamedTuple):
     v: Floats  # (s,) effort of the Thévenin source
     control: Floats  # (s,)
     flow: Floats  # (s,) into the store; nan at the last point if none was found
-    drive: Floats  # (s,) effort that drives it, beyond what the store holds
+    drive: Floats  # (s,) driving effort, in excess of that of the store
     y: Floats
     slope: Floats  # dX/dy
     rate: Floats  # dX/dt
@@ -221,12 +221,12 @@ class Store(NamedTuple):
 
 
 class CircuitWork(NamedTuple):
-    """Workspace of a circuit with laws; M points of laws that see each other, law by law."""
+    """Workspace of a circuit with laws; M coupled points, law by law."""
 
     given: Floats  # (M,) waves that nodes and states send to laws
     aimed: Floats  # (M,) waves into laws
     start: Floats  # (M,)
-    safe: Floats  # (M,) the last that follow the path
+    safe: Floats  # (M,) last waves on the path
     trial: Floats  # (M,)
     sent: Floats  # (M,) waves out of them
     flow: Floats  # (M,)

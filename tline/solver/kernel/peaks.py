@@ -13,7 +13,7 @@ SAME = 1e-9  # what differs by less, relatively, is the same extreme: the first 
 
 
 class ExtremesOfCopies(NamedTuple):
-    """A wave in B copies, in periods of K slabs of s points, zero at t = 0; what is sought of it until t_end."""
+    """Search of the extremes until t_end of a wave in B copies, in periods of K slabs of s points, zero at t = 0."""
 
     wave: Floats3  # (n K, s, B)
     period: Floats  # (B,) in s
@@ -22,7 +22,7 @@ class ExtremesOfCopies(NamedTuple):
     points: Floats  # (s,) of a slab
     to_powers: Floats2  # (s, s) from values there to coefficients of powers of 2 x - 1
     found: Floats2  # (4, B) smallest value, when, largest, when
-    top: Floats3  # (2, n K, B) of each slab, the largest of minus the wave and of the wave at its begin and its points
+    top: Floats3  # (2, n K, B) largest of minus the wave and of the wave at the start and the points of each slab
     coef: Floats  # (s,)
     begin: Floats  # (s,) from values at the points to that at the begin of a slab
 

@@ -1,10 +1,10 @@
-"""What a node does with the waves at its line ends: w arrives, u is the node's effort, 2u - w leaves.
+"""Scattering of waves at a node's line ends: w arrives, u is the node's effort, 2u - w leaves.
 
 Where a line's slot wraps, or the workspace is full, a block of slabs is cut into tiles that are contiguous in memory.
 Positions in the wave buffers are unsigned: a signed index is tested for wrapping round at every access, and the loops
 do not vectorise.
 
-A group with a map and without laws: one matrix product a slab.
+A group with a map and without laws takes one matrix product a slab.
 """
 
 import numpy as np
@@ -63,7 +63,7 @@ def begin(u, q, n, excitation, row, start):
 
 @function
 def arrived(network, e, waves, o, n):
-    """Let a wave be what it is where it arrives: attenuated, or less what a steady flow loses on its way."""
+    """Attenuate an arriving wave, or subtract the loss of a steady flow under way."""
     share, more = network.passed[e >> 1], network.moved[e]
     if share != 1.0 or more != 0.0:
         for i in range(n):
@@ -79,7 +79,7 @@ def gather(u, q, n, waves, o, share):
 
 @function
 def scatter(u, q, n, waves, o):
-    """Send back from an end what the node's effort leaves of the arriving wave."""
+    """Send the wave 2u - w back from an end."""
     for i in range(n):
         back = 2.0 * u[q + np.uint64(i)] - waves[o + np.uint64(i)]
         waves[o + np.uint64(i)] = 0.0 if abs(back) < TINY else back
@@ -87,7 +87,7 @@ def scatter(u, q, n, waves, o):
 
 @function
 def note(u, q, n, waves, o, record, row, column):
-    """Keep the waves that arrive at an end and leave it."""
+    """Record the waves that arrive at an end and leave it."""
     for i in range(n):
         record[row, 0, column + i] = waves[o + np.uint64(i)]
         record[row, 1, column + i] = 2.0 * u[q + np.uint64(i)] - waves[o + np.uint64(i)]
@@ -158,7 +158,7 @@ def scatter_group(run, g, here, m, column):
 
 @unit
 def scatter_block(run: Run, chosen: int, k: int, begun: int, count: int, column: int) -> int:
-    """Scatter slabs of a block, of which some have begun, at a group, or at FAR or NEAR ones, from slab k on.
+    """Scatter the slabs of a block from slab k on, some of them already begun, at a group, or at FAR or NEAR ones.
 
     Returns -1, or the number of a node whose effort is no longer finite.
     """

@@ -28,13 +28,13 @@ def law_addresses(units: Sequence[str]) -> NDArray:
 
 
 def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
-    """Addresses of what a network needs beside the loop, with these units for its laws, and of what fronts need."""
+    """Addresses of the units that a network needs beside the loop: for its laws, and for fronts."""
 
     def address(path: str, needed: Any) -> int:
         return unit_at(path).address if needed else 0
 
     diamonds = len(network.diamonds.line)
-    whole = diamonds and network.diamonds.cell.any()  # cells, which nodes do not see
+    whole = diamonds and network.diamonds.cell.any()  # cells that do not touch nodes
     in_pieces = "cells_in_pieces.pass_cells_in_pieces" if whole else "pieces.pass_diamonds_in_pieces"
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     return Units(

@@ -28,7 +28,7 @@ def note_last(network, state, pieces):
 
 @function
 def front_free_slabs(run, fronts, sources, slab, most):
-    """Number of slabs ahead, at most so many, in which no group meets a front."""
+    """Number of slabs ahead, at most `most`, in which no group meets a front."""
     network, state, events, due = run.network, run.state, fronts.events, sources.due
     delay, pieces, s = network.delay, fronts.pieces, state.before.shape[1]
     for g in range(events.due.size):

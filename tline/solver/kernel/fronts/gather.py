@@ -1,4 +1,4 @@
-"""What meets at a group in one slab: fronts, and waves in pieces between other breakpoints."""
+"""Fronts that meet at a group in one slab, and arriving waves in pieces with breakpoints of their own."""
 
 import numpy as np
 
@@ -89,7 +89,7 @@ def regrouped(span, coef, n, edges, m, tools, whole, out):
 
 @function
 def part_before(network, e, rest):
-    """How much is kept of the slab that arrived before at an end: of lines that lose all along what is yet to come."""
+    """Share of the last arrived slab kept at a line end; on lines with distributed losses its part yet to come."""
     return rest if network.diamonds.row[e >> 1] >= 0 else 1.0
 
 
@@ -132,7 +132,7 @@ def cut_behind(fronts, g, slab, place, size, n):
 
 @function
 def fronts_of_source(sources, r, slab, place, size, n):
-    """Append those of a source, or of what scales an element."""
+    """Append the fronts of a source, or of an element's opening."""
     if drives_front(sources, r, slab):
         now = sources.due[r]
         for j in range(sources.begin[now], sources.begin[now + 1]):

@@ -10,7 +10,7 @@ from tline.solver.kernel.fronts.structures import DISSOLVED, DROPPED, LIVE, LOST
 
 @function
 def as_one(left, right, a, mid, b, gauss, whole, part):
-    """Project two pieces on their union; returns what that changes in the wider one, and in the other."""
+    """Project two pieces on their union; returns the changes in the wider one and in the other."""
     clear(whole)
     project(left, a, mid, a, b, gauss, whole)
     project(right, mid, b, a, b, gauss, whole)

@@ -14,7 +14,7 @@ from tline.solver.kernel.laws.passing import note_states
 
 @function
 def arrive_in_pieces(job, g, slab, k, m):
-    """Gather the waves that arrive at a group, and their Thévenin waves, in m pieces; what came before is given up."""
+    """Gather the waves that arrive at a group, and their Thévenin waves, in m pieces; earlier pieces are released."""
     run, fronts, sources = job.run, job.fronts, job.sources
     network, waves, before, position = run.network, run.state.waves, run.state.before, run.work.position
     pieces, tools, work, s = fronts.pieces, fronts.tools, fronts.work, run.state.before.shape[1]
@@ -69,7 +69,7 @@ def control_pieces(job, g, slab, k, m):
 
 @unit
 def arrive(job: FrontRun, g: int, slab: int, k: int) -> int:
-    """Gather in pieces what arrives at a group in a slab, and its control signals. Returns the number of pieces."""
+    """Gather in pieces the waves that arrive at a group in a slab, and its control signals. Returns their number."""
     fronts, work, fewer = job.fronts, job.fronts.work, np.int64(0)
     n = fronts_at(job.run, fronts, job.sources, g, slab)
     m, anew = united(work.place, work.size, n, work.edges, fronts.at_node, fronts.counts, fronts.sizes)

@@ -31,7 +31,7 @@ def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
 
 @unit
 def respond_with_laws(job: FrontRun, g: int, piece: int, m: int) -> int:
-    """The same at a group with a map and laws."""
+    """Respond at a group with a map and laws."""
     run, fronts = job.run, job.fronts
     network, edges, r = run.network, fronts.work.edges, run.network.step_row[g]
     n, h = network.step_states[r], fronts.step * (edges[piece + 1] - edges[piece])

@@ -114,7 +114,7 @@ def rejoin(fronts, values, n, m):
 
 @function
 def collocate_finely(run, fronts, at, k, width, settle, x):
-    """The same in steps as long as a group settles, and a last one, in slabs; the effort is projected."""
+    """Collocate in steps of the settling time of a group, and a last one, in slabs; the effort is projected."""
     tools, s, w, row = fronts.tools, fronts.tools.c.size, run.work.u, run.work.row
     span, coef, whole, steps = fronts.work.span, fronts.work.given, fronts.work.whole, fronts.work.steps
     edges, values, flat, out = steps.edges, steps.values, steps.wave, steps.out

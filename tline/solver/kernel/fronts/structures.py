@@ -1,4 +1,4 @@
-"""What slabs in pieces need beside a network and its state.
+"""Data structures of slabs in pieces, in addition to a network and its state.
 
 A jump or corner of a source, or a switch that moves, is a front. A slab with fronts inside is held as pieces, each a
 polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 to 1. A slab that begins with a front is
@@ -29,7 +29,7 @@ class Systems(NamedTuple):
 
 
 class Events(NamedTuple):
-    """What happens at groups, in order: switches move, and pieces begin where laws kink."""
+    """Events at groups in order of time: switches that move, and pieces that begin where laws kink."""
 
     first: Integers  # (G + 1,) those of group g are first[g] to first[g + 1], in order of time
     at: Floats  # instants, in slabs
@@ -78,7 +78,7 @@ class Steps(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """For a group: at most so many pieces m, nodes, line ends and elements."""
+    """Workspace for the largest group, with at most m pieces."""
 
     place: Floats  # of the fronts that meet
     size: Floats  # of each

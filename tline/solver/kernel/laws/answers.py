@@ -1,4 +1,4 @@
-"""What the laws of a group answer to waves: flows, what is left of the equations, and the system of a Newton step."""
+"""Responses of the laws of a group to waves: flows, residuals of the equations, and the system of a Newton step."""
 
 from tline.compiled.unit import function, invoke
 from tline.solver.kernel.arithmetic import FAINT, TINY, eliminate

@@ -1,15 +1,15 @@
-"""Laws in a circuit: the waves into all of them, at all points that see each other, by one Newton method.
+"""Laws in a circuit: the waves into all of them, at all coupled points, by one Newton method.
 
-A law is a line end of no length. Into it goes the wave α = e + ρ i, out of it comes β = e - ρ i = R(α); the circuit
-sends α = c + S β, where c is what nodes and states send. S cannot add energy if the circuit is passive, and R cannot
-move two waves apart if the law is monotone. So F(α) = α - c - S R(α) is monotone, and with μ (α - c) added it has one
-root α(μ), whatever the laws. As μ falls from 1 that root moves, for each factor e, by no more than the distance of c
-from a solution, and ends at the solution next to c (Tikhonov): a path of finite length, which Newton's method follows
-where it does not find the solution from the last slab's waves at once.
+A law is a line end of no length. It receives the wave α = e + ρ i and returns β = e - ρ i = R(α); the circuit sends
+α = c + S β, with c the waves from nodes and states. S cannot add energy if the circuit is passive, and R cannot
+increase the distance of two waves if the law is monotone. So F(α) = α - c - S R(α) is monotone, and with μ (α - c)
+added it has one root α(μ) for any laws. As μ falls from 1 that root moves, for each factor e, by no more than the
+distance of c from a solution, and ends at the solution nearest to c (Tikhonov): a path of finite length, which
+Newton's method follows if it does not find the solution from the last slab's waves directly.
 
-A step that only a small part of helps is stopped by a kink; it is taken to just beyond. From one kink the next step
-leads on, since Jacobians on both sides have determinants of one sign (Katzenelson 1965); where several meet it may lead
-back. So every other time the step is that of a contraction, which no kink stops.
+A step of which only a small part reduces the residual is stopped by a kink; it goes to just beyond. Beyond a kink the
+next step continues, since Jacobians on both sides have determinants of one sign (Katzenelson 1965); where several kinks
+meet it may return. So every other step is that of a contraction, which no kink stops.
 
 References
 ----------
@@ -55,9 +55,9 @@ def relax(work, size, mu):
 
 @function
 def newton(run, g, q, h, step, at, k, mu):
-    """Lead F + μ (α - c) to zero from the waves `aimed`, but to no more than what follows the path if μ > 0.
+    """Solve F + μ (α - c) = 0 from the waves `aimed`, only as accurately as the path needs if μ > 0.
 
-    Without μ all steps are taken that come to nothing worse than infinity: across kinks residuals rise before they
+    Without μ all steps to finite residuals are accepted: across kinks residuals rise before they
     vanish.
     """
     laws, work = run.network.laws, run.work.circuit

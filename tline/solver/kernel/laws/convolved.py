@@ -14,13 +14,13 @@ from tline.solver.kernel.network import Run
 
 
 class Convolution(NamedTuple):
-    """A linear rest seen from K laws, M = K s points a slab, law by law; groups are of laws that see each other at
-    once."""
+    """Convolution of a linear rest at K laws, M = K s points a slab, law by law; a group holds laws coupled without
+    delay."""
 
     run: Run
     weights: Floats3  # (slabs, M, M) S_1, S_2, …
     map_at: Integers  # (groups,) place of (1 + S_0)/2 in the network's maps
-    given: Floats2  # (n, M) waves into laws, less what S_0 makes of `rest`
+    given: Floats2  # (n, M) waves into laws, less S_0 times `rest`
     rest: Floats  # (M,) waves out of laws before t = 0
     sent: Floats2  # (n, M) waves out of laws beyond those
     control: Floats2  # (K, n s)
@@ -28,7 +28,7 @@ class Convolution(NamedTuple):
 
 @function
 def recall(job, k, begin):
-    """Add what slabs from `begin` on have sent to what is given to slab k."""
+    """Add to the waves given to slab k the contribution of slabs from `begin` on."""
     weights, sent, given, size = job.weights, job.sent, job.given, job.rest.size
     for j in range(begin, k):
         for a in range(size):

@@ -1,11 +1,8 @@
-"""From the Thévenin waves at a group's nodes to their efforts, where one element alone stands.
+"""Efforts at a group's nodes with one element, from their Thévenin waves.
 
-It sees a Thévenin source: the effort v behind the impedance z of its nodes. Its law, or its store, is a unit of its
-own, asked once for all samples.
-
-A law that gives its flow as a function of the effort, behind an impedance: a root between two efforts.
-
-A law at many samples.
+The element is connected to a Thévenin source: effort v behind the impedance z of its nodes. Its law, or store, is a
+unit of its own, called once for all samples. A law with its flow as a function of the effort is solved as a root
+between two efforts.
 """
 
 from tline.compiled.unit import function, invoke, unit

@@ -87,7 +87,7 @@ def exchange(run, g, n, give):
 
 @function
 def exchange_part(values, at, count, kept, give):
-    """The same of some values from a place on."""
+    """Exchange `count` values from position `at` on with kept ones."""
     for i in range(count):
         if give:
             values[at + i] = kept[i]
@@ -112,7 +112,7 @@ def respond_under(run, g, n, h, own):
 
 @function
 def unsettled(run, g, n, h):
-    """By how much rates exceed those that they lead to, point by point. Returns the largest."""
+    """Residuals of the rates of openings at all points. Returns the largest."""
     laws, work, radau = run.network.laws, run.work.govern, run.network.laws.tools.radau
     c, worst = laws.constants, 0.0
     for e in range(laws.first[g], laws.first[g + 1]):
@@ -167,7 +167,7 @@ def move(work, size):
 
 @function
 def commit(run, g, n, h):
-    """Let the openings move on; what stops at an end has no rate."""
+    """Advance the openings; the rate is zero at the end of a stroke."""
     laws, work, states = run.network.laws, run.work.govern, run.state.load
     for e in range(laws.first[g], laws.first[g + 1]):
         o, at, place = (e - laws.first[g]) * n, laws.governor[e], laws.governor_state[e]
@@ -183,14 +183,14 @@ def commit(run, g, n, h):
 
 @function
 def tried(run, g, n, h, own):
-    """Let the rates act. Returns by how much openings miss what these lead to, or nan where no flow was found."""
+    """Apply the rates. Returns the largest residual of openings, or nan where no flow was found."""
     exchange(run, g, n, True)
     return h * unsettled(run, g, n, h) if respond_under(run, g, n, h, own) else np.nan
 
 
 @function
 def begin(run, g, n):
-    """Begin with the rates that openings have."""
+    """Start from the present rates of openings."""
     laws, work = run.network.laws, run.work.govern
     for e in range(laws.first[g], laws.first[g + 1]):
         for j in range(n):

@@ -30,7 +30,7 @@ def leaking(c, at, control, d, z):
 
 @function
 def demanded(c, at, control, d, z):
-    """The same of a demand."""
+    """Flow of a demand behind an impedance, and its slope."""
     if d <= 0.0 or control <= 0.0:
         return 0.0, 0.0
     if d - z * control * c[at + 1] >= c[at + 2]:

@@ -1,1 +1,1 @@
-"""Elements that store: their flow depends on what has flowed before."""
+"""Stores: elements whose flow depends on a state."""

@@ -99,7 +99,7 @@ def exchange(store, at, h, z, volume, air, opening):
 
 @function
 def in_air(volume, air):
-    """Energy of air in a volume beyond what the air outside has, in atmospheres."""
+    """Energy of air in a volume above that at the outside pressure, in atmospheres times volume."""
     if air <= 0.0:
         return volume
     _, x, _ = expanded(np.log(volume / air), 1.0)

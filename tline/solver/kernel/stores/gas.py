@@ -18,7 +18,7 @@ FARTHEST = 2.0  # change of ln V in a step of Newton's method
 
 @function
 def expanded(low, n):
-    """Of gas with p V^n = 1 in air of pressure 1, from ln V: effort, X with X²/2 the energy stored, and effort/X."""
+    """Effort, X with X²/2 the stored energy, and effort/X of gas with p V^n = 1 in air of pressure 1, from ln V."""
     d = np.expm1(low)
     if abs(d) < 0.4:
         term, effort, energy, k = -n, n, n / 2.0, 1
@@ -81,7 +81,7 @@ def squeezed(c, at, volume, share, d, z):
 
 @function
 def is_missed(store, at, state, start, h):
-    """Whether the volume of gas that keeps its temperature is not what flowed: too stiff for the step."""
+    """Whether the volume of isothermal gas does not match its inflow: too stiff for the step."""
     c, radau, flow, spent = store.constants, store.tools.radau, store.flow, 0.0
     if c[at + 1] < np.inf or c[at + 4] != 1.0:
         return False
