@@ -46,9 +46,9 @@ ORDERS = 1, 2, 3, 4, 5, 6, 8, 10, 12
 PARTS = 2.0 ** np.arange(-5, 8)  # of the automatic slab
 OF_DELAY = 1, 2, 4, 8  # parts of the shortest delay
 INSTANTS = 2000
-NEAR = 1e-6  # of the run; jumps may lie so far from where the truth has them
+BESIDE_JUMPS = 1e-6  # of the run; jumps may lie so far from where the truth has them
 EXACT = 1e-11  # an error below is rounding
-MOST = 3.0
+LARGEST_RATIO = 3.0
 HOPELESS = 2.0  # times the cheapest so far, beyond which a run by hand is not tried at higher orders
 
 
@@ -168,9 +168,9 @@ def seen(result: Result, t: NDArray) -> dict[str, NDArray]:
 def instants(truth: Result) -> NDArray:
     """Random instants, none of them right at a jump."""
     t_end = truth.scene.t_end
-    t = np.sort(np.random.default_rng(1).uniform(0.0, t_end * (1 - NEAR), INSTANTS))
+    t = np.sort(np.random.default_rng(1).uniform(0.0, t_end * (1 - BESIDE_JUMPS), INSTANTS))
     calm = np.ones(len(t), bool)
-    before, after = seen(truth, np.maximum(t - NEAR * t_end, 0.0)), seen(truth, t + NEAR * t_end)
+    before, after = seen(truth, np.maximum(t - BESIDE_JUMPS * t_end, 0.0)), seen(truth, t + BESIDE_JUMPS * t_end)
     for name, values in before.items():
         calm &= (np.abs(values - after[name]) < 1e-2 * np.abs(values).max(initial=1e-300)).all(axis=0)
     return t[calm]
@@ -221,11 +221,11 @@ def compared(name: str, scene: Scene, tol: float) -> Row:
 def page(rows: list[Row]) -> str:
     """The sums and the table of the page."""
     ratios, bare = [row.ratio for row in rows], [row.bare for row in rows]
-    beyond = sum(ratio > MOST for ratio in ratios)
+    beyond = sum(ratio > LARGEST_RATIO for ratio in ratios)
     sums = (
         f"{len({row.name for row in rows})} scenes, {len(rows)} rows. Automatic over by hand, both with their errors: "
-        f"median {median(ratios):.2g}, largest {max(ratios):.2g}, {beyond} beyond {MOST:g}. Over one run that tells "
-        f"no error: median {median(bare):.2g}, largest {max(bare):.2g}.\n"
+        f"median {median(ratios):.2g}, largest {max(ratios):.2g}, {beyond} beyond {LARGEST_RATIO:g}. Over one run that "
+        f"tells no error: median {median(bare):.2g}, largest {max(bare):.2g}.\n"
     )
     return sums + "\n" + table(COLUMNS, map(cells, rows))
 

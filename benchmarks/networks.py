@@ -25,7 +25,7 @@ from tline.surge.operate import operated
 
 SIDES = (23, 71, 225, 708)
 PIPES = [2 * side * (side - 1) for side in SIDES]  # 1e3 to 1e6
-REPEATED, FEW = 10_000, 5.0  # pipes up to which, and seconds below which, a run is repeated
+REPEATED, QUICK_SECONDS = 10_000, 5.0  # pipes up to which, and seconds below which, a run is repeated
 MEGABYTE = 1e6 if sys.platform == "darwin" else 1e3  # in units of ru_maxrss
 NAMES = ("Net1", "Net2", "Net3", "ky4", "ky10")
 STILL, DISTURBED, HEAD = 10, 5, 9806.65  # s; Pa/m
@@ -67,7 +67,7 @@ def streets(most: int) -> None:
 def repeated(scene: Scene) -> tuple[Result, float]:
     """A run with extremes of all nodes, and its seconds by the clock: the median of several if it is short."""
     result, seconds = timed(lambda: simulate(scene, envelope=True, ledger=False), 1, time.perf_counter)
-    if seconds > FEW:
+    if seconds > QUICK_SECONDS:
         return result, seconds
     return timed(lambda: simulate(scene, envelope=True, ledger=False), RUNS, time.perf_counter)
 

@@ -20,7 +20,7 @@ SIZES = (10, 2), (20, 2), (20, 8), (50, 4), (100, 8), (200, 8)  # states, ports
 NORMS = {"lossy": 0.9, "marginal": 1 - 1e-6, "active": 1.01}  # largest singular value
 LARGEST_INEQUALITY = 50  # states; beyond, it takes minutes
 SYSTEMS = 4
-ROUNDING = 1e-9  # by which a norm in doubles may be beyond one
+NORM_ROUNDING = 1e-9  # by which a norm in doubles may be beyond one
 
 
 class System(NamedTuple):
@@ -68,7 +68,7 @@ def tline(system: System) -> bool | None:
 
 
 def ab13dd(system: System) -> bool | None:
-    return norm_of(system) <= 1 + ROUNDING
+    return norm_of(system) <= 1 + NORM_ROUNDING
 
 
 def clarabel(system: System) -> bool | None:

@@ -59,7 +59,7 @@ def motion(f: NDArray, forms: Sequence[NDArray], lengths: Sequence[float], more:
     return Motion(d, integrals)
 
 
-CLOSE = 1e-9  # relative to the terms of a sum: far more than rounding, far less than 1 % of a parameter
+SUM_ROUNDING = 1e-9  # relative to the terms of a sum: far more than rounding, far less than 1 % of a parameter
 SPREAD = 30.0  # times the distance of two ways to the same motion in floats
 STRAIGHT, BENT, CORNERS = 2000, 4, 3  # stretches without and with corners that are followed, and corners in each
 WINDOWS, PARTS, MOST_RATES = 2, 200, 3000  # of what is integrated: windows, their part of the run, evaluations
@@ -181,9 +181,11 @@ class _Legs:
             for row, form in enumerate(self.motion.integrals[:, leg]):
                 energies[row] += ((form @ z) * z).sum(axis=0)
                 slopes = np.abs(form) @ sizes
-                off_energies[row] += CLOSE * (slopes * sizes).sum(axis=0) + 2 * (slopes[:n] * off).sum(axis=0)
+                off_energies[row] += SUM_ROUNDING * (slopes * sizes).sum(axis=0) + 2 * (slopes[:n] * off).sum(axis=0)
             off_energies += self.noise_energies[:, leg, None]
-            off += np.abs(change[:n, :n]) @ off + CLOSE * (np.abs(change[:n]) @ sizes) + self.noise[leg, :n, None]
+            off += (
+                np.abs(change[:n, :n]) @ off + SUM_ROUNDING * (np.abs(change[:n]) @ sizes) + self.noise[leg, :n, None]
+            )
             x += change[:n] @ z
         return Steps(samples, samples + 1, found, np.vstack([off, off_energies]))
 

@@ -23,7 +23,7 @@ from drives.coupled import CoupledDrives
 from drives.number import rational
 
 STEP = 2.0**-26  # the root of the precision of a float
-ROUNDING = 1e-9  # rad/s, far more than eigenvalue algorithms make of an exact 0 here
+ZERO_RATE = 1e-9  # rad/s, far more than eigenvalue algorithms make of an exact 0 here
 LITERAL_STATES = ("phi1", "w1", "phi2", "w2", "s1", "s2", "x_k")
 
 
@@ -36,7 +36,7 @@ class Artefact:
     runs, unstable : int
         Linearisations at random operating points, and how many of them had an eigenvalue with positive real part.
     by_difference : int
-        Those where it is larger than `ROUNDING`, so that the difference quotient alone can have made it.
+        Those where it is larger than `ZERO_RATE`, so that the difference quotient alone can have made it.
     largest : float
         Largest real part seen, rad/s.
     exact_zeros : int
@@ -162,5 +162,5 @@ def artefact(drives: CoupledDrives, runs: int = 400, seed: int = 1) -> Artefact:
         torques = (random.uniform(-1, 1), random.uniform(-1, 1))
         jacobian = forward_difference(literal_rates(drives, torques), random.uniform(-1, 1, len(LITERAL_STATES)))
         largest.append(np.linalg.eigvals(jacobian).real.max())
-    unstable, by_difference = (sum(bool(x > bound) for x in largest) for bound in (0, ROUNDING))
+    unstable, by_difference = (sum(bool(x > bound) for x in largest) for bound in (0, ZERO_RATE))
     return Artefact(runs, unstable, by_difference, float(max(largest)), zero_eigenvalues(literal_jacobian(drives)))

@@ -20,8 +20,8 @@ from drives.state_space import StateSpace
 from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
 
-SMALL = Fraction(1, 10**5)  # relative change of a parameter
-ROUNDING = 1e-9  # of an overshoot, and of what a pole moves by
+PARAMETER_STEP = Fraction(1, 10**5)  # relative change of a parameter
+SMALLEST_CHANGE = 1e-9  # of an overshoot, and of what a pole moves by
 APART = 1e-6  # relative distance of poles that count as one
 SETTLED, SAMPLES, LOOKS = 30.0, 2000, 8  # time constants of a response, its samples, steps of Newton's method
 
@@ -97,13 +97,13 @@ def sensitivities(design: Design, filter_time: float = 0.0) -> Sensitivities:
     apart = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
     alone = apart.min(axis=0) > APART * np.abs(values)
     chosen = [k for k in np.argsort(np.abs(values)) if alone[k] and values[k].imag >= 0 and abs(values[k]) > 0]
-    names, of_poles, of_overshoots, per_cent = list[str](), [], [], float(200 * SMALL)
+    names, of_poles, of_overshoots, per_cent = list[str](), [], [], float(200 * PARAMETER_STEP)
     for name, *others in _changed(drives):
         more, less = (closed_loop(design, filter_time, other) for other in others)
         change = (more.A - less.A) / per_cent
         names.append(name)
         moves = np.array([scale[k] * (left[:, k].conj() @ change @ right[:, k]) for k in chosen])
-        of_poles.append(np.where(np.abs(moves) > ROUNDING * np.abs(values[chosen]) / 100.0, moves, 0.0))
+        of_poles.append(np.where(np.abs(moves) > SMALLEST_CHANGE * np.abs(values[chosen]) / 100.0, moves, 0.0))
         of_overshoots.append((_overshoots(more) - _overshoots(less)) / per_cent)
     poles, multiple = ([complex(values[k]) for k in those] for those in (chosen, np.flatnonzero(~alone)))
     return Sensitivities(tuple(names), poles, np.array(of_poles), _overshoots(here), np.array(of_overshoots), multiple)
@@ -116,7 +116,10 @@ def _changed(drives: CoupledDrives) -> Iterator[tuple[str, CoupledDrives, Couple
         given = {each.name: getattr(old, each.name) for each in fields(old) if each.init}
         for name, value in given.items():
             if value:
-                more, less = (type(old)(**given | {name: type(value)(value * x)}) for x in (1 + SMALL, 1 - SMALL))
+                more, less = (
+                    type(old)(**given | {name: type(value)(value * x)})
+                    for x in (1 + PARAMETER_STEP, 1 - PARAMETER_STEP)
+                )
                 yield f"{part}.{name}", replace(drives, **{part: more}), replace(drives, **{part: less})
 
 
@@ -134,9 +137,9 @@ def _overshoots(loop: StateSpace) -> NDArray[np.float64]:
             ways.append(step @ ways[-1])
         z = ways[int(np.argmax(np.array(ways) @ seen))]
         last = float(seen @ ways[-1])
-        for _ in range(LOOKS if float(seen @ z) / last - 1.0 > ROUNDING else 0):
+        for _ in range(LOOKS if float(seen @ z) / last - 1.0 > SMALLEST_CHANGE else 0):
             rate = motion @ z
             z = expm(motion * -float(seen @ rate / (seen @ motion @ rate))) @ z
         over = float(seen @ z) / last - 1.0
-        found.append(over if over > ROUNDING else 0.0)
+        found.append(over if over > SMALLEST_CHANGE else 0.0)
     return np.array(found)

@@ -18,7 +18,7 @@ from drives.coupled import CoupledDrives
 from drives.number import exact, positive
 from drives.torque import Torque
 
-ROUNDING = Fraction(1, 10**9)  # relative to the limit: what it exceeds by less is held
+EXCESS = Fraction(1, 10**9)  # relative to the limit: what it exceeds by less is held
 Range = tuple[float, float]
 
 
@@ -85,7 +85,7 @@ def reach(
     return Reach(
         float(needed[0]),
         float(needed[1]),
-        all(abs(torque) <= most * (1 + ROUNDING) for torque in needed),
+        all(abs(torque) <= most * (1 + EXCESS) for torque in needed),
         _common(tensions),
         None if stuck else _common(speeds) if speeds else (-np.inf, np.inf),
         (_furthest(sides, -most), _furthest(sides, most)),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drives.by_hand import Control, Equations
-from drives.followed import CLOSE, Record, Rows, follow
+from drives.followed import SUM_ROUNDING, Record, Rows, follow
 from drives.torque import Torque
 
 BALANCED = 1e-8  # relative to what was turned over; runs that are integrated have 1e-10
@@ -76,9 +76,9 @@ def _of_definitions(equations: Equations, record: Record, run: Any, sizes: dict[
         each = [equations.outputs(*one) for one in zip(record.x.T.tolist(), record.u.T.tolist(), strict=True)]
         found = {name: np.array([one[name] for one in each]) for name in each[0]}
     for name, value in found.items():
-        yield from _apart(run.t, name, run.outputs[name], value, CLOSE * sizes.get(name, np.abs(value)))
+        yield from _apart(run.t, name, run.outputs[name], value, SUM_ROUNDING * sizes.get(name, np.abs(value)))
     stored = equations.stored(record.x)
-    yield from _apart(run.t, "the stored energy", run.energy.stored, stored, CLOSE * stored)
+    yield from _apart(run.t, "the stored energy", run.energy.stored, stored, SUM_ROUNDING * stored)
 
 
 def _of_balance(record: Record, run: Any) -> Iterator[str]:

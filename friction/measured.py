@@ -11,7 +11,7 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from friction.kernel.prescribed import Course
 
-FEWEST, MOST = 50, 100_000  # samples
+FEWEST, MOST_SAMPLES = 50, 100_000  # samples
 REST = 1e-3  # of the largest velocity, below which a static law is taken to be at rest
 NORMAL, FOURTH = (
     0.6745,
@@ -51,9 +51,9 @@ def measured(t: ArrayLike, force: ArrayLike, velocity: ArrayLike | None, positio
     for key, column in arrays.items():
         if column.size != size:
             raise InputError(key, "not as long as t", f"{size} samples", f"{column.size}")
-    if not FEWEST <= size <= MOST:
+    if not FEWEST <= size <= MOST_SAMPLES:
         raise InputError(
-            "t", "too few samples" if size < FEWEST else "too many samples", f"{FEWEST} to {MOST:,}", f"{size}"
+            "t", "too few samples" if size < FEWEST else "too many samples", f"{FEWEST} to {MOST_SAMPLES:,}", f"{size}"
         )
     late = np.flatnonzero(np.diff(time) <= 0.0)
     if late.size:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from friction.kernel.prescribed import Course
 
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
-ROUNDING = 1e-15
+TIME_ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
 PLACED = Armstrong, MaxwellSlip  # laws of prescribed motions alone
 PRESCRIBED: dict[str, type[Any]] = MODELS | {law.name: law for law in PLACED}
@@ -165,7 +165,7 @@ def prescribe(
         rough, _ = deflection(model, rougher.course(t_end), at, rougher.velocity(at), z0, SPREAD * FINE)
         for name, fine, other in (("z", z, rough[0]), ("F_f", force, rough[1])):
             size = max(float(np.max(np.abs(fine))), np.finfo(float).tiny)
-            errors[name] = float(np.max(np.abs(fine - other))) / size + ROUNDING * steps**0.5
+            errors[name] = float(np.max(np.abs(fine - other))) / size + TIME_ROUNDING * steps**0.5
     return Prescribed(model, at, x, v, z, force, force, force, errors, steps)
 
 

@@ -40,7 +40,7 @@ ORDER = 5  # of Rodas5P
 STABLE, WORTH, SETTLED = 5.0, 3.0, 10  # slip within an explicit step, implicit steps that it costs, and steps in doubt
 MOST_TRIES = 9  # to land on a reversal
 EARLY = 2e-3  # first step at a tolerance of 1, of the time scale of the contact
-LEAST = 1e-300  # of a magnitude
+SMALLEST_MAGNITUDE = 1e-300  # of a magnitude
 
 
 @function
@@ -121,7 +121,7 @@ def chosen(law, v, h, explicit, since, dense):
     """
     if dense.shape[0] == TERMS:
         return False, 0, inf
-    longest = STABLE * steady(law, v)[0] / (law.sigma0 * abs(v) + LEAST)
+    longest = STABLE * steady(law, v)[0] / (law.sigma0 * abs(v) + SMALLEST_MAGNITUDE)
     if not explicit:
         again = since >= SETTLED and longest > WORTH * h
         return again, (0 if again else since + 1), (longest if again else inf)
@@ -200,7 +200,7 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared, explici
     """
     y, new, u, dense = compared.y, compared.new, compared.u, compared.dense
     rise, s, begun, tries = (pull[0] - pull[2]) / mass, copysign(1.0, y[1]), 0.0, 0
-    way = y[1] ** 2 / (2.0 * abs(rise) + LEAST)
+    way = y[1] ** 2 / (2.0 * abs(rise) + SMALLEST_MAGNITUDE)
     if harm(law, mass, sizes, y[2], way) <= 0.05 * tol:  # about to change its sign
         s = copysign(1.0, rise if rise != 0.0 else pull[1])
         begun = way if s * y[1] < 0.0 else 0.0
@@ -223,7 +223,7 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared, explici
             continue_into(y, new, u, dense)
         theta = 1.0 if back else lowest(dense, s)
         v = s * inside(dense, 1, theta)
-        missed = max(0.0, -v * step * (v / (v - abs(y[1]) - LEAST) if back else 1.0))
+        missed = max(0.0, -v * step * (v / (v - abs(y[1]) - SMALLEST_MAGNITUDE) if back else 1.0))
         if harm(law, mass, sizes, max(abs(y[2]), abs(new[2])), missed) <= 0.1 * tol:
             break
         begins = lowest(dense, -s) if s * y[1] <= 0.0 else 0.0
@@ -243,7 +243,9 @@ def harm(law, mass, sizes, z, way):
         return 0.0
     bend = abs(z) + way
     wrong, rate = 2.0 * law.sigma0 * bend / law.f_c * way, (law.sigma0 / mass) ** 0.5
-    return wrong * max(1.0 / max(sizes[Z], bend, LEAST), rate / max(sizes[V], bend * rate, LEAST))
+    return wrong * max(
+        1.0 / max(sizes[Z], bend, SMALLEST_MAGNITUDE), rate / max(sizes[V], bend * rate, SMALLEST_MAGNITUDE)
+    )
 
 
 @function
@@ -253,7 +255,7 @@ def missed_by(mass, sizes, first, new, error):
     worst = 0.0
     for j, column in ((0, X), (1, V), (2, Z), (3, WA), (4, WF)):
         size = energy if first and j >= 3 else max(sizes[column], abs(new[j]))
-        worst = max(worst, abs(error[j]) / (size + LEAST))
+        worst = max(worst, abs(error[j]) / (size + SMALLEST_MAGNITUDE))
     return worst
 
 

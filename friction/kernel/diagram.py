@@ -24,7 +24,7 @@ STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: 
 N = 20  # terms of a series
 CLOCK, LOST, TURN = range(3)  # time since the piece of the inputs began, what its sum lost, turns of the sine
 INVERSE = np.array([1.0 / factorial(k) for k in range(N + 1)])
-ROUNDING = 1e-17  # of a series' largest early term: what its last terms may be
+SERIES_TAIL = 1e-17  # of a series' largest early term: what its last terms may be
 FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count: 2e-16
 
 
@@ -205,12 +205,12 @@ def trusted(row, n, h):
     if last == 0.0:
         return h
     for k in range(5, -1, -1):
-        if ROUNDING * abs(row[k]) >= last * power:
+        if SERIES_TAIL * abs(row[k]) >= last * power:
             return h
         power *= h
     for k in range(6):
         if row[k] != 0.0:
-            found = max(found, (ROUNDING * abs(row[k]) / last) ** (1.0 / (n - k)))
+            found = max(found, (SERIES_TAIL * abs(row[k]) / last) ** (1.0 / (n - k)))
     return min(h, found)
 
 

@@ -10,7 +10,7 @@ from tline.compiled.unit import function, unit
 FINEST, ROUGHEST = 1e-14, 0.1  # tolerances of single steps
 START = 0.1  # tolerance of single steps, of that of the run, to begin with
 SPREAD = 30.0  # between the tolerances of two runs that are compared
-ROUNDING = 1e-16  # of each step
+STEP_ROUNDING = 1e-16  # of each step
 
 
 @unit
@@ -75,7 +75,7 @@ def compare(compared, k, pulled):
     than the largest error of a step. The applied force depends on the motion if a spring has `pulled` only.
     """
     errors, peaks, worst = compared.errors, compared.peaks, 0.0
-    hidden = peaks[MODE] + ROUNDING * compared.counts[STEPS]
+    hidden = peaks[MODE] + STEP_ROUNDING * compared.counts[STEPS]
     for column in range(errors.size):
         errors[column] = 0.0
     for column in (X, V, Z, FA, FF, WA, WF):

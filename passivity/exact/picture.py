@@ -18,10 +18,10 @@ from passivity.verdict import Verdict
 from tline.style import COLOURS, INK, cells_of, styled
 
 POINTS = 1200
-MOST = 307.0  # decades of a frequency
+MOST_DECADES = 307.0  # decades of a frequency
 DECADES_BEYOND = 1.5  # below the smallest and above the largest modulus of a pole or zero
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-BEYOND = "#F7DFD0"  # where |H| > 1
+ACTIVE_COLOUR = "#F7DFD0"  # where |H| > 1
 _LEVELS = (0.2, 0.5, 1.0, 2.0, 5.0)
 _CURVE, _BAD = COLOURS[:2]
 _GRID = "#B8B8B8"
@@ -57,7 +57,10 @@ def frequencies(function: RationalFunction, also: list[float]) -> NDArray:
     """Angular frequencies that show all of a function, increasing; what can be drawn of `also` is among them."""
     moduli = [m for f in (function.p, function.q) for m in _moduli(f)] or [0.0]
     marks = [math.log10(x) for x in also if 0 < x < math.inf]
-    low, high = max(min(moduli + marks) - DECADES_BEYOND, -MOST), min(max(moduli + marks) + DECADES_BEYOND, MOST)
+    low, high = (
+        max(min(moduli + marks) - DECADES_BEYOND, -MOST_DECADES),
+        min(max(moduli + marks) + DECADES_BEYOND, MOST_DECADES),
+    )
     near = [m + d for m in marks for d in np.linspace(-0.02, 0.02, 41)]
     return 10 ** np.unique([*np.linspace(low, high, POINTS), *near])
 
@@ -126,7 +129,7 @@ def draw_smith(axes: Axes, h: NDArray[np.complex128]) -> None:
     """
     h = h[np.isfinite(h)]
     half = min(max(1.18, 1.08 * float(np.max(np.abs(h), initial=0))), 5.0)
-    axes.set_facecolor(BEYOND)
+    axes.set_facecolor(ACTIVE_COLOUR)
     edge = axes.add_patch(Circle((0, 0), 1, facecolor="white", edgecolor=_BAD, linewidth=1.2, zorder=0))
     lines = {"fill": False, "edgecolor": _GRID, "linewidth": 0.6, "zorder": 1}
     axes.plot([-1, 1], [0, 0], color=_GRID, linewidth=0.6, zorder=1)
@@ -140,6 +143,6 @@ def draw_smith(axes: Axes, h: NDArray[np.complex128]) -> None:
             axes.text(1.07 * at.real, 1.07 * at.imag, label, fontsize=6, color="#666666", ha="center", va="center")
     dot = "." if len(h) and np.ptp(h) == 0 else ""
     axes.plot(h.real, h.imag, color=_CURVE, linewidth=1.7, marker=dot, label="H(jω), ω > 0")
-    axes.add_patch(Rectangle((0, 0), 0, 0, color=BEYOND, label="forbidden: |H| > 1"))
+    axes.add_patch(Rectangle((0, 0), 0, 0, color=ACTIVE_COLOUR, label="forbidden: |H| > 1"))
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel="Re H", ylabel="Im H", aspect="equal")
     axes.legend(loc="upper right", fontsize=7, facecolor="white", frameon=True)

@@ -12,7 +12,7 @@ from passivity.expression.number import beside_one
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Decided, Status
 
-ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
+SAMPLE_ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
 _MOST_BANDS = 6  # bands that are printed
 
 
@@ -54,7 +54,7 @@ class SampleVerdict(Decided):
     worst : ndarray, shape (n,)
         Largest singular value of S, or smallest eigenvalue of (Z + Z*)/2, at each frequency.
     bars : ndarray, shape (n,)
-        Error bar of each: the tolerance, or what the digits allow, and ROUNDING times ports and size of the sample.
+        Error bar of each: the tolerance, or that of the digits, and SAMPLE_ROUNDING times ports and size of the sample.
     by_digits : bool
         Whether the bars come from the digits of a file.
     bands : tuple of Band
@@ -210,7 +210,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     if given.shape not in ((), response.f.shape) or (given < 0).any():
         expected = f"a number >= 0, or {len(response.f)} of them"
         raise ExpressionError("tolerance", "not an error bar", expected, shorten(shown(tolerance)))
-    bars = given + ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
+    bars = given + SAMPLE_ROUNDING * response.ports * np.sqrt((np.abs(values) ** 2).sum((1, 2)))
     beyond = excess(worst, parameter) - bars
     k = int(np.argmax(beyond))
     witness = _witness(response, k, right[k, :, 0], Fraction(float(bars[k]))) if beyond[k] > 0 else None

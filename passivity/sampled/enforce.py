@@ -30,7 +30,7 @@ from passivity.errors import ExpressionError
 from passivity.exact.certificate import verify
 from passivity.sampled.check import check_samples, worst_name
 from passivity.sampled.extremes import (
-    MANY,
+    MANY_POLES,
     Place,
     bands_of,
     extremes_on_grid,
@@ -297,7 +297,7 @@ def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleRe
     """The nearest passive model, of several ports moved inside until that is proved; else the last that was tried."""
     marks, size = [], 0.0
     unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
-    many = model.ports > 1 and model.order > MANY
+    many = model.ports > 1 and model.order > MANY_POLES
 
     def extremes(changed: PoleResidueModel) -> list[Place]:
         nonlocal size

@@ -19,21 +19,21 @@ from passivity.sampled.response import Parameter
 from passivity.status import Status
 from passivity.verdict import Verdict
 
-FEW, MANY = 4, 40  # ports and poles up to which the exact test takes seconds
-BEYOND = 1e6  # times the largest frequency: stands for infinity, its inverse for zero
+FEW_PORTS, MANY_POLES = 4, 40  # ports and poles up to which the exact test takes seconds
+NEARLY_INFINITE = 1e6  # times the largest frequency: stands for infinity, its inverse for zero
 AROUND = np.tan(np.linspace(-1.5, 1.5, 17))  # of the half width of a resonance: frequencies that show it
 EVEN = 100  # frequencies at equal ratios
-MOST = 40  # extremes that are followed
+MOST_EXTREMES = 40  # extremes that are followed
 CLOSER = 3  # rounds, ten times closer each, in which a maximum is located
 Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far beyond the bound, vectors u and v
 
 
 @lru_cache(maxsize=8)
 def verdict_of(model: PoleResidueModel) -> Verdict:
-    """Exact: of the function, of the matrix up to FEW ports and MANY poles, else of a state space."""
+    """Exact: of the function, of the matrix up to FEW_PORTS ports and MANY_POLES poles, else of a state space."""
     if model.ports == 1 or np.any(model.proportional):
         return check(model.rational(), model.parameter.kind)
-    if model.ports <= FEW and model.order <= MANY:
+    if model.ports <= FEW_PORTS and model.order <= MANY_POLES:
         return check(model.rational(), model.parameter.kind)
     system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
     return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)
@@ -80,7 +80,7 @@ def worst_of(model: PoleResidueModel) -> tuple[float, float]:
 def inside(low: float, high: float) -> list[float]:
     """Frequencies in a band that may begin at zero or go on for ever."""
     if high == math.inf:
-        return [2 * low, BEYOND * low] if low else [1.0]
+        return [2 * low, NEARLY_INFINITE * low] if low else [1.0]
     return [low, math.sqrt(low * high) or high / 2, (low + high) / 2, high]
 
 
@@ -100,7 +100,9 @@ def grid_of(model: PoleResidueModel, also: NDArray) -> NDArray:
     a = model.poles
     top = max(float(also.max(initial=0.0)), float(np.abs(a).max(initial=0.0))) or 1.0
     around = np.abs(a.imag[:, None] + a.real[:, None] * AROUND).ravel()
-    return off_poles(model, np.concatenate([[0.0], also, around, np.geomspace(top / BEYOND, top * BEYOND, EVEN)]))
+    return off_poles(
+        model, np.concatenate([[0.0], also, around, np.geomspace(top / NEARLY_INFINITE, top * NEARLY_INFINITE, EVEN)])
+    )
 
 
 def off_poles(model: PoleResidueModel, w: NDArray) -> NDArray:
@@ -114,4 +116,6 @@ def _peaks(model: PoleResidueModel, grid: NDArray) -> NDArray:
     beyond = np.pad(beyond, 1, constant_values=-math.inf)
     inner = beyond[1:-1]
     peaks = np.flatnonzero((inner > 0) & (inner >= beyond[:-2]) & (inner > beyond[2:]))
-    return np.sort(peaks[np.argsort(-inner[peaks])[:MOST]])  # where a value is nearly constant, rounding makes many
+    return np.sort(
+        peaks[np.argsort(-inner[peaks])[:MOST_EXTREMES]]
+    )  # where a value is nearly constant, rounding makes many

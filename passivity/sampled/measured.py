@@ -27,7 +27,7 @@ from passivity.floats.axis import AxisAnalysis
 from passivity.rational.state_space import MAX_STATES
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
-from passivity.sampled.extremes import FEW, bands_of, seen, verdict_of, worst_of
+from passivity.sampled.extremes import FEW_PORTS, bands_of, seen, verdict_of, worst_of
 from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
 from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import Parameter, SampledResponse
@@ -161,8 +161,8 @@ def fit_scattering(
         where none `meets` the tolerance. Otherwise the fit comes back as it is, with the verdict that refutes it.
     delays : float or array_like, shape (p,), optional
         Time to each port, one way, s, >= 0, taken out of the samples first; else looked for: of one port below
-        1/(4 Δf) with samples Δf apart, for one longer by 1/(2 Δf) has the same samples; up to FEW ports where it is
-        some periods of the highest frequency.
+        1/(4 Δf) with samples Δf apart, for one longer by 1/(2 Δf) has the same samples; of up to FEW_PORTS ports where
+        it is some periods of the highest frequency.
     progress : callable, optional
         Called with order and misfit of each model that is tried.
 
@@ -241,7 +241,7 @@ def _behind(delays: NDArray, model: PoleResidueModel, rest: SampledResponse) -> 
 
 
 def _port_delays(response: SampledResponse) -> NDArray:
-    """Rough delays in front of up to FEW ports, in the ratio of the least squares of T + T' less the phases' slopes."""
+    """Rough delays in front of up to FEW_PORTS ports: T + T' fitted to the slopes of phases."""
     f, p = response.f, response.ports
     turned = (response.values[1:] * response.values[:-1].conj()).reshape(-1, p * p)
     size = np.abs(turned) + np.finfo(float).tiny if p > 1 else np.ones(turned.shape)
@@ -250,7 +250,7 @@ def _port_delays(response: SampledResponse) -> NDArray:
         return np.array([_rough_delay(response, float(slope[0]) / 2)])
     sums, weight = np.kron(np.eye(p), np.ones((p, 1))) + np.tile(np.eye(p), (p, 1)), np.sqrt(size.sum(0))
     T = np.linalg.lstsq(sums * weight[:, None], slope * weight, rcond=None)[0].clip(0)
-    if p > FEW or T.max() * f[-1] < 1:
+    if p > FEW_PORTS or T.max() * f[-1] < 1:
         return np.zeros(p)
     return T / T.max() * _rough_delay(response, T.max(), T / T.max())
 

@@ -15,7 +15,7 @@ from passivity.sampled.response import Parameter
 from tline.style import COLOURS, INK, cells_of, styled
 
 POINTS = 1500
-BEYOND = 1.5  # times the highest frequency: how far models are drawn
+DRAWN_BAND = 1.5  # times the highest frequency: how far models are drawn
 _AFTER, _BAD, _, _, _BEFORE, *_ = COLOURS
 _UNITS = {Parameter.Z: "  [Ω]", Parameter.Y: "  [S]", Parameter.S: ""}
 
@@ -24,7 +24,7 @@ _UNITS = {Parameter.Z: "  [Ω]", Parameter.Y: "  [S]", Parameter.S: ""}
 def draw_samples(verdict: SampleVerdict, ax: Axes | None = None, enforced: Enforced | None = None) -> Any:
     """A figure: worst singular value of S or smallest eigenvalue of Z or Y against frequency, violations shaded.
 
-    The models before and after are drawn to BEYOND times the highest frequency.
+    The models before and after are drawn to DRAWN_BAND times the highest frequency.
     """
     response, f = verdict.response, verdict.response.f
     title = f"samples: {verdict.status.value}"
@@ -80,7 +80,7 @@ def _ends(band: Band) -> tuple[float, float]:
 
 def _draw_models(axes: Axes, enforced: Enforced, f: NDArray) -> None:
     spread = np.geomspace if f[0] > 0 else np.linspace
-    ends = f[0], f[-1] * BEYOND
+    ends = f[0], f[-1] * DRAWN_BAND
     w = off_poles(enforced.model, 2 * np.pi * np.array([*f, *np.linspace(*ends, POINTS), *spread(*ends, POINTS)]))
     for model, color, style, name in (
         (enforced.original, _BEFORE, "--", "model as given"),

@@ -25,7 +25,7 @@ from passivity.sampled.touchstone_text import TouchstoneText, parse
 MAX_BYTES = 10_000_000
 MAX_LINE = 4_000
 HEADER = ["f", "re", "im"]
-LEAST = 1e-12  # of a matrix that is inverted, beside its largest singular value
+SINGULAR = 1e-12  # of a matrix that is inverted, beside its largest singular value
 
 
 def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> SampledResponse:
@@ -232,7 +232,7 @@ def _renormalised(read: TouchstoneText, values: NDArray, rounding: Rounding, z0:
     p, q, r, t = ((x[:, :, None] * one) / 2 for x in (g - new * k, h + new * k, g + new * k, h - new * k))
     below = r + t @ values
     singular = np.linalg.svd(below, compute_uv=False)
-    if not (singular[:, -1] > LEAST * singular[:, 0]).all():
+    if not (singular[:, -1] > SINGULAR * singular[:, 0]).all():
         read.refuse("reference impedance", "references that have an S against a resistance")
     right = np.linalg.inv(below)
     renormalised = (p + q @ values) @ right

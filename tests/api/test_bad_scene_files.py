@@ -7,7 +7,7 @@ from scene_mistakes import CABLE, agree, mistakes_of
 
 from tline.errors import InputError
 from tline.scene.file import read_scene
-from tline.scene.mistakes import MOST
+from tline.scene.mistakes import MOST_MISTAKES
 
 NOTHING = ["medium: is missing", "t_end: is missing", "lines: is missing", "probes: is missing"]
 
@@ -47,7 +47,7 @@ def test_files(what, tmp_path):
 def test_useless_lines_are_told_of_quickly(what, text, tmp_path):
     """Not with the square of their number: some 1 s each, and the bound is for machines that do other things too."""
     started = time.process_time()
-    assert len(mistakes_of(text, tmp_path)) == MOST + 1
+    assert len(mistakes_of(text, tmp_path)) == MOST_MISTAKES + 1
     assert time.process_time() - started < 20.0
 
 

@@ -6,7 +6,7 @@ import pytest
 from scene_mistakes import CABLE, PIPE, agree, changed, mistakes_of
 
 from tline.scene.file import read_scene
-from tline.scene.mistakes import MOST
+from tline.scene.mistakes import MOST_MISTAKES
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 
@@ -371,7 +371,7 @@ def test_all_mistakes_at_once(tmp_path):
 
 def test_a_hundred_mistakes_are_enough(tmp_path):
     found = mistakes_of(CABLE + "".join(f"[loads.l{k}]\n" for k in range(1234)), tmp_path)
-    assert len(found) == MOST + 1
+    assert len(found) == MOST_MISTAKES + 1
     assert found[-1] == "and 1,134 more mistakes"
 
 

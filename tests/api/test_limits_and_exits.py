@@ -17,7 +17,7 @@ from passivity.sampled.read import MAX_BYTES, MAX_LINE
 from tline.cli.main import main
 from tline.frequency.response import MOST_POINTS
 from tline.interchange.deck import DEEPEST, MOST_CARDS
-from tline.scene.mistakes import MOST
+from tline.scene.mistakes import MOST_MISTAKES
 from tline.scene.quantity import LARGEST as LARGEST_NUMBER
 from tline.scene.text_file import LARGEST_FILE
 from tline.scene.waveform import MOST_PULSES
@@ -56,7 +56,7 @@ def test_the_limits_on_the_page_are_those_of_the_program():
     assert table["pulses before the end of a run"] == f"{MOST_PULSES:,}"
     assert table["runs of a sweep"] == f"{MOST_RUNS:,}"
     assert table["frequencies of `tline frequency`"] == f"{MOST_POINTS:,}"
-    assert table["mistakes of a scene that are told"] == f"{MOST}"
+    assert table["mistakes of a scene that are told"] == f"{MOST_MISTAKES}"
     assert f"{int(ladder.MOST_SAMPLES):,} line-end samples or {ladder.MOST_SECONDS} s" in PAGE
     assert len(table) == 13  # and the heading
 

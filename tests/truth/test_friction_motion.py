@@ -7,7 +7,7 @@ import pytest
 from friction_moved import force_by_scipy
 
 from friction import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Ramp, Sine, Steps, Table, Tanh, prescribe
-from friction.prescribed import ROUNDING
+from friction.prescribed import TIME_ROUNDING
 
 MODELS = (
     LuGre(sigma1=2.0),
@@ -99,4 +99,4 @@ def test_errors_told_bound_the_true_ones():
         times = np.linspace(0.0, 1.0, 21)
         run = prescribe(model, velocity=Sine(a, f), times=times)
         exact = force_by_scipy(model, lambda t, a=a, f=f: a * sin(2.0 * pi * f * t), times)[:, 1]
-        assert np.abs(run.F_f - exact).max() <= (3.0 * run.errors["F_f"] + 1e-11 + ROUNDING) * np.abs(exact).max()
+        assert np.abs(run.F_f - exact).max() <= (3.0 * run.errors["F_f"] + 1e-11 + TIME_ROUNDING) * np.abs(exact).max()

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import minimize
 
 from passivity import RationalFunction, Status, check_bounded_real, check_positive_real, verify
-from passivity.sampled.check import ROUNDING, check_samples
+from passivity.sampled.check import SAMPLE_ROUNDING, check_samples
 from passivity.sampled.enforce import SPARE, enforce
 from passivity.sampled.fit import fit
 from passivity.sampled.model import PoleResidueModel
@@ -142,7 +142,7 @@ def test_samples_of_the_reference_cases(case):
     values = np.array([z(1j * x) for x in w])
     w, values = w[np.abs(values) < 1e100], values[np.abs(values) < 1e100]
     verdict = check_samples(SampledResponse(w, values, "Z" if case["kind"] == "PR" else "S"))
-    bar = Fraction(ROUNDING)
+    bar = Fraction(SAMPLE_ROUNDING)
     exact = [(Fraction(v.real), Fraction(v.imag)) for v in values.tolist()]
     if case["kind"] == "PR":
         beyond = any(a < 0 and a * a > bar**2 * (a * a + b * b) for a, b in exact)

@@ -120,7 +120,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 def test_large_networks_are_solved_like_small_ones(monkeypatch, name, exact):
     scene = read_scene(SCENES / f"{name}.toml")
     small, flows = steady_state(describe(scene))
-    monkeypatch.setattr(balance, "SMALL", 0)
+    monkeypatch.setattr(balance, "MOST_DENSE", 0)
     monkeypatch.setattr(balance, "EXACT", exact)
     large, same = steady_state(describe(scene))
     assert large == pytest.approx(small, rel=1e-9, abs=1e-9 * max(small.values()) + NONE)
@@ -129,7 +129,7 @@ def test_large_networks_are_solved_like_small_ones(monkeypatch, name, exact):
 
 def test_a_pipe_between_reservoirs_follows_darcy(monkeypatch):
     """Δp = ρ f l/(2 d A²) Q², also where no effort is left to be found."""
-    monkeypatch.setattr(balance, "SMALL", 0)
+    monkeypatch.setattr(balance, "MOST_DENSE", 0)
     pipe = {"nodes": ["high", "low"], "length": 100, "diameter": 0.2, "wave_speed": 1000, "density": 1000}
     scene = Scene(
         medium="hydraulic",

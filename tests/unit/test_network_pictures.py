@@ -217,7 +217,7 @@ def test_without_positions_distances_are_delays() -> None:
 def test_too_many_nodes_without_positions_are_refused_before_a_run(
     town: Result, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(laying, "MOST", 5)
+    monkeypatch.setattr(laying, "MOST_PLACED", 5)
     assert lines_to_map(town.scene) == ["intake", "main", "ab", "bc", "ca", "up"]
     table = town.scene.table()
     del table["nodes"]["a"]["position"]

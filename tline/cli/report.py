@@ -21,12 +21,12 @@ from tline.units import handy
 from tline.words.aligned import aligned
 from tline.words.wording import place
 
-SMALL = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
+MOST_JUDGED = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
 
 
 def judgement(result: Result) -> Accuracy | None:
     """How accurate a result is; None where finding out would take too long."""
-    if result.accuracy is None and result.samples <= SMALL:
+    if result.accuracy is None and result.samples <= MOST_JUDGED:
         return judged(result)
     return result.accuracy
 

@@ -25,7 +25,7 @@ from tline.scene.text_file import LARGEST_FILE
 from tline.words.wording import shown
 
 SECONDS, EACH = 20.0, 10.0  # of the processor: for any file, and for each megabyte more
-MOST, WAITING = 300.0, 3.0  # seconds, and those of the clock for each one of the processor
+MOST_SECONDS, WAITING = 300.0, 3.0  # seconds, and those of the clock for each one of the processor
 MEMORY, WRITTEN = 4 << 30, 1 << 30  # bytes; the latter of a file
 LONGEST = 1000  # bytes of a line; EPANET's buffer has 1024
 TITLE = 200  # characters
@@ -49,7 +49,7 @@ TIMES = ("PATT", "HYDR", "RULE", "START")
 def solved(path: str, text: str, instant: int = 0) -> dict[str, Any]:
     """What EPANET answers to a text so many seconds after the start of time; messages name the file at `path`."""
     library = _library()
-    seconds = min(SECONDS + EACH * len(text) / 1e6, MOST)
+    seconds = min(SECONDS + EACH * len(text) / 1e6, MOST_SECONDS)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         (Path(folder) / epanet_run.NETWORK).write_text(text, encoding="utf-8", newline="\n")
         command = [sys.executable, "-I", "-S", epanet_run.__file__, str(library)]

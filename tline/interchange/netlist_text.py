@@ -76,7 +76,7 @@ def _parts(p: Sequence[Fraction], q: Sequence[Fraction]) -> tuple[Fraction, Frac
 
 
 LARGEST = 1e12  # condition number of 1 + S, beyond which there is no admittance
-ROUNDING = 1e-15  # of the largest admittance; less is none
+SMALLEST_ADMITTANCE = 1e-15  # of the largest admittance; less is none
 
 
 def diode_cards(element: Diode, name: str, nodes: list[str], names: Names) -> list[str]:
@@ -145,7 +145,7 @@ def _conductances(Y: NDArray, name: str, ports: list[str], names: Names) -> list
     """G across each port for each voltage that commands its current."""
     return [
         f"{names.element('G', name)} {ports[i]} {ports[j]} {float(Y[i, j])!r}"
-        for i, j in np.argwhere(np.abs(Y) > ROUNDING * np.abs(Y).max())
+        for i, j in np.argwhere(np.abs(Y) > SMALLEST_ADMITTANCE * np.abs(Y).max())
     ]
 
 

@@ -19,7 +19,7 @@ PIECES = 64  # of a run, in which a law of time is looked at first
 PLACES = (0.31, 0.62)  # in a piece, where it is compared with a straight line; no halves, for laws may repeat
 BENT = 1e-4  # of its largest value: how far from a law the lines may be
 JUMP = 1e-9  # of a run: how long a jump may take
-SAME = 1e-6  # of that distance: points so near to a line are not kept
+STRAIGHT = 1e-6  # of that distance: points so near to a line are not kept
 MOST_POINTS = 20_000
 
 
@@ -170,7 +170,7 @@ def _corners(points: list[tuple[float, float]], near: float) -> list[tuple[float
     kept = points[:1]
     for (t, u), (after, end) in pairwise(points[1:]):
         start, begin = kept[-1]
-        if abs(begin + (end - begin) * (t - start) / (after - start) - u) > near * SAME:
+        if abs(begin + (end - begin) * (t - start) / (after - start) - u) > near * STRAIGHT:
             kept.append((t, u))
     return [*kept, points[-1]]
 

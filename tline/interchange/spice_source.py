@@ -26,7 +26,7 @@ ALIASES = {"SINE": "SIN", "PU": "PULSE"}
 WORDS = {*ARGUMENTS, *ALIASES, "AC", "DC"}
 EXPECTED = "DC, PULSE, PWL, SIN, EXP, SFFM or AM"
 MOST_POINTS = 100_000
-SAME = 1e-12  # levels that differ by less, relatively, are no jump
+SMALLEST_JUMP = 1e-12  # levels that differ by less, relatively, are no jump
 INSTANT = 1e-30  # s, in place of a zero, for which SPICE takes a default
 COMMANDS = (".gen", ".generator")
 SETTINGS = {  # its defaults, s and V
@@ -307,7 +307,7 @@ def _corners(waveform: Shape, scene: Scene, where: str, rise: float | None) -> l
         first, last = (float(waveform.value(np.array(t), inside)) for t in (start, stop))
         if not points:
             points.append((start, first))
-        elif abs(first - points[-1][1]) > SAME * max(abs(first), abs(points[-1][1])):
+        elif abs(first - points[-1][1]) > SMALLEST_JUMP * max(abs(first), abs(points[-1][1])):
             if rise is None or rise >= stop - start:
                 problem = f"jumps at {start:.6g} s, and SPICE has no jumps"
                 raise InputError(f"{where}.value", problem, f"a rise time below {stop - start:.3g} s", _time(rise))

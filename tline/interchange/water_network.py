@@ -14,7 +14,7 @@ from tline.scene.friction import FOOT
 from tline.scene.site import GRAVITY
 
 SQUARE, STEPS = 2.0, 10  # parts of other power laws
-NEAR = 0.25  # of a step: closer to the operating point than that no other is needed
+AT_OPERATING_POINT = 0.25  # of a step: closer to the operating point than that no other is needed
 Points = list[tuple[float, float]]
 STILL = 1e-9  # m³/s; a demand below it is none
 TRICKLE = 1e-6  # m³/s; what EPANET lets pass a valve that holds tight, or into a part that takes nothing
@@ -47,7 +47,7 @@ class PowerLaw:
         if self.c == SQUARE:
             return [(0.0, self.a), (self.last, 0.0)]
         step = max(self.last, 1.2 * at) / STEPS
-        flows = {k * step for k in range(STEPS + 1) if abs(k * step - at) > NEAR * step} | {at}
+        flows = {k * step for k in range(STEPS + 1) if abs(k * step - at) > AT_OPERATING_POINT * step} | {at}
         return [(flow, self.head(flow)) for flow in sorted(flows)]
 
 
@@ -73,7 +73,7 @@ class Polyline:
         """Its own points (flow, head), rest, middles between them, and the one at a flow."""
         own = sorted({0.0, *self.flows, max(self.last, 1.2 * at)})
         inner = [(one + two) / 2 for one, two in pairwise(own)]
-        least = NEAR * min(two - one for one, two in pairwise(own))
+        least = AT_OPERATING_POINT * min(two - one for one, two in pairwise(own))
         flows = {flow for flow in (*own, *inner) if abs(flow - at) > least} | {at}
         return [(flow, self.head(flow)) for flow in sorted(flows)]
 

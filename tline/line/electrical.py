@@ -27,7 +27,7 @@ QUANTITIES = (
 
 LIGHT = 299_792_458.0  # m/s, exact in SI
 MU0 = 1.25663706127e-6  # H/m, CODATA 2022
-ROUNDING = 1e-3  # people write 3e8 m/s for the speed of light
+LIGHT_ROUNDING = 1e-3  # people write 3e8 m/s for the speed of light
 
 SYSTEM = Relations(
     (
@@ -179,7 +179,7 @@ def _geometry_factor(shape: Mapping[str, float]) -> float:
 
 
 def _check_speed(speed: float, given: Mapping[str, float]) -> None:
-    if speed > LIGHT * (1 + ROUNDING):
+    if speed > LIGHT * (1 + LIGHT_ROUNDING):
         blamed = next((name for name in ("wave_speed", "velocity_factor", "permittivity") if name in given), "")
         expected, got = "a wave speed up to 299792 km/s", engineering(speed, "km/s")
         if blamed == "velocity_factor":

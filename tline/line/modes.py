@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 
 ALIKE = 1e-9  # relative; entries that differ by less are the same
-ROUNDING = 1e-13  # of the largest loss of a mode; less is none
+SMALLEST_LOSS = 1e-13  # of the largest loss of a mode; less is none
 NONE: Mapping[str, NDArray] = MappingProxyType({})
 
 
@@ -107,7 +107,7 @@ def _apart(matrix: NDArray, name: str) -> NDArray:
         problem = f"couples the modes of inductance and capacitance by {beside / largest:.2g} of its largest entry"
         expected = f"at most {ALIKE:g}, as of conductors alike, or of any where L C = 1/v² to all digits"
         raise MixedModesError(name, problem, expected)
-    return np.where(diagonal > ROUNDING * largest, diagonal, 0.0)
+    return np.where(diagonal > SMALLEST_LOSS * largest, diagonal, 0.0)
 
 
 def _maxwell(matrix: ArrayLike, name: str) -> NDArray:

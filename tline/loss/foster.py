@@ -14,7 +14,7 @@ from tline.loss.law import Arithmetic, Law, not_negative, positive
 if TYPE_CHECKING:
     from passivity import RationalFunction, Verdict
 
-PER_DECADE, BEYOND = 8, 2  # rates offered, and decades of them outside the table on both sides
+PER_DECADE, DECADES_OUTSIDE = 8, 2  # rates offered, and decades of them outside the table on both sides
 MOST_ROWS = 5_000
 
 
@@ -132,7 +132,11 @@ def tabulated(frequencies: ArrayLike, loss: ArrayLike, storage: ArrayLike, toler
     table = R + 1j * w * L
     size = np.maximum(np.abs(table), np.finfo(float).tiny)
     first, last = np.log10(w[w > 0][[0, -1]])
-    rates = np.logspace(first - BEYOND, last + BEYOND, math.ceil((last - first + 2 * BEYOND) * PER_DECADE) + 1)
+    rates = np.logspace(
+        first - DECADES_OUTSIDE,
+        last + DECADES_OUTSIDE,
+        math.ceil((last - first + 2 * DECADES_OUTSIDE) * PER_DECADE) + 1,
+    )
     s = 1j * w[:, None]
     columns = np.hstack([np.ones_like(s), s, s / (s + rates)]) / size[:, None]
     stacked = np.vstack([columns.real, columns.imag])

@@ -16,7 +16,7 @@ from tline.errors import InputError
 if TYPE_CHECKING:
     from flint import acb
 
-SMALL, LARGE = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
+SMALL_Z, LARGE_Z = 1e-4, 1e8  # of |z|: there two terms of its expansions give the quotient to rounding
 MOST_DIGITS = 1_000
 MOST_BITS = 20_000
 
@@ -54,9 +54,9 @@ def _quotient(n: int, z: NDArray) -> NDArray:
     from scipy.special import ive
 
     size = np.abs(z)
-    ordinary = (size > SMALL) & (size < LARGE)
+    ordinary = (size > SMALL_Z) & (size < LARGE_Z)
     inside = np.where(ordinary, z, 1)
-    beside = np.where(size <= SMALL, 2 * (n + 1) + z * z / (2 * (n + 2)), z + n + 0.5)
+    beside = np.where(size <= SMALL_Z, 2 * (n + 1) + z * z / (2 * (n + 2)), z + n + 0.5)
     return np.where(ordinary, inside * ive(n, inside) / ive(n + 1, inside), beside)
 
 

@@ -12,7 +12,7 @@ from tline.errors import InputError
 from tline.loss.flow_law import FlowLaw, PowerLaw
 from tline.loss.law import Arithmetic, ByValue, ConstantLoss, Law, points, positive
 
-ROUNDING = 1e-12  # relative difference of R C and G L that comes from typing decimals
+DISTORTIONLESS = 1e-12  # relative difference of R C and G L that comes from typing decimals
 
 
 class LossyLine(ByValue):
@@ -70,7 +70,7 @@ class LossyLine(ByValue):
     def distortionless(self) -> bool:
         """R/L = G/C, to rounding: the line only delays and attenuates by exp(-l sqrt(R G)), and Zc = z0."""
         return self.constant and math.isclose(
-            self.series.loss * self.shunt.storage, self.shunt.loss * self.series.storage, rel_tol=ROUNDING
+            self.series.loss * self.shunt.storage, self.shunt.loss * self.series.storage, rel_tol=DISTORTIONLESS
         )
 
     def waves(self, s: Any, arithmetic: Arithmetic) -> tuple[Any, Any]:

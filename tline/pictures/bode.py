@@ -87,9 +87,9 @@ def _mark(axes: Axes, modes: Sequence[Resonance], hertz: float) -> None:
             axes.plot(x, np.ones(len(x)), transform=axes.get_xaxis_transform(), label=label, zorder=4, **look)
 
 
-BEYOND = 1.5  # times the highest frequency: how far the model is drawn
+DRAWN_BAND = 1.5  # times the highest frequency: how far the model is drawn
 POINTS = 1500
-LEAST = 1e-17  # of the misfits that are drawn: a logarithm knows no 0
+SMALLEST_MISFIT = 1e-17  # of the misfits that are drawn: a logarithm knows no 0
 TOLD_APART = 4  # ports whose waves back are curves of their own; of more all look alike
 
 
@@ -115,7 +115,7 @@ def plot_misfit(found: "DelayedModel", title: str = "") -> Figure:
     """
     f, data, ports = found.samples.f, found.samples.values, found.samples.ports
     hertz, name = handy(float(f[-1]), "Hz")
-    drawn = np.linspace(0, BEYOND * f[-1], POINTS)
+    drawn = np.linspace(0, DRAWN_BAND * f[-1], POINTS)
     model, misfit = (found.model.at(2 * np.pi * at).reshape(-1, ports, ports) for at in (drawn, f))
     misfit = np.abs(misfit - data)
     picture = figure(8.0, 5.2, title)
@@ -128,7 +128,7 @@ def plot_misfit(found: "DelayedModel", title: str = "") -> Figure:
         upper.plot(f / hertz, np.abs(data[:, i, k]), ".", color=INK, markersize=4, label="samples" if first else None)
         shown = label if apart or first else None
         upper.plot(drawn / hertz, np.abs(model[:, i, k]), color=colour, linestyle=dash, label=shown)
-        lower.semilogy(f / hertz, np.maximum(misfit[:, i, k], LEAST), ".", color=colour, markersize=4)
+        lower.semilogy(f / hertz, np.maximum(misfit[:, i, k], SMALLEST_MISFIT), ".", color=colour, markersize=4)
     if ports > 1:
         largest = np.linalg.norm(model, 2, axis=(1, 2))
         upper.plot(drawn / hertz, largest, color=FAINT, label="largest singular value")

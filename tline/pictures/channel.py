@@ -13,7 +13,7 @@ from tline.pictures.bode import plot_misfit
 from tline.pictures.page import drawn, page, table
 from tline.pictures.signals import plot_reflections, plot_statistical_eye
 from tline.signal.all_patterns import StatisticalEye
-from tline.signal.channel import LEAST, Channel
+from tline.signal.channel import FLOOR, Channel
 from tline.signal.tdr import Reflections
 from tline.style import COLOURS, DASHES, FAINT, cells_of, styled
 from tline.units import handy
@@ -39,7 +39,7 @@ def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
         name = f"{seen.names[of]} → {seen.names[to]}" if to != of else f"back to {seen.names[of]}"
         upper.plot(f, seen.decibels(to, of), ".", color=FAINT, markersize=5, label=None if k else "samples")
         look = {"color": COLOURS[k], "linestyle": DASHES[k], "linewidth": 1.2, "label": f"model, {name}"}
-        upper.plot(at, 20 * np.log10(np.maximum(model[:, to, of], LEAST)), **look)
+        upper.plot(at, 20 * np.log10(np.maximum(model[:, to, of], FLOOR)), **look)
     for axes, what in zip(rest, below, strict=bool(ax is None)):
         for k, (name, values) in enumerate(curves[what].items()):
             axes.plot(f, values, color=COLOURS[k % len(COLOURS)], linestyle=DASHES[k % len(DASHES)], label=name)

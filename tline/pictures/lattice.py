@@ -20,9 +20,9 @@ from tline.units import handy
 
 MOST_LEGS = 12
 FEEBLE = 1e-3  # of the range of the waves; what jumps by less, and bends by less within a delay, is no front
-CLOSE = 2.0  # slabs between fronts that can be told apart
+DISTINCT_SLABS = 2.0  # slabs between fronts that can be told apart
 NEARBY = 1e-4  # of a slab, for slopes
-SAME = 1e-9  # of the run; fronts that start nearer than this to each other are one
+SAME_INSTANT = 1e-9  # of the run; fronts that start nearer than this to each other are one
 FLAT = 1e-6  # of the largest effort; a smaller one is zero
 ROOM = 0.03  # of the diagram's height, for a number
 LETTER = 0.028  # of the line's length, for a letter of a number
@@ -85,7 +85,7 @@ def bounces(result: Result) -> Bounces:
     for end, waves in enumerate(ends):
         times = {0.0, until, *(front.t + record.delay * (front.end != end) for front in fronts)}
         for start, stop in pairwise(sorted(t for t in times if t <= until)):
-            if stop - start > SAME * until:
+            if stop - start > SAME_INSTANT * until:
                 first = sum(_beside(wave, start, after=True)[0] for wave in waves) / 2
                 last = sum(_beside(wave, stop, after=False)[0] for wave in waves) / 2
                 stays.append(Stay(end, start, stop, first, last))
@@ -103,7 +103,7 @@ def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: flo
     largest = max(float(np.ptp([wave.before, *wave.values.ravel()])) for wave in (record.a1, record.b2))
     while waiting and len(fronts) < MOST_LEGS:
         t, end = heapq.heappop(waiting)
-        if any(front.end == end and abs(front.t - t) < SAME * t_end for front in fronts):
+        if any(front.end == end and abs(front.t - t) < SAME_INSTANT * t_end for front in fronts):
             continue
         wave = record.b2 if end else record.a1
         (before, slope_before), (after, slope_after) = (_beside(wave, t, after=late) for late in (False, True))
@@ -127,7 +127,7 @@ def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: flo
 
 def _is_crowded(front: Front, seen: list[tuple[float, int]], h: float) -> bool:
     """Whether another front leaves or reaches the end within two slabs."""
-    return any(end == front.end and SAME * front.t < abs(t - front.t) < CLOSE * h for t, end in seen)
+    return any(end == front.end and SAME_INSTANT * front.t < abs(t - front.t) < DISTINCT_SLABS * h for t, end in seen)
 
 
 def _beside(wave: Wave, t: float, after: bool) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from tline.scene.scene import Scene
 
 Places = Mapping[str, tuple[float, float]]  # of nodes, in any unit
 
-MOST = 1500  # nodes without positions; what follows takes their square in memory
+MOST_PLACED = 1500  # nodes without positions; what follows takes their square in memory
 ROUNDS = 100  # of the search; what is left then nobody sees
 SHORTEST, LONGEST = 0.2, 5.0  # of an edge, in medians
 APART = 1.2  # parts that nothing joins, in the largest distance within one
@@ -29,9 +29,9 @@ def refuse_too_many(scene: Scene) -> None:
     """Refuse a scene with too many nodes if not all have positions."""
     nodes = _nodes(scene)
     missing = [node for node in nodes if node not in scene.nodes or not scene.nodes[node].position]
-    if missing and len(nodes) > MOST:
+    if missing and len(nodes) > MOST_PLACED:
         problem = f"'{missing[0]}' has no position, and a map of {len(nodes)} nodes is not laid out"
-        raise InputError("nodes", problem, f"positions of all nodes, or at most {MOST} nodes")
+        raise InputError("nodes", problem, f"positions of all nodes, or at most {MOST_PLACED} nodes")
 
 
 def layout(scene: Scene) -> Places:

@@ -17,7 +17,7 @@ from tline.scene.text_file import beside, read_rows
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
 Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]
 Emission = Annotated[Quantity, Role("emission", "", at_least=0.1, at_most=100)]
-MOST = 1000  # points of a curve
+MOST_POINTS = 1000  # points of a curve
 COLDEST, HOTTEST = 1.0, 5000.0  # K
 HOTTEST_JUNCTION = 700.0  # times the thermal voltage, beyond which nothing conducts so much
 CURVED = 16  # points from which on a table is taken as a curve: narrower slabs cost less than fronts at all corners
@@ -123,7 +123,10 @@ class Curve(NonLinear, Placed):
 
     kind: Literal["table"] = "table"
     points: list[Point] | None = Field(
-        default=None, min_length=2, max_length=MOST, description="pairs [effort, flow], neither of which may fall"
+        default=None,
+        min_length=2,
+        max_length=MOST_POINTS,
+        description="pairs [effort, flow], neither of which may fall",
     )
     file: str | None = Field(
         default=None, description="instead of `points`, a CSV file of two columns, effort and flow, in SI"
@@ -152,6 +155,6 @@ class Curve(NonLinear, Placed):
 def _read(file: str, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
     """Points of a CSV file."""
     rows = read_rows(beside(file, info), "file", "a point", {2: "two finite numbers with a comma between"})
-    if not 2 <= len(rows) <= MOST:
-        raise InputError("file", f"not the points of a curve in '{file}'", f"2 to {MOST} lines", str(len(rows)))
+    if not 2 <= len(rows) <= MOST_POINTS:
+        raise InputError("file", f"not the points of a curve in '{file}'", f"2 to {MOST_POINTS} lines", str(len(rows)))
     return tuple(rows)

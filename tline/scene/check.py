@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from tline.scene.measure import Probe
     from tline.scene.scene import Scene
 
-SAME = 1 + 1e-12  # a slab longer than a delay by less than this is as long
+SAME_DELAY = 1 + 1e-12  # a slab longer than a delay by less than this is as long
 Ends = Mapping[str, list[str]]  # node -> lines that end there, twice if with both ends
 
 
@@ -174,7 +174,7 @@ def _slab(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
         name: line.shortest * min(cut[name].widths if name in cut else [1.0]) for name, line in scene.lines.items()
     }
     shortest = min(delays, key=lambda name: delays[name])
-    if slab > delays[shortest] * SAME:
+    if slab > delays[shortest] * SAME_DELAY:
         expected = f"at most that of {place('lines', shortest)}, {delays[shortest]:.6g} s"
         yield InputError("solver.slab", "longer than the shortest delay", expected, f"{slab:.6g} s")
 

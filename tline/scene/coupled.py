@@ -6,7 +6,7 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.line.electrical import LIGHT, ROUNDING
+from tline.line.electrical import LIGHT, LIGHT_ROUNDING
 from tline.line.modes import MixedModesError, Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name, nodes_of
@@ -14,14 +14,14 @@ from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.mistakes import Read, mistakes, validator
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
 
-MOST = 16  # conductors
+MOST_CONDUCTORS = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
 RowOfC = list[Annotated[Quantity, Role("capacitance per length", "F/m")]]
 RowOfR = list[Annotated[Quantity, Role("resistance per metre", "ohm/m")]]
 RowOfG = list[Annotated[Quantity, Role("conductance per metre", "S/m")]]
 
 
-Nodes = Annotated[tuple[Name, ...], nodes_of(MOST, "one for each conductor")]
+Nodes = Annotated[tuple[Name, ...], nodes_of(MOST_CONDUCTORS, "one for each conductor")]
 
 
 class OneMode(Element):
@@ -111,7 +111,7 @@ class Coupled(Element):
     @property
     def faster_than_light(self) -> bool:
         """Whether its length is known and too long for its fastest mode."""
-        return self.length is not None and self.length > self.shortest * LIGHT * (1 + ROUNDING)
+        return self.length is not None and self.length > self.shortest * LIGHT * (1 + LIGHT_ROUNDING)
 
     @property
     def losses(self) -> None:

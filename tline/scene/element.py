@@ -20,7 +20,7 @@ from pydantic import (
 )
 
 from tline.errors import InputError, SceneError
-from tline.scene.mistakes import MOST, WORDS, limited, mistakes, register, validator
+from tline.scene.mistakes import MOST_MISTAKES, WORDS, limited, mistakes, register, validator
 from tline.words.wording import shown
 
 
@@ -70,7 +70,7 @@ class Element(BaseModel):
             validator(type(self)).validate_python(data, self_instance=self)
         except ValidationError as error:
             found = mistakes(error, type(self), within=self._title())
-            raise SceneError(limited(found, error.error_count() - MOST)) from None
+            raise SceneError(limited(found, error.error_count() - MOST_MISTAKES)) from None
 
     # elements inside a scene are built without the wrapper above, so that their mistakes are told together
     __init__.__pydantic_base_init__ = True  # pyright: ignore[reportFunctionMemberAccess]

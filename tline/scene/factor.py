@@ -14,7 +14,7 @@ from tline.scene.shape import Constant, Floats, Shape
 from tline.scene.waveform import Waveform, read_waveform
 
 LOOKS = 1000  # instants at which a curved waveform is looked at
-ROUNDING = 1e-9
+STROKE_ROUNDING = 1e-9
 PARTS, HALVINGS = 64, 60  # of a smooth piece, and of each part in which a level is passed
 
 
@@ -30,7 +30,7 @@ def check_range(factor: Shape, t_end: float, most: float) -> None:
     share = np.linspace(0.0, 1.0, max(LOOKS // len(inside), 2))
     t = edges[: len(inside), None] + (np.diff(edges)[:, None] if len(edges) > 1 else 0.0) * share
     value = factor.value(t, inside[:, None])
-    bad = (value < -ROUNDING) | (value > most * (1 + ROUNDING))
+    bad = (value < -STROKE_ROUNDING) | (value > most * (1 + STROKE_ROUNDING))
     if bad.any():
         got = f"{value[bad][0]:.6g} at {t[bad][0]:.6g} s"
         expected = f"from 0 to {most:g}" if np.isfinite(most) else "zero or more"

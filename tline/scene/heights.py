@@ -16,7 +16,7 @@ from tline.words.wording import place
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
-SAME = 1e-9  # densities that differ by less than this, relatively, are equal
+SAME_DENSITY = 1e-9  # densities that differ by less than this, relatively, are equal
 LISTED = 4  # names
 
 
@@ -86,7 +86,7 @@ def height_mistakes(scene: Scene) -> Iterator[InputError]:
             where, expected = place("nodes", high, "elevation"), "none, or the density of a pipe"
             yield InputError(where, "the weight of the liquid does not follow", expected)
         for (one, density), (other, another) in pairwise(densities.items()):
-            if abs(density - another) > SAME * density:
+            if abs(density - another) > SAME_DENSITY * density:
                 problem = f"not that of {place('lines', one)}, with which it is connected: heights need one liquid"
                 expected = f"{density:.9g} kg/m^3"
                 yield InputError(place("lines", other, "density"), problem, expected, f"{another:.9g} kg/m^3")

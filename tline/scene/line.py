@@ -25,7 +25,7 @@ from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
 from tline.scene.vessel import Cavities
 
-ROUNDING = 1e-9  # of a storage, that laws may miss of the lossless line's
+STORAGE_MISMATCH = 1e-9  # of a storage, that laws may miss of the lossless line's
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")
 MATERIALS = {
     "fluid": f"gives density and bulk modulus: {listed(FLUIDS, 'or')}",
@@ -114,7 +114,7 @@ def _stored(storage: float, laws: list[Law]) -> Law:
     if all(isinstance(law, ConstantLoss) for law in laws):
         return ConstantLoss(sum(law.loss for law in laws), storage)
     left = storage - sum(law.storage for law in laws)
-    return Sum(*laws, ConstantLoss(0.0, left if left > ROUNDING * storage else 0.0))
+    return Sum(*laws, ConstantLoss(0.0, left if left > STORAGE_MISMATCH * storage else 0.0))
 
 
 class Creep(Element):

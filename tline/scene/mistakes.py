@@ -25,7 +25,7 @@ WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
 MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links, measures or else "", such a value) -> what it chooses
 # where in the validator's locations such a value stands
 WORD_AT = {"loads": 2, "links": 2, "measures": 2, "sources": 3, "value": 1}
-MOST = 100  # sentences; who makes more mistakes than that reads no further
+MOST_MISTAKES = 100  # sentences; who makes more mistakes than that reads no further
 _WRONG_TYPES = {
     "string_type": ("not a text", "text in quotes"),
     "list_type": ("not a list", ""),
@@ -48,18 +48,20 @@ def mistakes(
     sections: Mapping[str, type[BaseModel]] | None = None,
     within: str = "",
 ) -> list[InputError]:
-    """One InputError per finding, for the first MOST of them."""
+    """One InputError per finding, for the first MOST_MISTAKES of them."""
     findings = error.errors(include_url=False)
-    sentences = [_sentence(finding, root, sections or {}, (within,) if within else ()) for finding in findings[:MOST]]
+    sentences = [
+        _sentence(finding, root, sections or {}, (within,) if within else ()) for finding in findings[:MOST_MISTAKES]
+    ]
     meant = {f"{m.where.rpartition('.')[0]}.{m.expected.strip(chr(39))}" for m in sentences if m.problem == UNKNOWN}
     # a key that is missing because it is misspelt is one mistake, not two
     return [m for m in sentences if not (m.problem == MISSING and (m.where in meant or f".{m.where}" in meant))]
 
 
 def limited(found: list[InputError], untold: int) -> list[InputError]:
-    """The first MOST mistakes, and a sentence that stands for the others and for those never put into words."""
-    rest = max(len(found) - MOST, 0) + max(untold, 0)
-    return [*found[:MOST], InputError("", f"and {rest:,} more mistakes")] if rest else found
+    """Return the first MOST_MISTAKES mistakes, and a sentence that counts the others."""
+    rest = max(len(found) - MOST_MISTAKES, 0) + max(untold, 0)
+    return [*found[:MOST_MISTAKES], InputError("", f"and {rest:,} more mistakes")] if rest else found
 
 
 def _sentence(

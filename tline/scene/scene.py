@@ -30,7 +30,7 @@ from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Link, Load
 from tline.scene.measure import Measure, Probe
 from tline.scene.medium import MEDIA, check_units
-from tline.scene.mistakes import MOST, limited, mistakes, validator
+from tline.scene.mistakes import MOST_MISTAKES, limited, mistakes, validator
 from tline.scene.quantity import Duration, Effort
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Shape
@@ -145,7 +145,7 @@ class Scene(Element):
                 validator(Scene).validate_python(data, self_instance=self, context=context)
                 found, sound, untold = [], self, 0
             except ValidationError as error:
-                found, untold = mistakes(error, Scene, models), error.error_count() - MOST
+                found, untold = mistakes(error, Scene, models), error.error_count() - MOST_MISTAKES
                 sound = _sound_part(data, error, context)
             reported = {mistake.where for mistake in found}
             found += [mistake for mistake in misplaced(data) if mistake.where not in reported]

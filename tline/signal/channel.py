@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from passivity import DelayedModel, SampledResponse, SampleVerdict
     from tline.signal.all_patterns import StatisticalEye
 
-LEAST = 1e-6  # -120 dB, what is told of zeros
+FLOOR = 1e-6  # -120 dB, what is told of zeros
 PROFILE = 2000  # instants of an impedance profile
 TURNS = 3.0  # times the delay of the channel: how long that is
 
@@ -71,7 +71,7 @@ class Channel(Presentation):
 
     def decibels(self, to: int, of: int) -> NDArray:
         """20 log |S| of the samples, shape (n,); names, and behind these the common modes, count from 0 on."""
-        return 20 * np.log10(np.maximum(np.abs(self.modes.values[:, to, of]), LEAST))
+        return 20 * np.log10(np.maximum(np.abs(self.modes.values[:, to, of]), FLOOR))
 
     @property
     def curves(self) -> dict[str, dict[str, NDArray]]:

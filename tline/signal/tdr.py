@@ -21,7 +21,7 @@ from tline.units import to_si
 from tline.words.wording import nearest, shown
 
 TOL = 1e-6
-MOST = 1.01  # of the energy of the step, in what comes back; the rest is rounding and tolerance
+MOST_REFLECTED = 1.01  # of the energy of the step, in what comes back; the rest is rounding and tolerance
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -159,7 +159,7 @@ def reflectometry(
     incident = np.clip(seen.t / duration, 0.0, 1.0)
     reflected = seen.u - incident
     sent, back = (np.diff(seen.t) @ (wave[1:] ** 2 + wave[:-1] ** 2) for wave in (incident, reflected))
-    if back > MOST * sent:
+    if back > MOST_REFLECTED * sent:
         problem = "more energy comes back than the step brings, for something else drives the scene"
         raise InputError("node", problem, "a scene that is at rest where its sources are silent")
     return Reflections(seen.t, incident, reflected, resistance, node, MEDIA[scene.medium], scene.title)

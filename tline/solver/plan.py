@@ -38,7 +38,7 @@ LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by 
 HALVINGS = 5  # of slabs as wide as the shortest delay, or as what divides all delays
 MOST_PARTS = 1000  # of the shortest delay
 MOST_WORK = 3e5  # line-end samples without fronts that take as long as a run: some hundredths of a second
-SPARE = 0.1  # of the tolerance: what is to be told of the scene as it was given
+TOLERANCE_SHARE = 0.1  # of the tolerance: what is to be told of the scene as it was given
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
 
 
@@ -241,7 +241,7 @@ def planned(description: Description, tol: float) -> Pair | None:
 
     def enough(make: type[Pair], order: int, h: float) -> Pair | None:
         try:
-            pair = make(description, SPARE * tol, (made(order, h), made(order + 1, h)))
+            pair = make(description, TOLERANCE_SHARE * tol, (made(order, h), made(order + 1, h)))
         except InputError:
             return None
         return pair if pair.run(description) else None

@@ -29,8 +29,8 @@ from tline.units import engineering
 from tline.words.wording import nearest, place
 
 Table = dict[str, Any]
-LEAST = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
-ROUNDING = 5e-4  # of a flow, as results tell it in four digits
+LEAST_PRESSURE = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
+PRINTED_DIGITS = 5e-4  # of a flow, as results tell it in four digits
 SURPLUS = 1.2  # torque of a motor that starts, over the most that its pump takes at rated speed
 VALVE = "a valve, or an open pipe"
 NOTHING: Mapping[str, Any] = {}
@@ -211,7 +211,7 @@ class _Operated:
             raise InputError(
                 event.kind, "the pressure there is held, so nothing comes of it", "a junction", f"'{event.name}'"
             )
-        pressure = max(self._gauge(event.name), LEAST)
+        pressure = max(self._gauge(event.name), LEAST_PRESSURE)
         name = f"{event.name}:{event.kind}"
         if name in self.tables.setdefault("loads", {}):
             raise InputError(event.kind, "the scene has a load of that name", "another node", f"'{name}'")
@@ -228,7 +228,7 @@ class _Operated:
             if load.at == event.name and isinstance(load, CheckValve | Leak) and load.flow
         }
         name = max(drawn, key=drawn.__getitem__, default="")
-        if flow > drawn.get(name, 0.0) * (1 + ROUNDING):
+        if flow > drawn.get(name, 0.0) * (1 + PRINTED_DIGITS):
             unit = readable(self.scene).shown["flow"]
             least, got = (engineering(x, unit) for x in (flow, drawn.get(name, 0.0)))
             raise InputError("demand", f"node '{event.name}' draws less", f"at least {least}", got)

@@ -37,7 +37,7 @@ SHOWN = 5  # nodes in tables
 SECONDS = 20.0  # computing time for all runs
 KEPT, WAITING_SHARE = 0.5, 0.2  # of what is left: for further runs where some follow, and for one that finds instants
 LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
-SMALL = 300  # lines of a network all of which are recorded
+MOST_RECORDED = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
 
@@ -284,7 +284,7 @@ def operate(
         progress=progress,
         **rotor,
     )
-    lines = record if record is not None else planned.lines if len(planned.lines) <= SMALL else ()
+    lines = record if record is not None else planned.lines if len(planned.lines) <= MOST_RECORDED else ()
     more = {"cavities": cavities, "until_settled": until_settled, "progress": progress}
     return carried_out(planned, (*read, *guesses), lines, budget, **more)
 

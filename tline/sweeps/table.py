@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 NOT_RUN = "not run"
 QUANTILES = (0.05, 0.5, 0.95)
-FEW = 24  # runs that are told one by one
+LISTED_RUNS = 24  # runs that are told one by one
 WORDS = ("lowest", "highest")
 TOLD = 20  # sentences of failed runs
 
@@ -269,7 +269,7 @@ def as_text(found: Sweep) -> list[str]:
     title = [found.scene.title] if found.scene.title else []
     if "highest" not in found.kept or not len(found.good):
         return [*title, head]
-    return [*title, head, "", *(_one_by_one(found) if len(found) <= FEW else _spread(found))]
+    return [*title, head, "", *(_one_by_one(found) if len(found) <= LISTED_RUNS else _spread(found))]
 
 
 def _one_by_one(found: Sweep) -> list[str]:

@@ -10,7 +10,7 @@ from tline.scene.element import AtNode
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
 from tline.scene.quantity import Quantity, Role
 
-NEAR = 1e-9  # of the way between stops
+AT_STOP = 1e-9  # of the way between stops
 
 
 class Sprung(LawKind):
@@ -33,7 +33,7 @@ class Sprung(LawKind):
     def bends(self, c, rho):
         """Just before it meets a stop, and just after it has left one: there its spring moves, and bends."""
         _, _, first, last = c
-        near = NEAR * (last - first if last < inf else abs(first))
+        near = AT_STOP * (last - first if last < inf else abs(first))
         yield from (Bend(at) for at in (first + near, last - near) if abs(at) < inf)
 
     def volume(self, c):  # noqa: D102

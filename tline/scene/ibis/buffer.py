@@ -19,7 +19,7 @@ FIXTURE = {
     "c_dut": "F",
 }  # fmt: skip
 LEFT_OUT_OF_WAVEFORMS = ("l_fixture", "r_dut", "l_dut", "c_dut")
-BEYOND = 10  # times the larger of supply and fixture that a waveform may plausibly reach
+PLAUSIBLE_RANGE = 10  # times the larger of supply and fixture that a waveform may plausibly reach
 WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
 OPEN = {"open_drain", "open_sink", "open_source"}
 ALWAYS = {"output", "output_ecl", *OPEN}  # types that cannot be switched off
@@ -29,7 +29,7 @@ KINDS = DRIVING | {"input", "input_ecl", "terminator"}
 LEFT_OUT = (
     "submodel", "add submodel", "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
 )  # fmt: skip
-LEAST = 1e-15  # F, of a die, for voltages are states of something
+SMALLEST_CAPACITANCE = 1e-15  # F, of a die, for voltages are states of something
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
 TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp whose reference they lead to
 
@@ -195,8 +195,8 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     if capacitance < 0:
         raise InputError("file", f"line {row[0]}: C_comp is below zero", "a capacitance", " ".join(row[1]))
     if not capacitance:
-        capacitance = LEAST
-        notes.append(f"C_comp is 0, taken as {LEAST:g} F")
+        capacitance = SMALLEST_CAPACITANCE
+        notes.append(f"C_comp is 0, taken as {SMALLEST_CAPACITANCE:g} F")
     volts = {each.keyword: at_corner(each.words, corner, each.line, "V") for each in own if _is_voltage(each)}
     supply = volts.get("voltage range", volts.get("pullup reference"))
     if supply is None:
@@ -311,7 +311,7 @@ def _waveform(section: Section, corner: str, supply: float, notes: list[str]) ->
     t, u = np.array(table_of(section, corner, ("s", "V"), WORDS)).T
     if (np.diff(t) <= 0).any():
         raise InputError("file", f"line {section.line}: times of the waveform do not rise", "instants in order")
-    largest = BEYOND * max(abs(supply), abs(value["v_fixture"]))
+    largest = PLAUSIBLE_RANGE * max(abs(supply), abs(value["v_fixture"]))
     if np.abs(u).max() > largest:
         problem = f"line {section.line}: the waveform is not plausible"
         raise InputError("file", problem, f"at most {largest:g} V in size", f"{u[np.abs(u).argmax()]:g}")

@@ -20,7 +20,7 @@ from tline.solver.radau import Basis, basis
 from tline.solver.steady.edges import Ends
 
 ORDERS = 4  # assemblies that a grid keeps
-FEW = 1e5  # samples on the lines of one that is kept
+MOST_KEPT_SAMPLES = 1e5  # samples on the lines of one that is kept
 KEPT = "basis", "network", "state", "recorded", "recorded_laws", "recorded_nodes", "kernel", "signals"
 OF_LAWS = Laws._fields[: Laws._fields.index("record_row")]  # what slabs and what is recorded do not matter to
 
@@ -70,7 +70,7 @@ class Assembly(Layout):
 
     def leave(self) -> None:
         """Let the next run on the same grid have the arrays, if that is worth it."""
-        if self.state.waves.size <= FEW:
+        if self.state.waves.size <= MOST_KEPT_SAMPLES:
             spare = self.grid.spare
             for old in list(spare)[: max(len(spare) + 1 - ORDERS, 0)]:
                 spare.pop(old, None)  # which another thread may have done

@@ -17,12 +17,12 @@ from tline.solver.assembly.workspace import workspace_for
 from tline.solver.description.excitation import Broken
 from tline.solver.description.laws import tools_of
 from tline.solver.kernel.fronts.structures import (
+    CONTINUED,
     DISSOLVED,
     DROPPED,
     LOST,
     MERGED,
     PEAK,
-    SAME,
     SCALE,
     Events,
     ExcitationRows,
@@ -34,8 +34,8 @@ from tline.solver.kernel.fronts.structures import (
 )  # fmt: skip
 from tline.solver.kernel.network import Network
 
-MOST = 16  # pieces of a slab
-AT_NODE, GRADED = 2 * MOST, 8 * MOST  # pieces of a slab on which a node works, and if cuts are graded
+MOST_PIECES = 16  # pieces of a slab
+AT_NODE, GRADED = 2 * MOST_PIECES, 8 * MOST_PIECES  # pieces of a slab on which a node works, and if cuts are graded
 NEAREST = 2e-11  # slabs from a front to the next cut, at least
 WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
 MEMORY = 2e8  # bytes for slabs in pieces
@@ -60,7 +60,7 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
     """
     network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
     s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
-    most = 1 if assembly.description.crowded else int(min(max(WORK / (ends * n), 1), MOST))
+    most = 1 if assembly.description.crowded else int(min(max(WORK / (ends * n), 1), MOST_PIECES))
     rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
     group = np.array([event.group for event in events], int)
     order = np.argsort(group, kind="stable")
@@ -78,7 +78,7 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
         np.full(len(assembly.settle), -np.inf),
         assembly.graded,
         NEAREST,  # between those of slabs twice as wide, whose errors are others
-        max(SAME, assembly.resolution.layers, assembly.resolution.same),
+        max(CONTINUED, assembly.resolution.layers, assembly.resolution.same),
         np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
         tools_of(basis),
         _packed(assembly),

@@ -14,9 +14,9 @@ from tline.solver.description.excitation import EDGE, Waveform, just_before
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis
 
-MOST = 128  # families that are worth a run each
-NEAR = EDGE / 2  # slabs; fronts whose places are nearer than this are of one family
-ROUNDING = 1e-14  # of a waveform; by so little it neither jumps nor bends
+MOST_FAMILIES = 128  # families that are worth a run each
+SAME_FAMILY = EDGE / 2  # slabs; fronts whose places are nearer than this are of one family
+SMALLEST_CORNER = 1e-14  # of a waveform; by so little it neither jumps nor bends
 SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with what was before
 
 
@@ -52,7 +52,7 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
     pieces = waveform.value(knots[:-1] + width * SEEN, (knots[:-1] + knots[1:]) / 2)  # (places, pieces)
     slope = (pieces[-1] - pieces[0]) / width
     jump, bend = pieces[0] - np.append(before, pieces[-1, :-1]), np.diff(slope, prepend=0.0)
-    least = ROUNDING * max(float(np.abs(pieces).max()), abs(before))
+    least = SMALLEST_CORNER * max(float(np.abs(pieces).max()), abs(before))
     jump[np.abs(jump) <= least] = 0.0
     curved = bool(np.isfinite(waveform.fastest()))
     real = (np.abs(jump) > least) | (np.abs(bend) * width > least) | curved
@@ -64,11 +64,11 @@ def leads(instants: NDArray) -> NDArray:
     """By how many slabs slabs have to begin earlier for some instant each, in slabs, to be at the edge of one."""
     found: list[float] = []
     for ahead in np.unique(-instants % 1.0).tolist():
-        if not found or ahead - found[-1] > NEAR:
+        if not found or ahead - found[-1] > SAME_FAMILY:
             found.append(ahead)
-    if found and found[-1] > 1.0 - NEAR:
+    if found and found[-1] > 1.0 - SAME_FAMILY:
         found[-1] -= 1.0
-    return np.unique([ahead if ahead > NEAR else 0.0 for ahead in found])
+    return np.unique([ahead if ahead > SAME_FAMILY else 0.0 for ahead in found])
 
 
 def family_of(instants: NDArray, ahead: NDArray) -> NDArray:

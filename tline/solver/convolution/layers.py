@@ -18,14 +18,14 @@ from tline.solver.radau import Basis
 
 POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
-MOST = 3e6  # answers of the rest at all points
+MOST_ANSWERS = 3e6  # answers of the rest at all points
 MOST_LAYERS = 600  # rays of all fronts
-ROUNDING = 4e-16  # of an instant: narrower pieces are none
+NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are none
 
 
 def affordable(network: LinearRest) -> bool:
     """Whether the answers of all nodes to each other fit in memory at all points."""
-    return len(network.names) ** 2 * (LEVELS + 1) * POINTS <= MOST
+    return len(network.names) ** 2 * (LEVELS + 1) * POINTS <= MOST_ANSWERS
 
 
 class Source(NamedTuple):
@@ -163,7 +163,7 @@ class Layers:
         slabs = np.flatnonzero(touched)
         cuts = np.concatenate([slabs, slabs + 1.0, *(layer.edges[layer.edges < layer.end] for layer in layers)])
         cuts = np.unique(np.where(np.abs(cuts - np.round(cuts)) < EDGE, np.round(cuts), cuts))
-        cuts = cuts[(np.diff(cuts, prepend=-1.0) > ROUNDING * cuts) & (cuts <= n)]
+        cuts = cuts[(np.diff(cuts, prepend=-1.0) > NARROWEST_PIECE * cuts) & (cuts <= n)]
         start, stop = cuts[:-1], cuts[1:]
         slab = np.floor((start + stop) / 2).astype(int)
         start, stop, slab = (x[touched[slab]] for x in (start, stop, slab))

@@ -33,12 +33,12 @@ from tline.solver.radau import Basis, basis
 from tline.solver.stability.scattering import carried
 
 PADDED = 2, 3, 7, 15  # times the slabs that a transform has
-LEAST = 0.2  # of a tolerance: what wraps around and rounding may be
+ALIASING_SHARE = 0.2  # of a tolerance: what wraps around and rounding may be
 ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps of Newton's method
 WRONG = 1e-12  # of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
 SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of which transforms are quick
-FEW = 1000  # slabs of transforms whose modes are kept for the next scene
+KEPT_SLABS = 1000  # slabs of transforms whose modes are kept for the next scene
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 
@@ -49,7 +49,7 @@ def rounding(padded: int) -> float:
 
 def padding(tol: float) -> int:
     """Times the slabs that transforms need for a tolerance."""
-    return next((padded for padded in PADDED if rounding(padded) <= LEAST * tol), PADDED[-1])
+    return next((padded for padded in PADDED if rounding(padded) <= ALIASING_SHARE * tol), PADDED[-1])
 
 
 class Modes(NamedTuple):
@@ -138,7 +138,9 @@ class Quadrature:
         self.n, self.h, self.length = n, h, _smooth(padded * n)
         radius = EPS ** (1 / (n + self.length))  # what wraps around is then as small as rounding makes the last slabs
         self.decay = radius ** np.arange(n)
-        rates, self._from_eigen, self._to_eigen = (_kept if n <= FEW else on_circle)(basis.s, radius, self.length)
+        rates, self._from_eigen, self._to_eigen = (_kept if n <= KEPT_SLABS else on_circle)(
+            basis.s, radius, self.length
+        )
         self.points: NDArray = rates.ravel() / h  # where transfer functions are needed, 1/s
         late = -np.log(_places(radius, self.length))[:, None] - rates
         self.late: NDArray = late.ravel()  # of a slab, what its delay is beyond sh

@@ -21,8 +21,8 @@ from tline.solver.convolution.nodal import LinearRest
 from tline.solver.description.description import Description
 from tline.solver.description.switches import switches_of
 
-MOST = 100  # rays of one source
-SAME = 1e-9  # of the shortest delay; arrivals so near, of rays by paths that are moved alike, are one
+MOST_RAYS = 100  # rays of one source
+SAME_ARRIVAL = 1e-9  # of the shortest delay; arrivals so near, of rays by paths that are moved alike, are one
 MOST_ARRIVALS = 10_000  # arrivals
 
 
@@ -71,13 +71,13 @@ class Rays:
 
         A wave goes on where |s| > 1/h if it is `least` there: else the scene's own slabs follow it.
         """
-        same, number = SAME * min(delay for delay, _, _ in self.ways), 0
+        same, number = SAME_ARRIVAL * min(delay for delay, _, _ in self.ways), 0
         first = self.held[:, :, self.network.place[node]] if held else self.answers[:, :, node]
         heap: list[tuple[float, float, int, int]] = [(0.0, 0.0, 0, int(self.group_of[node]))]
         due: dict[tuple[int, int, int], dict[int, NDArray]] = {}
-        while heap and number < MOST:
+        while heap and number < MOST_RAYS:
             delay, rest, moved, group = heappop(heap)
-            into = due.pop((group, round(delay / same), round(rest / SAME)), {})
+            into = due.pop((group, round(delay / same), round(rest / SAME_ARRIVAL)), {})
             u = self._efforts(group, into) if number else first
             number += 1
             if self.rows[group]:
@@ -92,7 +92,7 @@ class Rays:
                         continue
                     there = int(self.group_of[self.network.node_of[end ^ 1]])
                     later = delay + more, rest + part, moved + whole, there
-                    key = there, round(later[0] / same), round(later[1] / SAME)
+                    key = there, round(later[0] / same), round(later[1] / SAME_ARRIVAL)
                     if key not in due:
                         heappush(heap, later)
                     waves = due.setdefault(key, {})
@@ -137,7 +137,7 @@ def arrivals(description: Description) -> dict[str, NDArray]:
     for switch in switches_of(description):
         moves = np.empty(0) if switch.law.factor is None else switch.law.factor.breaks(description.t_end)
         heap += [(float(t), group_of[switch.nodes[0]]) for t in moves[moves >= 0]]
-    same = SAME * min(line.delay for line in description.lines.values())
+    same = SAME_ARRIVAL * min(line.delay for line in description.lines.values())
     heap, found = sorted(heap), [[-np.inf] for _ in groups]
     while heap:
         t, group = heappop(heap)

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.convolution.families import MOST as MOST_FAMILIES
-from tline.solver.convolution.families import Changes, changes_of, family_of, leads, summed
+from tline.solver.convolution.families import MOST_FAMILIES, Changes, changes_of, family_of, leads, summed
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
@@ -44,7 +43,8 @@ MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
 MOST_HELD = 4e6  # efforts in s at once, of all families of fronts
 SHARED = 4  # families of fronts that cost as much as one run
-MOST, FEW = 4e6, 8  # points at which the scene answers in one run, times its line ends; of more than these a cube
+MOST_POINTS = 4e6  # points at which the scene answers in one run, times its line ends
+CUBE_POINTS = 8  # line ends beyond which an answer costs their cube
 
 
 def envelope_of(description: Description, result: Result) -> Envelope:
@@ -325,4 +325,6 @@ def is_affordable(scene: Convolved, s: int, h: float) -> bool:
     points, ends = scene.description.t_end / h * s * max(len(leads) / SHARED, 1.0), scene.network.size
     if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
         return False
-    return (scene.laws is not None or scene.parts_into(len(leads))) and points * ends * max(ends / FEW, 1) ** 2 <= MOST
+    return (scene.laws is not None or scene.parts_into(len(leads))) and points * ends * max(
+        ends / CUBE_POINTS, 1
+    ) ** 2 <= MOST_POINTS

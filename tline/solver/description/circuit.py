@@ -22,7 +22,8 @@ from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 
 ILL, SINGULAR = 1e11, 1e-12  # condition from which on singular values are looked at, and which of these count as none
-SMALL, BOUND = 1e-9, 1e-6  # what rounding leaves of coefficients, and what a state has at least that is bound
+COEFFICIENT_ROUNDING = 1e-9  # relative size of coefficients that are rounding
+SMALLEST_BOUND = 1e-6  # relative size of the coefficient of a dependent state, at least
 
 
 class LawPort(NamedTuple):
@@ -147,7 +148,7 @@ def _solved(F: NDArray, given: NDArray) -> tuple[NDArray, NDArray]:
     if not _norm(solution[:, :number]) * _norm(F) < ILL:
         left, values, _ = np.linalg.svd(F)
         bound = left[:, values < SINGULAR * values[0]].T
-        bound = np.where(np.abs(bound) < SMALL, 0.0, bound)
+        bound = np.where(np.abs(bound) < COEFFICIENT_ROUNDING, 0.0, bound)
     return bound, solution[:, number:] / size[:, None]
 
 
@@ -162,12 +163,12 @@ def _reduced(
     F, G, H, Q, L = equations
     where = " and ".join(dict.fromkeys(branch.where for branch in branches))
     together = bound @ G
-    together[np.abs(together) < SMALL * (np.abs(bound) @ np.abs(G))] = 0.0  # rounding of what cancels
-    given = np.abs(bound @ H).max(axis=0, initial=0.0) > SMALL
+    together[np.abs(together) < COEFFICIENT_ROUNDING * (np.abs(bound) @ np.abs(G))] = 0.0  # rounding of what cancels
+    given = np.abs(bound @ H).max(axis=0, initial=0.0) > COEFFICIENT_ROUNDING
     if given.any():
         problem = "no efforts and flows follow from what is at its nodes"
         at = [node.name for node, share in zip(nodes, given, strict=False) if share]
-        if np.abs(together).max(initial=0.0) > SMALL and at:
+        if np.abs(together).max(initial=0.0) > COEFFICIENT_ROUNDING and at:
             problem = f"what an ideal source prescribes at node '{at[0]}' is held by it, and cannot jump"
         raise InputError(where, problem, "a resistance in between, or beside it")
     follow = together @ L
@@ -176,7 +177,7 @@ def _reduced(
     whole = np.vstack([F, follow / scale])
     _, values, back = np.linalg.svd(whole)
     if values[-1] < SINGULAR * values[0]:
-        loose = [node.name for node, share in zip(nodes, back[-1], strict=False) if abs(share) > SMALL]
+        loose = [node.name for node, share in zip(nodes, back[-1], strict=False) if abs(share) > COEFFICIENT_ROUNDING]
         if not loose:
             raise InputError(where, "no efforts and flows follow from what is at its nodes", "a resistance in between")
         raise InputError(f"node '{loose[0]}'", "nothing ties its effort to the reference", "a load, or a line")
@@ -196,7 +197,7 @@ def _eliminated(together: NDArray, size: NDArray, moving: NDArray) -> tuple[NDAr
     rest, gone = together / size * moving, []
     for column in range(together.shape[1]):
         row = int(np.argmax(np.abs(rest[:, column])))
-        if abs(rest[row, column]) > BOUND:
+        if abs(rest[row, column]) > SMALLEST_BOUND:
             gone.append(column)
             rest = rest - np.outer(rest[:, column] / rest[row, column], rest[row])
     others = np.setdiff1d(np.arange(together.shape[1]), gone)

@@ -29,7 +29,7 @@ from tline.solver.description.passive import active_parts, impedances
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
-FEW = 50_000  # lines of a scene that keeps it
+MOST_KEPT_LINES = 50_000  # lines of a scene that keeps it
 LawsByPlace = dict[tuple[str, str], ElementLaw]
 MOST_BESIDE_VALVES = 5e7  # diamonds of a run in slabs as wide as the shortest delay, with which fronts are followed
 
@@ -336,7 +336,7 @@ def describe(scene: Scene) -> Description:
     if known.description is not None and known.description.scene is scene and known.read == _elements(scene):
         return known.description
     description = _described(scene)
-    if len(scene.lines) <= FEW:
+    if len(scene.lines) <= MOST_KEPT_LINES:
         vars(scene)[BESIDE] = Beside(description)
     return description
 

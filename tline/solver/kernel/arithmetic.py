@@ -8,12 +8,13 @@ Polynomials on intervals, held by their Legendre coefficients.
 from tline.compiled.unit import function
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
-SPARE, CLOSE = 4e-15, 1e-10  # residuals, relative to the efforts: where to stop, and what will do if no step helps
+BEST_RESIDUAL = 4e-15  # relative to the efforts, at which Newton's method stops
+ACCEPTED_RESIDUAL = 1e-10  # relative to the efforts, if no step reduces it
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
 TRIES = 40  # Newton steps for a part of the way
 FAINT = 1e-9  # what a step takes for the response of waves that answer to nothing
 LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
-ROUNDING = 1e-9  # of a look
+STEP_ROUNDING = 1e-9  # of a look
 
 
 @function
@@ -166,4 +167,4 @@ def fallen(coef, level, start):
 @function
 def after(place, s):
     """The next look at a slab, beyond this one however it is rounded."""
-    return min((int(place * LOOKS * s + ROUNDING) + 1) / (LOOKS * s), 1.0)
+    return min((int(place * LOOKS * s + STEP_ROUNDING) + 1) / (LOOKS * s), 1.0)

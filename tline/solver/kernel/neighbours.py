@@ -9,7 +9,7 @@ EXPECTED = 4.0  # largest mismatch of a start, over the change of the highest co
 FALLS = 0.1  # largest change by a shared polynomial, over that by the start
 FIRST = 10.0  # largest change by a shared polynomial in a cell without a start
 UNEQUAL = 16.0  # widths of neighbours beyond this ratio are not compared
-ROUNDING = 4e-15  # of the largest value
+VALUE_ROUNDING = 4e-15  # of the largest value
 
 
 class Joined(NamedTuple):
@@ -82,7 +82,7 @@ def join(at: Joined) -> int:
         off = 0.0
         for wave in range(waves):
             off = max(off, abs(at.told[wave, k, 1] - at.waves[wave, k * s]))
-        expected = max(EXPECTED / (2 * s - 1) * about(at.bend, k), ROUNDING * largest)
+        expected = max(EXPECTED / (2 * s - 1) * about(at.bend, k), VALUE_ROUNDING * largest)
         at.joined[k] = ratio_of(at.width, k) > 1.0 / UNEQUAL and off <= expected
         at.off[k] = off if at.joined[k] else 0.0
         worst = max(worst, at.off[k])
@@ -93,7 +93,7 @@ def join(at: Joined) -> int:
                     at.values[wave, k, i] -= off * at.start[i]
     for wave in range(waves):
         largest = max(largest, abs(at.waves[wave, 0]))
-    return 1 if worst > ROUNDING * largest else 0
+    return 1 if worst > VALUE_ROUNDING * largest else 0
 
 
 @function

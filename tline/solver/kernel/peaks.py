@@ -9,7 +9,7 @@ from tline.compiled.unit import function, unit
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
 ROUNDED = 1e-12  # of a value: what may be missed
-SAME = 1e-9  # what differs by less, relatively, is the same extreme: the first counts
+TIE = 1e-9  # what differs by less, relatively, is the same extreme: the first counts
 
 
 class ExtremesOfCopies(NamedTuple):
@@ -64,7 +64,7 @@ def find_extremes(search: ExtremesOfCopies) -> int:
             for k in range(-1, min(whole + 1, slabs)):
                 slab = first if k < 0 else k
                 reach = top[side, slab, c] + min(margin, top[0, slab, c] + top[1, slab, c])
-                if k == first or (k >= 0 and reach <= (1.0 + ROUNDED if slab > at else 1.0 - SAME) * best):
+                if k == first or (k >= 0 and reach <= (1.0 + ROUNDED if slab > at else 1.0 - TIE) * best):
                     continue
                 begin = edges[slab % parts, c]
                 width = edges[slab % parts + 1, c] - begin
@@ -72,7 +72,7 @@ def find_extremes(search: ExtremesOfCopies) -> int:
                 value, x, bend = peak(wave[slab], c, sign, furthest, points, search.to_powers, search.coef)
                 if k < 0:
                     margin = bend * gap**2 / 4.0
-                if value > (1.0 + SAME) * best or (slab < at and value >= (1.0 - SAME) * best):
+                if value > (1.0 + TIE) * best or (slab < at and value >= (1.0 - TIE) * best):
                     best_at, at = (slab // parts + begin + x * width) * search.period[c], slab
                 best = max(best, value)
             found[2 * side, c], found[2 * side + 1, c] = sign * best, best_at

@@ -42,7 +42,7 @@ from tline.words.progress import Progress
 NOTHING = np.empty((0, 0)), np.empty((0, 2, 0))
 CHUNK = 2e7  # line-end samples between two looks at the progress bar
 LOOK = 2e6  # between two looks of observers, who want all pieces too
-FEW = 1e5  # samples of sources that are found at once
+SAMPLES_AT_ONCE = 1e5  # samples of sources that are found at once
 STRETCH = 1024  # slabs advanced in pieces between two looks for fronts
 
 
@@ -202,7 +202,7 @@ class Signals:
         self.steady = assembly.description.steady
         # cells of order 1 are no better with corners in pieces, which would never be joined
         self.constants = self.basis.s == 1 and len(assembly.network.diamonds.line) > 0
-        few = len(self.of) * n * self.basis.s <= FEW
+        few = len(self.of) * n * self.basis.s <= SAMPLES_AT_ONCE
         self.shape = n, self.follows, few, len(self.of)
         like = before if before and before.shape == self.shape else None
         self.known = [self._found(k, parts, like.known if like else [], few) for k, parts in enumerate(self.of)]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.radau import Basis
 
-NEAR = 1e-9  # slabs; an end this near to a slab's is its end
+AT_SLAB_END = 1e-9  # slabs; an end this near to a slab's is its end
 
 
 class Slabs(NamedTuple):
@@ -23,14 +23,14 @@ class Slabs(NamedTuple):
     @classmethod
     def until(cls, t_end: float, width: float, number: int | None = None) -> "Slabs":
         """As many as it takes to come to an end, or so many, which may be fewer."""
-        needed = max(ceil(t_end / width - NEAR), 1)
+        needed = max(ceil(t_end / width - AT_SLAB_END), 1)
         number = needed if number is None else number
         return cls(number, width, t_end if number >= needed else number * width)
 
     @property
     def whole(self) -> int:
         """Number of slabs that end in time."""
-        return min(floor(self.end / self.width + NEAR), self.number)
+        return min(floor(self.end / self.width + AT_SLAB_END), self.number)
 
     @property
     def rest(self) -> float:

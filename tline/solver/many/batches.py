@@ -29,7 +29,7 @@ from tline.solver.many.nodes import Varying
 from tline.solver.many.period import driven_waves, modes_of
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Samples
-from tline.solver.tolerance.compare import ROUNDING, SILENT
+from tline.solver.tolerance.compare import SILENT, SMALLEST_ESTIMATE
 from tline.words.wording import place
 
 Floats = NDArray[np.float64]
@@ -109,7 +109,7 @@ def _relative(apart: Floats, lowest: Floats, highest: Floats, height: Height) ->
     off_u, off_q, q = apart.transpose(1, 0, 3, 2)
     flow = q.max(axis=2, initial=0.0)[..., None]
     effort = np.maximum(height.above_level - lowest, highest - height.above_level)[..., None]
-    worst = np.full(off_u.shape, ROUNDING)
+    worst = np.full(off_u.shape, SMALLEST_ESTIMATE)
     for off, scale in ((off_u, effort), (off_q, flow)):
         heard = ~(scale <= SILENT * np.maximum(effort, flow))
         with np.errstate(divide="ignore", invalid="ignore"):

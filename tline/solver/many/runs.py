@@ -16,7 +16,7 @@ from tline.solver.many.batches import ProbeOfCopies, run
 from tline.solver.many.copies import Copies, copies_of
 from tline.solver.many.period import breaks_of, cut, front_places, slab_edges
 from tline.solver.result.accuracy import SLOWEST
-from tline.solver.tolerance.compare import BETWEEN, ROUNDING
+from tline.solver.tolerance.compare import BETWEEN, SMALLEST_ESTIMATE
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -27,7 +27,7 @@ WANTED = 0.5  # of the tolerance, for what the sample does not show
 SAFELY = 1e-4  # of the tolerance: who may expect that needs no finer slabs
 COMPARED = 16  # copies that are judged, beside those with extreme numbers
 BY_HALVES = (5, 8)  # orders where slabs are halved
-SPARE = 0.1  # of the tolerance: what they are to leave in the sample
+TOLERANCE_SHARE = 0.1  # of the tolerance: what they are to leave in the sample
 MOST_SLABS, HALVINGS = 400, 20  # of a period, and of one of them
 NOTHING = np.empty(0)
 CAUTION = BETWEEN / (1 - SLOWEST)  # errors of the finer run at any instant over differences at points
@@ -74,7 +74,7 @@ def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol
         best = min(best, (edges, s, estimate), key=lambda found: found[-1])
         if estimate <= WANTED * tol:
             break
-        excess = max(excess, estimate / max(expected, ROUNDING))
+        excess = max(excess, estimate / max(expected, SMALLEST_ESTIMATE))
     return best
 
 
@@ -88,9 +88,9 @@ def _halved(apart: Apart, fronts: Floats, s: int, tol: float) -> Found:
     edges = cut(fronts, shares)
     for _ in range(HALVINGS):
         told = CAUTION * apart(edges, s)
-        if told.max() <= SPARE * tol or len(told) > MOST_SLABS:
+        if told.max() <= TOLERANCE_SHARE * tol or len(told) > MOST_SLABS:
             break
-        beyond = np.split(told > SPARE * tol, np.cumsum([len(each) - 1 for each in shares])[:-1])
+        beyond = np.split(told > TOLERANCE_SHARE * tol, np.cumsum([len(each) - 1 for each in shares])[:-1])
         middles = [(each[:-1] + each[1:])[far] / 2 for each, far in zip(shares, beyond, strict=True)]
         shares = [np.sort(np.append(each, more)) for each, more in zip(shares, middles, strict=True)]
         edges = cut(fronts, shares)

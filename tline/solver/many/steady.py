@@ -17,7 +17,7 @@ from tline.solver.description.groups import parts
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.units import law_addresses
 from tline.solver.many.nodes import WHAT, LawOfCopies, NodeOfCopies, value_before
-from tline.solver.steady.steady_state import SAME
+from tline.solver.steady.steady_state import SAME_EFFORT
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def _at_part(junctions: list[NodeOfCopies], count: int) -> tuple[Floats, Floats]
     driven = [zero if each.conductance is None else wave / each.impedance for each, wave in pairs]
     if held:
         u, z = held[0], zero
-        if any((np.abs(other - u) > SAME * np.maximum(np.abs(other), np.abs(u))).any() for other in held):
+        if any((np.abs(other - u) > SAME_EFFORT * np.maximum(np.abs(other), np.abs(u))).any() for other in held):
             raise InputError("start", "its lines join different efforts", WHAT)
     else:
         total = np.sum(conducted, axis=0)

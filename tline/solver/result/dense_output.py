@@ -16,7 +16,7 @@ ROUGH = 1e-2  # relative to the wave's range: larger highest coefficients and a 
 NOISE = 1e-13  # relative to the largest wave; a smaller effort, or flow times z0, is zero
 PLACES = 5  # samples in a slab, at least, in the search of extremes
 CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples refined in the search, places around each, and refinements
-SAME = 1e-9  # relative to the range: smaller differences of extremes count as ties
+TIE = 1e-9  # relative to the range: smaller differences of extremes count as ties
 WIDEST = 4  # slabs over which a front may be smeared
 
 
@@ -180,7 +180,7 @@ def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tup
     wave, end, found = seen[1:].reshape(slabs.number, -1, 1), slabs.whole + slabs.rest, np.empty((4, 1))
     job = search(wave, np.ones(1), np.array([[0.0], [1.0]]), end, order.c, order.to_powers, found)
     find_extremes(pack(job))
-    near, start, there = SAME * (found[2, 0] - found[0, 0]), order.evaluation([0.0]), []
+    near, start, there = TIE * (found[2, 0] - found[0, 0]), order.evaluation([0.0]), []
     for (value, at), top, sign in zip(found.reshape(2, 2).tolist(), job.top[:, : slabs.whole, 0], (-1, 1), strict=True):
         least = sign * value - near
         if (k := int(np.argmax(top >= least))) < at and top[k] >= least:  # of as large ones the first
@@ -238,5 +238,5 @@ def zoomed(
 def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
     """Largest sample (sign 1) or smallest (sign -1), and the instant when it is first reached, within rounding."""
     best = (sign * samples).max()
-    reached = sign * samples >= best - SAME * np.ptp(samples)
+    reached = sign * samples >= best - TIE * np.ptp(samples)
     return float(sign * best) + 0.0, float(t[reached].min())  # no negative zero

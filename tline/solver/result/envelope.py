@@ -10,7 +10,7 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.given import Height
-from tline.solver.kernel.peaks import SAME, extremes, find_extremes
+from tline.solver.kernel.peaks import TIE, extremes, find_extremes
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.loop.slabs import Slabs, cut_at_end
 from tline.solver.radau import Basis, basis
@@ -109,7 +109,7 @@ class Extremes:
     def _note(self, k: int, node: NDArray, found: NDArray, when: NDArray) -> None:
         """Keep higher values; of several at one node the last must be the highest."""
         top = self.top[k]
-        new = found > top[node] * (1 + SAME)
+        new = found > top[node] * (1 + TIE)
         top[node[new]], self.at[k, node[new]] = found[new], np.minimum(when[new], self.slabs.end)
 
     def envelope(self, heights: Mapping[str, Height]) -> Envelope:

@@ -27,7 +27,7 @@ INSTANTS, OF_SLAB = 2000, 2  # of the lattice on a lossless line: in all and in 
 PEAKS = 2  # highest samples at a place that are refined in the search of extremes
 MOST_INSTANTS = 20_000  # of a lattice with more than one cell; a lossless line has more between them
 ROUGHLY = 1e-5  # tolerance of circuits where a run had none
-CLOSE, MOST_ROUNDS = 1e-6, 200  # the iteration ends at this change, relative to the largest wave
+LAST_CHANGE, MOST_ROUNDS = 1e-6, 200  # the iteration ends at this change, relative to the largest wave
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,7 +206,7 @@ def _lost(result: Result, line: str, record: LineRecord, cells: int, t: NDArray)
         leak = cell * record.z0 * _taken(circuits.shunt, (a + b) / 2, t[1])
         before, A, B = (A, B), _along(drop + leak), _along((drop - leak)[::-1])[::-1]
         change = max(np.abs(new - old).max() for new, old in zip((A, B), before, strict=True))
-        if change <= CLOSE * size:
+        if change <= LAST_CHANGE * size:
             return np.stack([A, B])
     raise InputError(place("lines", line), "loses too much for what is inside it to be found", "shorter lines")
 

@@ -16,7 +16,7 @@ from tline.words.wording import place
 
 LISTED = 4  # names in a sentence
 VISIBLE = 1e-6  # relative to the largest wave
-ROUNDING = 1e-9  # relative to the energy turned over
+ENERGY_ROUNDING = 1e-9  # relative to the energy turned over
 
 
 def remarks_of(result: Result) -> tuple[str, ...]:
@@ -45,7 +45,7 @@ def _active(description: Description, result: Result) -> list[str]:
     if not own or result.ledger is None:
         return []
     entries = [entry for entry in result.ledger.entries if own & {entry.where, *entry.where.split(" and ")}]
-    gains = [entry for entry in entries if entry.created > ROUNDING * result.ledger.turnover]
+    gains = [entry for entry in entries if entry.created > ENERGY_ROUNDING * result.ledger.turnover]
     return [f"{entry.where} gave {entry.created:.3g} J more than it had taken: its law is active" for entry in gains]
 
 

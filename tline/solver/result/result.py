@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tline.solver.loop.march import Noted
     from tline.solver.result.states import Measured, StateTrace
 
-NEAR = 1e-9  # in slabs; an instant this near to a slab end is taken as the end
+AT_SLAB_END = 1e-9  # in slabs; an instant this near to a slab end is taken as the end
 ROUNDINGS = 1e-14  # relative rounding error of the instant of a front
 
 
@@ -66,7 +66,7 @@ class Wave:
         """Return the value at any instants up to the end of the run, same shape as t; at a jump that before it."""
         t = np.asarray(t, float)
         place = t.ravel() / self.h
-        slab = np.ceil(place - NEAR).astype(int) - 1
+        slab = np.ceil(place - AT_SLAB_END).astype(int) - 1
         inside = np.clip(slab, 0, len(self.values) - 1)
         local = np.clip(place - inside, 0.0, 1.0)
         wave = self.basis.values(local[:, None], self.values[inside])[:, 0]
@@ -78,7 +78,7 @@ class Wave:
         """Replace values in slabs with fronts by those of their pieces."""
         seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
         start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
-        near = np.minimum(ROUNDINGS * place[seen], NEAR)  # behind a front pieces may be far narrower than a slab
+        near = np.minimum(ROUNDINGS * place[seen], AT_SLAB_END)  # behind a front pieces may be far narrower than a slab
         piece = np.minimum(np.searchsorted(stop, place[seen] - near), len(stop) - 1)
         local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
         wave[seen] = self.basis.values(local[:, None], self.pieces.values[piece])[:, 0]
@@ -207,7 +207,7 @@ class ProbeResult:
             An instant is no number, or lies behind the end of the run.
         """
         t, end = np.asarray(t, float), self.slabs.end
-        if not (t <= end * (1 + NEAR)).all():
+        if not (t <= end * (1 + AT_SLAB_END)).all():
             raise InputError(
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
             )

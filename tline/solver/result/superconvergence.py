@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from tline.solver.result.result import Wave
 
 SHARED = 8  # highest order whose polynomials are shared; beyond, the error is rounding
-SAME = 1e-12  # relative difference of widths that count as equal
+SAME_WIDTH = 1e-12  # relative difference of widths that count as equal
 CHUNK = 4096  # pairs of cells processed at a time
 NONE = np.empty(0, int)
 
@@ -120,7 +120,7 @@ def _unequal(at: Joined) -> tuple[NDArray, NDArray]:
     if at.width.min() == at.width.max():
         return NONE, NONE
     ratio = at.width[1:] / at.width[:-1]
-    return ratio, np.flatnonzero(at.joined[1:] & (np.abs(ratio - 1.0) > SAME) & (ratio < UNEQUAL))
+    return ratio, np.flatnonzero(at.joined[1:] & (np.abs(ratio - 1.0) > SAME_WIDTH) & (ratio < UNEQUAL))
 
 
 def _moments(s: int, known: bool) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from tline.solver.stability.zeros import Box, Characteristic, UncountableError, 
 
 NEGLIGIBLE = 1e-3  # relative growth within a run that is ignored
 PERIODS = 4  # resonances of the shortest line that the searched band includes at least
-BEYOND = 4.0  # highest searched frequency over the highest corner frequency of the loads
+OVER_CORNER = 4.0  # highest searched frequency over the highest corner frequency of the loads
 ALIKE = 1e-6  # relative difference of growth rates that count as equal
 SAMPLES = 4.0  # on the boundary, per radian of phase of all delays together
 MOST_WORK = 3e9  # floating-point operations of all determinants, beyond which no search is made
@@ -47,7 +47,7 @@ def growth(description: Description) -> Growth | None:
     Growth(s=None, highest=25.132741228718345)
     """
     D = Characteristic(description)
-    high = max(BEYOND * D.corner, 2 * np.pi * PERIODS)
+    high = max(OVER_CORNER * D.corner, 2 * np.pi * PERIODS)
     step = 1 / (SAMPLES * 2 * D.delays.sum())
     if high / step * (2 * len(D.z0)) ** 3 > MOST_WORK:
         return None

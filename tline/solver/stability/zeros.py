@@ -21,7 +21,7 @@ Log = Callable[[NDArray], NDArray]
 TURN = 1.0  # largest change of phase (rad) and of log magnitude between two samples
 PARTS = np.array([0.25, 0.5, 0.75])  # positions of refining samples between two
 MOST_SAMPLES = 400_000
-SMALL = 1e-9  # relative to the first rectangle; zeros nearer to each other count as one
+SAME_ZERO = 1e-9  # relative to the first rectangle; zeros nearer to each other count as one
 
 
 class UncountableError(ArithmeticError):
@@ -100,7 +100,7 @@ def all_zeros(log: Log, box: Box, step: float) -> list[complex]:
         part, zeros = waiting.pop()
         if zeros == 0:
             continue
-        small = part.right - part.left < SMALL * (box.right - box.left)
+        small = part.right - part.left < SAME_ZERO * (box.right - box.left)
         zero = part.middle if small else _polished(log, part) if zeros == 1 else None
         if zero is not None:
             found.append(zero)
@@ -117,7 +117,7 @@ def rightmost(log: Log, box: Box, step: float) -> complex:
         *_, part, zeros = heapq.heappop(waiting)
         if best is not None and part.right <= best.real:
             break
-        small = part.right - part.left < SMALL * (box.right - box.left)
+        small = part.right - part.left < SAME_ZERO * (box.right - box.left)
         zero = part.middle if small else _polished(log, part) if zeros == 1 else None
         if zero is not None:
             best = zero if best is None or zero.real > best.real else best

@@ -31,12 +31,13 @@ CONTRADICTORY = 1e-11  # of what is known
 INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
 STEPS, HALVINGS = 400, 40
-SPARE, CLOSE = 1e-15, 1e-10  # residuals, relative to the largest effort: where to stop, and what will do
-LEAST = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
+BEST_RESIDUAL = 1e-15  # relative to the largest effort, at which Newton's method stops
+ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
+SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
 SHUT = 1e-9  # conductance of a law, in those units, that is taken beside multiports for one which lets nothing pass
 LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
 LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is not found at once
-SMALL = 300  # unknowns
+MOST_DENSE = 300  # unknowns
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
 NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
 TIED = 1e-13  # of what else ties a part, where that is not enough to tell its effort
@@ -202,13 +203,13 @@ def balanced(laws: EdgeLaws, linear: Linear, near: NDArray | None = None) -> Bal
         A, f, leak = linear.matrix(least, 0)
         effort, none = f / A.values, np.zeros(0)
         return Balance(effort, effort, none, none, none, leak * effort, None)
-    if near is not None and (found := _newton(laws, linear, least, near)).worst <= CLOSE:
+    if near is not None and (found := _newton(laws, linear, least, near)).worst <= ACCEPTED_RESIDUAL:
         return found
     starts = _starts(laws, linear)
     tried = []
     for start in starts:
         found = _newton(laws, linear, least, start)
-        if found.worst <= CLOSE:
+        if found.worst <= ACCEPTED_RESIDUAL:
             return found
         tried.append(found)
     at = starts[0]
@@ -268,7 +269,7 @@ class _Point:
     def jacobian(self) -> Sparse:
         """Laws first, then balances."""
         edges, flows = np.arange(len(self.flow)), self._system.flows
-        own = Sparse(edges, edges, np.maximum(self._steep, LEAST))
+        own = Sparse(edges, edges, np.maximum(self._steep, SMALLEST_SLOPE))
         return self._system.matrix.plus(own, flows._replace(values=flows.values * self._slope[flows.columns]))
 
 
@@ -277,7 +278,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
     edges, n = system.edges, len(linear.given)
     here, limit = _Point(system, start), None
     for _ in range(STEPS):
-        if here.worst <= SPARE * here.scale:
+        if here.worst <= BEST_RESIDUAL * here.scale:
             break
         J = here.jacobian()
         if linear.B is None:
@@ -307,7 +308,7 @@ def _solved(J: Sparse, edges: int, left: NDArray) -> NDArray:
     solved at once.
     """
     n = len(left)
-    if n <= SMALL:
+    if n <= MOST_DENSE:
         matrix = J.dense(n)
         try:
             return np.linalg.solve(matrix, left)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from tline.solver.steady.steady_state import Before
 
 REGULATOR, DISC = 0.3, 1.0  # where the search begins
-LEAST = 1e-7  # an opening below it is shut
+SHUT = 1e-7  # an opening below it is shut
 STEPS, LONGEST = 60, 1.5  # of Newton's method, for the logarithm of an opening
 DIFFERENCE = 1e-6  # of that, for slopes
 SETTLED, ROUNDED = 1e-13, 1e-8  # of a step; below the second one it need not become shorter
@@ -41,7 +41,7 @@ def still(elements: Sequence[PlacedLaw], solve: "Callable[[dict[str, float]], Be
     before = solve(openings)
     if not free:
         return before
-    low, last, worst = np.log(LEAST), np.inf, free[0]
+    low, last, worst = np.log(SHUT), np.inf, free[0]
     y = np.log([openings[e.where] for e in free])
 
     def at(y: NDArray) -> "tuple[Before, NDArray]":
@@ -75,7 +75,7 @@ def _in_turn(at: "Callable[[NDArray], tuple[Before, NDArray]]", y: NDArray) -> "
     """One opening after the other until none moves any more, or nothing; one that rises lowers its own drive."""
     from scipy.optimize import brentq
 
-    low = np.log(LEAST)
+    low = np.log(SHUT)
     for _ in range(STEPS):
         begun = y.copy()
         for k in range(y.size):
@@ -91,7 +91,7 @@ def _in_turn(at: "Callable[[NDArray], tuple[Before, NDArray]]", y: NDArray) -> "
 
 
 def _opening(y: float) -> float:
-    return float(np.exp(y)) if y > np.log(LEAST) else 0.0
+    return float(np.exp(y)) if y > np.log(SHUT) else 0.0
 
 
 def _drive(element: PlacedLaw, before: "Before") -> float:

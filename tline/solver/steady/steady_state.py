@@ -15,7 +15,7 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.groups import parts
-from tline.solver.steady.balance import CLOSE, Balance, EdgeLaws, Linear, balanced, symmetric
+from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, EdgeLaws, Linear, balanced, symmetric
 from tline.solver.steady.edges import Edges
 from tline.solver.steady.openings import openings_at_rest, still
 from tline.solver.steady.pockets import settled
@@ -32,10 +32,10 @@ from tline.solver.steady.ports import (
 )
 from tline.words.wording import place
 
-SAME = 1e-9  # efforts that differ by less than this, relatively, are equal
+SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equal
 LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
-SMALL = 300  # nodes
-ROUNDING = 1e-12  # of the flows that meet
+MOST_DENSE = 300  # nodes
+BALANCE_ROUNDING = 1e-12  # of the flows that meet
 STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
 
 
@@ -174,7 +174,7 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
 
     `driving` is the largest flow that something drives, `part` the number of each node's balance.
     """
-    if not found.worst <= CLOSE:
+    if not found.worst <= ACCEPTED_RESIDUAL:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
         where = edges.where[k] if k < edges.count else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
@@ -237,7 +237,7 @@ def _check_held(description: Description, part: NDArray, given: NDArray) -> None
     low, high = _least(given, part), -_least(-given, part)
     level = np.zeros(len(low))
     level[part] = [node.height.level for node in description.nodes.values()]
-    torn = np.flatnonzero(high - low > SAME * np.fmax(np.abs(low), np.abs(high)) + LAST_DIGITS * np.abs(level))
+    torn = np.flatnonzero(high - low > SAME_EFFORT * np.fmax(np.abs(low), np.abs(high)) + LAST_DIGITS * np.abs(level))
     if torn.size:
         k = torn[0]
         lowest, highest = (names[np.flatnonzero((part == k) & (given == level))[0]] for level in (low[k], high[k]))
@@ -278,7 +278,7 @@ def _potential(first: NDArray, second: NDArray, stiffness: NDArray, flow_in: NDA
 
 def _solved(entries: NDArray, places: tuple[NDArray, NDArray], free: NDArray, n: int, flow_in: NDArray) -> NDArray:
     """Solution of the balances at the free nodes; small ones are spared the import of the sparse solver."""
-    if n <= SMALL:
+    if n <= MOST_DENSE:
         matrix = np.zeros((n, n))
         np.add.at(matrix, places, entries)
         return np.linalg.solve(matrix[np.ix_(free, free)], flow_in)

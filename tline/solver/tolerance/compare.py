@@ -13,7 +13,7 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import Result
 from tline.solver.tolerance.difference import EPS, Difference, difference, difference_at_ends, is_smooth
 
-ROUNDING = 2e-15  # relative to the amplitude; no estimate is smaller
+SMALLEST_ESTIMATE = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # of the largest amplitude of all probes; what is below is rounding
 SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
 BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
@@ -97,7 +97,7 @@ def relative(
 
 
 def _share(error: float, amplitude: float, least: float, of_waves: float) -> float:
-    rounding = max(ROUNDING, EPS * of_waves / amplitude) if amplitude else 0.0
+    rounding = max(SMALLEST_ESTIMATE, EPS * of_waves / amplitude) if amplitude else 0.0
     return max(error / amplitude, rounding) if amplitude > least and error > 0 else 0.0
 
 

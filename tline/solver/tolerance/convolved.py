@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.convolution.families import NEAR, leads
+from tline.solver.convolution.families import SAME_FAMILY, leads
 from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved, is_affordable, is_slow, suits
@@ -144,7 +144,7 @@ class Convolutions(Grids):
         smooth = [k for k, line in network.lossy.items() if not line.constant]
         smooth += [k for bundle in network.bundles.values() if bundle.skin.any() for k in bundle.lines]
         slabs = np.delete(network.delays * network.second / h, smooth)
-        return bool((np.abs(slabs - np.round(slabs)) > NEAR).any())
+        return bool((np.abs(slabs - np.round(slabs)) > SAME_FAMILY).any())
 
     def _first_slab(self) -> float:
         """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.

@@ -17,7 +17,9 @@ from tline.solver.radau import Matrix, basis, chebyshev
 from tline.solver.result.result import ProbeResult, Wave
 
 BESIDE = 1e-7  # slabs, from an edge that is no front to the places beside it
-SAME = 2.5e-9  # slabs of the coarser run; breaks nearer to each other are one, for each run moves them by up to 1e-9
+SAME_BREAK = (
+    2.5e-9  # slabs of the coarser run; breaks nearer to each other are one, for each run moves them by up to 1e-9
+)
 ROUNDINGS = 32  # of an instant, by which runs may differ about one front
 CLUSTER = 4  # narrow pieces side by side
 EPS = float(np.finfo(float).eps)
@@ -164,7 +166,7 @@ def _in_pieces(
     end = min(n * h, fine.slabs.end)
     knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts, [end]]))
     knots = knots[(knots >= 0) & (knots <= end)]
-    same = SAME * coarse.record.a1.h + ROUNDINGS * EPS * knots
+    same = SAME_BREAK * coarse.record.a1.h + ROUNDINGS * EPS * knots
     kept = np.diff(knots, prepend=-np.inf) > same
     knots, same = knots[kept], same[kept]
     start, stop = knots[:-1], knots[1:]
@@ -176,7 +178,7 @@ def _in_pieces(
     rounding = np.ptp(ours, axis=2) * (EPS * stop / width)
     off = _largest(np.abs(theirs - ours) + rounding[:, :, None])
     if not narrowest:
-        risen, before = (_overlooked(probe, SAME * coarse.record.a1.h) for probe in (fine, coarse))
+        risen, before = (_overlooked(probe, SAME_BREAK * coarse.record.a1.h) for probe in (fine, coarse))
         off = np.maximum(off, abs(risen - before) if followed else risen)
     return off, _largest(ours)
 

@@ -25,7 +25,7 @@ CAUTION = 2.0  # errors over differences: delays that are rounded err at random,
 CLOSER = 0.1  # tolerance of the next over what the last doubling changed
 SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
 OFF = 0.618  # of what is between them: places of instants at which two runs are compared, between round ones
-INSTANTS, PER_SLAB, MOST = 4001, 4, 200_000
+INSTANTS, PER_SLAB, MOST_INSTANTS = 4001, 4, 200_000
 ROUGH = 1e-3  # tolerance of the slabs of the first runs
 MOST_SAMPLES = 3e7  # line-end samples of all runs
 GROWTH = 6  # times as many samples with each doubling
@@ -145,7 +145,7 @@ class Doublings(Grids):
 
 
 def _changes(coarse: Result, fine: Result) -> Accuracy:
-    n = min(max(INSTANTS, PER_SLAB * fine.slabs.number), MOST)
+    n = min(max(INSTANTS, PER_SLAB * fine.slabs.number), MOST_INSTANTS)
     t = (np.arange(n) + OFF) / (n + 1) * fine.slabs.end
     found = {}
     for name, probe in fine.probes.items():

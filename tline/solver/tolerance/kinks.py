@@ -22,7 +22,7 @@ from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
 from tline.solver.run import NO_KINKS, Kinks, at_node
 
-MOST = 2000  # instants of an element; where there are more, none is followed
+MOST_KINKS = 2000  # instants of an element; where there are more, none is followed
 MOST_HALVED = 50_000  # the same of middles of pieces
 STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
 SETTLED = 1e-13  # pieces; a step that short is the last, for each is some 1e4 times shorter than the one before
@@ -89,7 +89,7 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
         bends = element.kind.bends(element.constants, record.impedance)
         instants = [_crossings(_less(into, at, element, result), result) for at in bends]
         all_ = np.unique(np.concatenate([np.empty(0), *instants]))
-        if 0 < len(all_) <= MOST:
+        if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
     return found
 
@@ -181,7 +181,7 @@ def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
     last = np.maximum.accumulate(np.where(told, np.arange(heights.size).reshape(heights.shape), 0).ravel())
     below = (heights.ravel() < 0)[last].reshape(heights.shape)
     piece, k = np.nonzero(below[:, :-1] != below[:, 1:])
-    if not 0 < len(piece) <= MOST:
+    if not 0 < len(piece) <= MOST_KINKS:
         return np.empty(0)
     places = np.append(0.0, order.c)
     low, high = places[k], places[k + 1]

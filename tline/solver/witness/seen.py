@@ -25,7 +25,7 @@ INSTANTS, WINDOWS = 64, 4  # random instants and windows, one in each of as many
 SLABS = 100  # slabs in a window at most: the longer it is, the less an error of effort matters
 POINTS = leggauss(5)  # quadrature in a piece of a window
 MARGIN = 3.0  # allowed error of efforts and flows over the tolerance
-ROUNDING = 1e-10  # relative to the efforts and flows at a node, since flows are small differences of waves
+NODE_ROUNDING = 1e-10  # relative to the efforts and flows at a node, since flows are small differences of waves
 FAINT = 1e-6  # relative to the largest effort in the scene; smaller signals are not checked
 MOST_ASIDE = 4  # instants that may fail: polynomials beside fronts, at line ends without probes
 MOST_WINDOWS = 1  # windows that may fail
@@ -117,7 +117,7 @@ class Seen:
         flows = sum(float(np.abs(self.end(*at)[1]).max()) for at in one.ends)
         conducts = self.conducts(one)
         size = max(float(np.abs(self.efforts(one) - gauge).max()), flows / conducts, FAINT * self.largest)
-        share = MARGIN * self.tol + ROUNDING
+        share = MARGIN * self.tol + NODE_ROUNDING
         return share * size + 1e-15 * abs(gauge), share * (size * conducts + flows)
 
     def across(self, term: Term, u: NDArray) -> tuple[NDArray, float]:
@@ -191,7 +191,7 @@ def _is_another(seen: Seen, sent: Wave, arrived: Wave, delay: float) -> NDArray:
     """At which random instants a wave differs from the one sent a delay before."""
     now, then = arrived(seen.instants), sent(seen.instants - delay)
     size = max(float(np.abs(now).max()), FAINT * seen.largest)
-    return np.abs(now - then) > (4 * seen.tol + ROUNDING) * size
+    return np.abs(now - then) > (4 * seen.tol + NODE_ROUNDING) * size
 
 
 def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]:

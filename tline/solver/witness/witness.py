@@ -24,10 +24,11 @@ from tline.solver.witness.nodes import lines_at, watched
 from tline.solver.witness.seen import Doubt, Seen, balance_doubts, line_doubts, store_doubts
 
 WINDOWS = 8  # windows of integration in the run
-SHARE, LEAST, MOST = 0.05, 4e3, 2e6  # cost of plain runs: share of the samples of all runs, and its limits in samples
+SHARE_OF_RUNS = 0.05  # cost of plain runs, relative to the samples of all runs
+LEAST_SAMPLES, MOST_SAMPLES = 4e3, 2e6  # limits of that cost
 CELLS = 10  # cells of lines with memory that cost as much as a sample
 INSTANTS = 128  # samples of a mean over a window
-FEW = 16  # slabs in a window at least
+FEWEST_SLABS = 16  # slabs in a window at least
 CAUTION = 4.0  # allowed difference, over that of the two plain runs
 FAINT = 1e-4  # relative to the largest wave: a difference always allowed
 KNOWS = 0.1  # relative to the amplitude: plain runs that differ by more are no evidence
@@ -61,13 +62,13 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
 def _slab(description: Description, result: Result) -> float | None:
     """Widest slab that suits all lines; None if runs with it and with half of it cost too much."""
     attempts = result.accuracy.attempts if result.accuracy else ()
-    affordable = min(max(SHARE * sum(attempt.samples for attempt in attempts), LEAST), MOST)
+    affordable = min(max(SHARE_OF_RUNS * sum(attempt.samples for attempt in attempts), LEAST_SAMPLES), MOST_SAMPLES)
     shortest = min(line.delay for line in description.lines.values())
     slabs = affordable / (6 * len(description.lines))
-    least = max(ceil(description.t_end / shortest), FEW * WINDOWS)
+    least = max(ceil(description.t_end / shortest), FEWEST_SLABS * WINDOWS)
     if slabs < least:
         return None
-    widest = min(shortest, description.t_end / (FEW * WINDOWS))
+    widest = min(shortest, description.t_end / (FEWEST_SLABS * WINDOWS))
     cells = 5 * cells_in(description, widest) / CELLS  # of both runs, which four times as many have on half the slab
     narrower = min(slabs / least, sqrt(affordable / cells) if cells else inf)
     return widest / 2 ** int(log2(max(narrower, 1.0)))

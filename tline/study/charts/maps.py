@@ -35,7 +35,7 @@ SHARE = 2 / 3  # R/(R + z0) of the load that is integrated
 SOURCE = 0.5  # reflection of the source where the load is active
 SHAKEN = 2.0
 TONES = range(1, 21)  # whole waves while it is shaken
-BEYOND = 1e200  # amplitude at which growth has been seen
+BLOWN_UP = 1e200  # amplitude at which growth has been seen
 FADED = 1e-3  # of the largest peak so far: below, tolerances of the integrators are seen instead
 FLAT = 1e-2  # growth per transit that counts as none where nothing decays
 Measure = Callable[[float], tuple[NDArray, NDArray]]
@@ -93,7 +93,7 @@ def line(transits: float, *, near: float = np.inf, far: dict[str, Any] | None = 
 def rate(t: NDArray, u: NDArray) -> float:
     """Growth rate per transit: slope of the logarithm of the peaks, over the later half of what is within bounds."""
     with np.errstate(invalid="ignore"):
-        beyond = ~(np.abs(u) < BEYOND)
+        beyond = ~(np.abs(u) < BLOWN_UP)
     end = int(np.argmax(beyond)) if beyond.any() else len(u)
     size = max(min(round(SHAKEN / t[1]), end // 8), 1)
     peaks = np.abs(u[: end // size * size]).reshape(-1, size).max(axis=1)

@@ -21,7 +21,7 @@ from tline.study.reference.network import ReferenceNetwork, decimal
 from tline.study.reference.rays import Begun, arrivals, sampled
 
 FEW_BITS, MOST_BITS = 64, 20_000
-SPARE = 15  # digits carried beyond those that are asked
+GUARD_DIGITS = 15  # digits carried beyond those that are asked
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,9 @@ class Solution:
                 y = [(p - q) / (2 * rational(self.z0)) for p, q in zip(a, b, strict=True)]
                 if _sharp([*a, *b], arb(10) ** -(digits + 1)):
                     both = (u, y)
-                    return tuple([Decimal(v.mid().str(digits + SPARE, radius=False)) for v in each] for each in both)
+                    return tuple(
+                        [Decimal(v.mid().str(digits + GUARD_DIGITS, radius=False)) for v in each] for each in both
+                    )
             bits *= 2
         raise InputError("digits", f"cannot be had with {MOST_BITS} bits", "fewer", f"{digits}")
 
@@ -141,12 +143,12 @@ def _sharp(values: list[Any], share: Any) -> bool:
 
 def _divided(value: Fraction, digits: int) -> Decimal:
     with localcontext() as context:
-        context.prec = digits + SPARE
+        context.prec = digits + GUARD_DIGITS
         return Decimal(value.numerator) / Decimal(value.denominator)
 
 
 def _rounded(values: list[Decimal], largest: Decimal, digits: int) -> tuple[Decimal, ...]:
     """To what is known: so many digits of the largest."""
     with localcontext() as context:
-        context.prec = digits + SPARE
+        context.prec = digits + GUARD_DIGITS
         return tuple(v.quantize(Decimal(1).scaleb(largest.adjusted() - digits)) if largest else v for v in values)

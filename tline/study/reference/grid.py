@@ -9,7 +9,7 @@ from tline.compiled.structure import Floats, Floats2, Integers, pack
 from tline.compiled.unit import function, unit
 
 ROUNDS = 60  # of Newton's method for the steady state
-CLOSE = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square
+LAST_STEP = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square
 
 
 class Pipes(NamedTuple):
@@ -135,5 +135,5 @@ def at_node(pipes, reaches, k, effort, given, plus, minus):
             into, falls, w = arriving(pipes, reaches, pipes.ends[i], effort[k], plus, minus)
             flow, slope, size = flow + into, slope + falls, size + abs(w)
         effort[k] += flow / slope
-        if abs(flow / slope) <= CLOSE * size:
+        if abs(flow / slope) <= LAST_STEP * size:
             return

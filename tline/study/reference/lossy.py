@@ -27,7 +27,7 @@ from tline.words.wording import place
 
 MOST_DIGITS, MOST_PASSAGES, MOST_TERMS = 100, 1_000, 100_000
 CONVERGENCE = log(3.89)  # of Talbot's sum: its error falls by this for each node
-SPARE_BITS, SPARE = 64, 5
+SPARE_BITS, SPARE_TERMS = 64, 5
 ROUNDS = 6  # of a quarter more nodes each
 
 Pair = tuple[Any, Any]
@@ -216,10 +216,10 @@ def _inverse(transform: Transform, t: arb, contour: list[tuple[acb, acb]]) -> Pa
 
 def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
     """Rounded to so many digits of the largest."""
-    exact = [Decimal(v.mid().str(digits + SPARE, radius=False)) for v in values]
+    exact = [Decimal(v.mid().str(digits + SPARE_TERMS, radius=False)) for v in values]
     largest = max(map(abs, exact))
     with localcontext() as context:
-        context.prec = digits + SPARE
+        context.prec = digits + SPARE_TERMS
         last = Decimal(1).scaleb(largest.adjusted() - digits)
         return tuple(v.quantize(last) if largest else v for v in exact)
 

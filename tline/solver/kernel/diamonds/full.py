@@ -19,7 +19,7 @@ SLOWEST = 1e-200  # Reynolds number
 BITS, MANTISSA, ONE = 52, 2**52 - 1, 1023 << 52  # of a number: those of its fraction, and 1.0
 TERMS, PLACES = 7, 128  # of a power's series, and in its table
 ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
-NEAR, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
+TANGENT_RANGE, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
 LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
 ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
 MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
@@ -104,7 +104,7 @@ def flushed(x):
 def bent(slope, flow, base):
     """About by how much friction is off the tangent at another flow; unknown, and so large, if that is not near."""
     away = abs(flow - base)
-    return slope * away * away / abs(base) if away < NEAR * abs(base) else away * UNKNOWN
+    return slope * away * away / abs(base) if away < TANGENT_RANGE * abs(base) else away * UNKNOWN
 
 
 @function

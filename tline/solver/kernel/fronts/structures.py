@@ -15,7 +15,7 @@ SCALE, LOST, BEGIN, END, ANEW = range(5)  # places in the sizes
 SAME_MAP = -1  # row of an event that begins a piece and moves nothing
 CUT = 1e300  # size of such an event; a move is larger than anything
 MERGE = 1e-11  # slabs; fronts nearer than this to each other are one
-SAME = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
+CONTINUED = 1e-13  # of the largest wave; pieces that continue each other so well need no breakpoint
 WIDER = 4.0  # times that each cut behind a front is farther away than the one before
 
 

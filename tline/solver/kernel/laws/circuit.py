@@ -22,7 +22,7 @@ M. A. Krasnoselskii: Two remarks on the method of successive approximations, Usp
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import CLOSE, SPARE, TINY, largest
+from tline.solver.kernel.arithmetic import ACCEPTED_RESIDUAL, BEST_RESIDUAL, TINY, largest
 from tline.solver.kernel.laws.answers import answered, exchange_states, respond_to, unbalance
 from tline.solver.kernel.network import DIVIDED, MISSES, SPENT, Run
 
@@ -31,10 +31,10 @@ MOST_SPENT = 50_000  # parts of slabs in which stores look for flows, of one gro
 RESTRAINT = 0.1  # in units of the relative residual, of steps where waves answer to nothing, as between shut valves
 SHORTER, SHORTEST, ROUNDED = 0.25, 1e-9, 0.1  # a part of a step over the one before, the least, and so near the end
 GAIN = 0.1  # what a step must gain, for each part of it
-KINK, BEYOND = 0.1, 16.0  # part of a step that a kink stops, and most that the square beyond it may grow
+KINK, MOST_GROWTH = 0.1, 16.0  # part of a step that a kink stops, and most that the square beyond it may grow
 SMALLER, SMALLEST = 1e-2, 1e-3  # a μ over the one before, at first and at least
-STEEP, LEAST = 0.99, 1e-17  # ratio of two μ at which a path is lost, and where it ends
-NEAR = 0.1  # residual over μ, relative to the waves, with which the next μ is tried
+STEEP, SMALLEST_MU = 0.99, 1e-17  # ratio of two μ at which a path is lost, and where it ends
+ON_PATH = 0.1  # residual over μ, relative to the waves, with which the next μ is tried
 QUICK = 1e-4  # of squares, with which the slopes of stores stay what they were
 LOST, FOLLOWS, SOLVED = 0, 1, 2
 
@@ -62,7 +62,7 @@ def newton(run, g, q, h, step, at, k, mu):
     """
     laws, work = run.network.laws, run.work.circuit
     size = (laws.first[g + 1] - laws.first[g]) * q
-    faint = SPARE * max(largest(run.work.row, k * q), work.largest[0])
+    faint = BEST_RESIDUAL * max(largest(run.work.row, k * q), work.largest[0])
     before, share, over, across, close, stops = np.inf, 1.0, False, False, False, 0
     for _ in range(ALONG if mu > 0.0 else AT_ONCE):
         now, worst, off, scale = unbalance(run, g, q, h, step, at, k, mu)
@@ -71,7 +71,7 @@ def newton(run, g, q, h, step, at, k, mu):
         free = across or (mu == 0.0 and not close)
         fits = now < np.inf if free else now <= (1.0 - GAIN * share) ** 2 * before
         if not fits and before < np.inf and share > (ROUNDED if close else SHORTEST):
-            over, share = now <= BEYOND * before, share * SHORTER
+            over, share = now <= MOST_GROWTH * before, share * SHORTER
             aim(work, size, share)
         elif not (fits or (now < np.inf and not close)):
             break
@@ -82,15 +82,15 @@ def newton(run, g, q, h, step, at, k, mu):
             else:
                 relax(work, size, mu)
         else:
-            if worst <= SPARE * scale:
+            if worst <= BEST_RESIDUAL * scale:
                 return SOLVED
-            if off <= NEAR * mu * scale:
+            if off <= ON_PATH * mu * scale:
                 return FOLLOWS
             answered(run, g, q, h, before == np.inf or now > QUICK * before)
             respond_to(run, g, q, step, at, k, mu if mu > 0.0 else RESTRAINT * min(worst / scale, 1.0))
             for a in range(size):
                 work.start[a] = work.aimed[a]
-            before, share, over, across, close = now, 1.0, False, False, worst <= max(CLOSE * scale, faint)
+            before, share, over, across, close = now, 1.0, False, False, worst <= max(ACCEPTED_RESIDUAL * scale, faint)
             aim(work, size, share)
     if not close:
         return LOST
@@ -107,7 +107,7 @@ def followed(run, g, q, h, step, at, k):
     mu, ratio = 1.0, SMALLER
     for a in range(size):
         work.aimed[a], work.safe[a] = work.given[a], work.given[a]
-    while mu > LEAST and ratio < STEEP:
+    while mu > SMALLEST_MU and ratio < STEEP:
         found = newton(run, g, q, h, step, at, k, mu)
         if found == SOLVED:
             return True

@@ -22,7 +22,7 @@ from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Run
 
 AT_ONCE, IN_TURN = 40, 40  # tries; passes through all rates
-SPARE, CLOSE = 1e-15, 1e-11  # of an opening: where to stop, and what will do
+BEST_RESIDUAL, ACCEPTED_RESIDUAL = 1e-15, 1e-11  # of an opening: where to stop, and what will do
 SLOWEST, FASTEST, INERTIA, DAMPING, POINTS = 7, 8, 9, 10, 11  # places of constants
 
 
@@ -208,7 +208,7 @@ def settled_at_once(run, g, n, h, own):
             work.inverse[a, b] = 1.0 if a == b else 0.0
     for step in range(AT_ONCE):
         worst = tried(run, g, n, h, own)
-        if worst <= SPARE or (worst <= CLOSE and worst >= 0.5 * before):
+        if worst <= BEST_RESIDUAL or (worst <= ACCEPTED_RESIDUAL and worst >= 0.5 * before):
             return True
         if not np.isfinite(worst):
             return False
@@ -236,7 +236,7 @@ def settled_in_turn(run, g, n, h, own):
             if not np.isfinite(tried(run, g, n, h, own)):
                 return False
             low, high = min(begun, begun - work.rest[a]), max(begun, begun - work.rest[a])
-            while h * (high - low) > SPARE and low < 0.5 * (low + high) < high:
+            while h * (high - low) > BEST_RESIDUAL and low < 0.5 * (low + high) < high:
                 work.rate[a] = 0.5 * (low + high)
                 if not np.isfinite(tried(run, g, n, h, own)):
                     return False
@@ -245,7 +245,7 @@ def settled_in_turn(run, g, n, h, own):
                 else:
                     low = work.rate[a]
             moved = max(moved, h * abs(work.rate[a] - begun))
-        if moved <= CLOSE:
+        if moved <= ACCEPTED_RESIDUAL:
             return True
     return False
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import (
-    CLOSE,
+    ACCEPTED_RESIDUAL,
+    BEST_RESIDUAL,
     HALVINGS,
-    SPARE,
     TRIES,
     after,
     clear,
@@ -87,7 +87,7 @@ def exchange(store, at, h, z, volume, air, opening):
                 system[j, k] = h * radau[j, k] * (more + density * 2.0 * abs(g[k]) * outside / z)
             system[j, j] += 2.0 * abs(g[j]) * v
             system[j, s] = rest[j]
-        if worst <= SPARE * scale or (worst <= CLOSE * scale and worst >= 0.5 * before):
+        if worst <= BEST_RESIDUAL * scale or (worst <= ACCEPTED_RESIDUAL * scale and worst >= 0.5 * before):
             return v, m, work, least
         damped = min(1.0, 2.0 * damped) if worst < before else 0.5 * damped
         before = worst
@@ -127,13 +127,13 @@ def stretched(store, at, h, z, since, volume, air, opening):
         v_end, m_end, work, least = exchange(store, at, h * (until - since), z, volume, air, opening)
         taken_now = work / store.constants[at + 1]
         early = waits and least > 0.0 and g[s - 1] > 0.0
-        if not early and least > 0.0 and in_air(volume, air) + taken_now >= -SPARE * (volume + v_end + m_end):
+        if not early and least > 0.0 and in_air(volume, air) + taken_now >= -BEST_RESIDUAL * (volume + v_end + m_end):
             low, room, held, taken = until, v_end, m_end, taken_now
             times(tools.to_legendre, store.flow, 0, store.kept)
         else:
             high = until
             shut, leaves = least <= 0.0 or (shut and not waits), early
-        if low == high or (low > since and not shut and not leaves) or high - low < SPARE:
+        if low == high or (low > since and not shut and not leaves) or high - low < BEST_RESIDUAL:
             break
         until = 0.5 * (low + high)
     return low, room, held, taken, shut, leaves

@@ -8,7 +8,17 @@ where dX/dt = r i, of a rotor about; and behind an effort and an impedance the f
 import numpy as np
 
 from tline.compiled.unit import function
-from tline.solver.kernel.arithmetic import CLOSE, SPARE, TRIES, clear, copy, eliminate, left_of, project, times
+from tline.solver.kernel.arithmetic import (
+    ACCEPTED_RESIDUAL,
+    BEST_RESIDUAL,
+    TRIES,
+    clear,
+    copy,
+    eliminate,
+    left_of,
+    project,
+    times,
+)
 from tline.solver.kernel.network import DIVIDED, MISSES, SPENT
 
 MOST_PARTS, STRIDES = 256, 64  # of a slab, and of a first residual, that are tried
@@ -82,7 +92,7 @@ def filled(stored, entering, store, at, state, h, z, most):
         for _ in range(TRIES):
             _, scale = unfilled(stored, entering, store, at, h, z, start)
             now = left_of(rest, first, aim, s)
-            sound = now <= SPARE * scale or (now <= CLOSE * scale and now >= 0.5 * before)
+            sound = now <= BEST_RESIDUAL * scale or (now <= ACCEPTED_RESIDUAL * scale and now >= 0.5 * before)
             if sound or not np.isfinite(now):
                 break
             share = min(1.0, 2.0 * share) if now < before else 0.5 * share

@@ -13,7 +13,7 @@ opening; the control signal is the share of the load that is left.
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import CLOSE, SPARE, eliminate
+from tline.solver.kernel.arithmetic import ACCEPTED_RESIDUAL, BEST_RESIDUAL, eliminate
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Store
 
@@ -64,7 +64,7 @@ def turbine(store: Store, at: int, state: int, h: float, z: float) -> int:
                 x += h * radau[j, k] * store.safe[k]
             x = min(max(x, 0.0), 1.0)
             moved, opening[j] = max(moved, abs(x - opening[j])), x
-        if moved <= SPARE or (moved <= CLOSE and moved >= 0.5 * before):
+        if moved <= BEST_RESIDUAL or (moved <= ACCEPTED_RESIDUAL and moved >= 0.5 * before):
             states[state], states[state + 1] = store.y[s - 1], opening[s - 1]
             return 0
         before = moved

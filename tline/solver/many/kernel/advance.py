@@ -28,7 +28,7 @@ from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.peaks import fill, powers
 
-NEAR = 1e-9  # of a period; an instant this near to a slab's end is its end
+AT_SLAB_END = 1e-9  # of a period; an instant this near to a slab's end is its end
 NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
 
 
@@ -316,9 +316,9 @@ def find_values(sought: Values) -> int:
     for c in range(copies):
         for i in range(t.size):
             place = t[i] / sought.period[c]
-            period = min(max(int(np.ceil(place - NEAR)) - 1, 0), slabs // parts - 1)
+            period = min(max(int(np.ceil(place - AT_SLAB_END)) - 1, 0), slabs // parts - 1)
             k = 0
-            while k < parts - 1 and edges[k + 1, c] < place - period - NEAR:
+            while k < parts - 1 and edges[k + 1, c] < place - period - AT_SLAB_END:
                 k += 1
             width = max(edges[k + 1, c] - edges[k, c], NARROWEST)
             x = min(max((place - period - edges[k, c]) / width, 0.0), 1.0)
