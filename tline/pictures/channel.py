@@ -28,7 +28,7 @@ WORDS = {
 
 @styled
 def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
-    """Plot transmission and reflection, dB over frequency, samples and model; below, crosstalk and conversion, if any."""
+    """Plot transmission and reflection over frequency, dB, of samples and model; below, crosstalk and conversion."""
     hertz, unit = handy(float(seen.measured.f[-1]), "Hz")
     f, curves = seen.measured.f / hertz, seen.curves
     below = [what for what in ("crosstalk", "conversion") if what in curves]
