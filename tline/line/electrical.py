@@ -54,7 +54,7 @@ class ElectricalLine(LineParameters):
     """Lossless, non-magnetic cable or pair of conductors: the quantities given, and all that follow from them.
 
     Every argument is a number in SI or a text with a unit; each must be positive and finite. Any sufficient
-    set is allowed. All others are ``None``.
+    set is allowed. Quantities left undetermined are ``None``.
 
     Parameters
     ----------

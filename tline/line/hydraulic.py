@@ -76,7 +76,7 @@ class HydraulicLine(LineParameters):
     """Lossless pipe or hose: the quantities given, and all that follow from them.
 
     Every argument is a number in SI or a text with a unit; each must be positive and finite. Any sufficient
-    set is allowed. All others are ``None``.
+    set is allowed. Quantities left undetermined are ``None``.
 
     Parameters
     ----------

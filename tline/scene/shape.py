@@ -1,6 +1,6 @@
 """Waveforms of sources: smooth pieces between breaks.
 
-A waveform is evaluated at instants t *as seen from* an instant inside one of its smooth pieces, so that a jump has two
+A waveform is evaluated at instants t *relative to* an instant inside one of its smooth pieces, so that a jump has two
 sides and rounding never picks the wrong one. ``breaks`` lists the jumps and corners.
 """
 
