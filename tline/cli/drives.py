@@ -212,8 +212,7 @@ def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) ->
     """Design PI controllers for belt speed and tension behind a decoupler, and run them.
 
     Unequal spools are made equal by an inner feedback. Set points step at t = 0. At the limit the tension has
-    priority. Requests that cannot be met, a bandwidth with good margins or set points at the limit, are reported with
-    the best that can; exit 1.
+    priority. A bandwidth without good margins, or set points beyond the limit, are reported with feasible ones; exit 1.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def vessel(
     Parameters
     ----------
     scene : Scene or path
-        Scene of a surge that starts in the steady state. An existing air vessel at the node is replaced.
+        Scene of a surge that starts in the steady state. An air vessel already at the node is resized.
     at : str
         Node of the vessel.
     path : sequence of str

@@ -19,9 +19,8 @@ Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
 
 class Air(LawKind):
     """Law of an air valve; constants: effort outside, pressure outside, areas of inlet, outlet and smaller outlet times
-    speed, pressure above the outside one from which the smaller one is open, closing rate of the outlet, and its
-    capacity for liquid. States: the volume of the air, the volume it would have outside, and the opening of a slow
-    outlet."""
+    speed, excess pressure from which the smaller one is open, closing rate of the outlet, and its capacity for liquid.
+    States: the volume of the air, the volume it would have outside, and the opening of a slow outlet."""
 
     name, unit = "air", "stores.air.air"
     states = 3
