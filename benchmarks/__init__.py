@@ -1,4 +1,4 @@
-"""What is timed against what."""
+"""Benchmarks of tline against other programs and methods."""
 
 import sys
 from pathlib import Path

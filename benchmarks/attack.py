@@ -1,6 +1,6 @@
 """Random inputs by seed, each judged: ``python -m benchmarks.attack KIND [FROM TO]``.
 
-Prints each seed that is answered badly, how many were answered how, and the largest of each measure with its seed.
+Prints each seed with a wrong answer, the number of answers of each kind, and the largest of each measure with its seed.
 Inputs and judges are those of the tests, which take a few seeds; `python -m benchmarks.fuzz` attacks the commands.
 """
 
@@ -21,7 +21,7 @@ from tline.errors import InputError, NoFlowError
 
 
 class Answer(NamedTuple):
-    """How an input was answered, measures of that, and what is wrong with it."""
+    """Kind of an answer, its measures, and its error."""
 
     word: str
     sizes: dict[str, float] = {}  # noqa: RUF012
@@ -32,7 +32,7 @@ Judge = Callable[[int], Iterator[Answer]]
 
 
 def events(seed: int) -> Iterator[Answer]:
-    """Things that move beside laws that kink, against bounces: at most three times as wrong as told."""
+    """Moving elements next to kinked laws, against bounces: true errors at most three times the estimated ones."""
     from random_events import ROUNDING, random_events
 
     from tline.solver.simulate import simulate
@@ -54,7 +54,7 @@ def events(seed: int) -> Iterator[Answer]:
 
 
 def stores(seed: int) -> Iterator[Answer]:
-    """The same beside vessels, tanks, cavities, pumps and regulating valves, against fixed orders."""
+    """Moving elements next to vessels, tanks, cavities, pumps and regulating valves, against fixed orders."""
     from random_stores import excess, random_stores
 
     from tline.solver.simulate import simulate
@@ -71,7 +71,7 @@ def _told(accuracy, worst: float) -> Answer:
 
 
 def tolerance(seed: int) -> Iterator[Answer]:
-    """Scenes of every kind at three tolerances, against far narrower slabs looked at where they end."""
+    """Scenes of every kind at three tolerances, against far narrower slabs, at the slab ends."""
     from kept import kept
     from random_kinks import KINDS, random_kinks
 
@@ -112,7 +112,7 @@ def memory(seed: int) -> Iterator[Answer]:
 
 
 def curve(seed: int) -> Iterator[Answer]:
-    """Scenes of every kind at tolerances from 1e-3 to 1e-10, wherever a user looks, against solutions from outside."""
+    """Scenes of every kind at tolerances from 1e-3 to 1e-10, at arbitrary instants, against independent solutions."""
     from curve_cases import LOSSLESS, LOSSY, found
 
     for name, make in (LOSSLESS | LOSSY).items():
@@ -128,7 +128,7 @@ def curve(seed: int) -> Iterator[Answer]:
 
 
 def circuits(seed: int, vessels: bool = False) -> Iterator[Answer]:
-    """Lumped circuits between lines, random waves left to themselves for 40 slabs: the energy does not grow."""
+    """Lumped circuits between lines, random waves without input for 40 slabs: the energy does not grow."""
     from circuit_energy import largest_growth
     from random_circuits import random_circuit
 
@@ -138,14 +138,14 @@ def circuits(seed: int, vessels: bool = False) -> Iterator[Answer]:
 
 
 def chains(seed: int) -> Iterator[Answer]:
-    """Rows of laws between lines: their waves fade away."""
+    """Rows of laws between lines: their waves decay."""
     from random_chains import fade, random_chains
 
     yield _energy(lambda: random_chains(seed, 1 + seed % 16), lambda table: fade(table, seed), 1e-9)
 
 
 def _energy(make: Callable[[], dict], measure: Callable[[dict], float], most: float) -> Answer:
-    """Where no flow is found the slab is divided, as runs do it."""
+    """Measure a scene, with narrower slabs if no flow is found, as runs do it."""
     for parts in (1, 4, 16):
         scene = make()
         scene["solver"]["slab"] /= parts
@@ -158,7 +158,7 @@ def _energy(make: Callable[[], dict], measure: Callable[[dict], float], most: fl
 
 
 def decks(seed: int) -> Iterator[Answer]:
-    """Torn netlists are read, or refused in a sentence, within seconds."""
+    """Corrupted netlists are read, or refused in a sentence, within seconds."""
     from mutated_decks import mutated, outcome
 
     with tempfile.TemporaryDirectory() as folder:
@@ -168,7 +168,7 @@ def decks(seed: int) -> Iterator[Answer]:
 
 
 def statics(seed: int) -> Iterator[Answer]:
-    """Static friction run twice, to another end and with other samples: the same events, each of which can be."""
+    """Static friction run twice, to another end and with other samples: equal events, each of them possible."""
     from random_friction import KINDS, random_run, sound
 
     from friction import Status, simulate
@@ -243,7 +243,7 @@ def mechanisms(seed: int) -> Iterator[Answer]:
 
 
 def bandwidths(seed: int) -> Iterator[Answer]:
-    """Drives at random: where the loop gain of the closed loop, in floats, is 1, over the bandwidth asked for."""
+    """Random drives: bandwidth of unit loop gain of the closed loop, in floats, over the requested one."""
     from random_drives import random_design
 
     with _Refusals() as refused:
@@ -257,7 +257,7 @@ def bandwidths(seed: int) -> Iterator[Answer]:
 
 
 def waterworks(seed: int) -> Iterator[Answer]:
-    """Imported networks after a start-up, a burst and a closing settle where EPANET has its steady state."""
+    """Imported networks after a start-up, a burst and a closing settle at the steady state of EPANET."""
     from random_waterworks import waterworks
     from settling import good, measured
 
@@ -269,7 +269,7 @@ def waterworks(seed: int) -> Iterator[Answer]:
             yield Answer(one.get("kind", "left out"), off, f"{one}" if off and not good(one) else "")
 
 
-KINDS: dict[str, tuple[Judge, int]] = {  # and so many seeds in some minutes
+KINDS: dict[str, tuple[Judge, int]] = {  # with the number of seeds for some minutes
     "events": (events, 300),
     "stores": (stores, 100),
     "tolerance": (tolerance, 5),
@@ -290,7 +290,7 @@ KINDS: dict[str, tuple[Judge, int]] = {  # and so many seeds in some minutes
 
 
 class _Refusals:
-    """A refusal within counts as an answer, which stands in the list afterwards."""
+    """Context in which a refusal counts as an answer, added to its list."""
 
     def __enter__(self) -> list[Answer]:
         self.found: list[Answer] = []
@@ -304,7 +304,7 @@ class _Refusals:
 
 
 def attack(kind: str, first: int, after: int) -> int:
-    """Judge seeds, and say how many answers were wrong."""
+    """Judge seeds, and count wrong answers."""
     judge, counts, largest, bad = KINDS[kind][0], Counter[str](), dict[str, tuple[float, int]](), 0
     for seed in range(first, after):
         with _Refusals() as answers:
@@ -323,7 +323,7 @@ def attack(kind: str, first: int, after: int) -> int:
 
 
 def main() -> int:
-    """All kinds, or one, on its usual seeds or those given."""
+    """Judge all kinds, or one, on its usual seeds or those given."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("kind", nargs="?", choices=KINDS)
     parser.add_argument("first", nargs="?", type=int, default=0, help="seed")

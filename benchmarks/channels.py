@@ -1,6 +1,6 @@
-"""Models of Touchstone files beside scikit-rf's: every file of its wheel, and of folders that are named.
+"""Models of Touchstone files compared with scikit-rf's: every file of its wheel, and of folders given.
 
-Asked of both: a model of S that is passive and within 1e-2 of the samples, or as near as a passive one can be.
+Both fit a model of S that is passive and within 1e-2 of the samples, or else the nearest passive one.
 ``python -m benchmarks.channels [FOLDER…]`` writes benchmarks/pages/channels.md.
 """
 
@@ -35,7 +35,7 @@ def theirs(network: skrf.Network) -> tuple[int, float, bool]:
 
 
 def rows(files: list[Path]) -> Iterator[list[str]]:
-    """A row for each file."""
+    """Measure a row for each file."""
     for file in files:
         try:
             response = read_touchstone(file)
@@ -54,7 +54,7 @@ def rows(files: list[Path]) -> Iterator[list[str]]:
         try:
             order, error, passive = theirs(response.network())
             other = [f"{order}", f"{error:.1e}", "passive" if passive else "not passive"]
-        except Exception as fault:  # noqa: BLE001  # whatever another program says
+        except Exception as fault:  # noqa: BLE001  # any error of another program
             other = ["", type(fault).__name__, "none"]
         other.append(f"{process_time() - begun:.1f}")
         print(file.name, *mine, *other, flush=True)

@@ -1,7 +1,7 @@
-"""What the automatic order and slab cost beside the best ones by hand: `python -m benchmarks.cheapest_grid [NAME…]`.
+"""Cost of the automatic order and slab over the best ones by hand: `python -m benchmarks.cheapest_grid [NAME…]`.
 
 Prints a page and writes it to benchmarks/pages/grid.md. By hand a scene is run once for each of many orders and slabs,
-and the cheapest run counts whose true error is not larger. What is automatic includes all runs that it took, and its
+and the cheapest run counts whose true error is not larger. The automatic cost includes all its runs, and their
 estimate. Times are of whole calls, of the processor; errors are relative to the amplitude at each probe, at random
 instants, against a run to a far smaller tolerance.
 """
@@ -41,19 +41,19 @@ DIODE: Table = {"kind": "diode", "saturation": "1 pA"}
 VESSEL: Table = {"kind": "air vessel", "gas_volume": "0.4 m^3", "gas_pressure": "5 bar", "kv": 800}
 TICKS = [7, 11, 13, 17, 19, 23, 29, 31, 37, 41]
 TOLERANCES = 1e-3, 1e-6
-FINEST = 1e-3, 1e-9  # of the tolerance, and the least: what is taken for the truth
+FINEST = 1e-3, 1e-9  # of the tolerance, and the least: tolerance of the reference run
 ORDERS = 1, 2, 3, 4, 5, 6, 8, 10, 12
 PARTS = 2.0 ** np.arange(-5, 8)  # of the automatic slab
 OF_DELAY = 1, 2, 4, 8  # parts of the shortest delay
 INSTANTS = 2000
-BESIDE_JUMPS = 1e-6  # of the run; jumps may lie so far from where the truth has them
-EXACT = 1e-11  # an error below is rounding
+BESIDE_JUMPS = 1e-6  # of the run; largest error in the instants of jumps
+EXACT = 1e-11  # smaller errors are rounding
 LARGEST_RATIO = 3.0
-HOPELESS = 2.0  # times the cheapest so far, beyond which a run by hand is not tried at higher orders
+HOPELESS = 2.0  # times the cheapest so far, beyond which higher orders by hand are not tried
 
 
 def _scene(delays: Sequence[float], nodes: list[tuple[str, str]], value: Table, load: Table, ns: float) -> Scene:
-    """Lines of so many ns from a source at 'n0' to a load at the last node; z0 of 50, 60 and 70 in turn."""
+    """Lines of given delays, ns, from a source at 'n0' to a load at the last node; z0 of 50, 60 and 70 in turn."""
     end = nodes[-1][1]
     return Scene(
         medium="electrical",
@@ -118,13 +118,13 @@ def _made() -> Iterator[tuple[str, Scene]]:
 
 
 def scenes() -> dict[str, Scene]:
-    """All of them by name, without order, slab and tolerance of their own."""
+    """All scenes by name, without order, slab and tolerance of their own."""
     shipped = {name: read_scene(Path(__file__).parents[1] / "scenes" / f"{name}.toml") for name in SHIPPED}
     return {name: scene.with_changes(solver={}) for name, scene in [*shipped.items(), *_made()]}
 
 
 class Run(NamedTuple):
-    """A run of a scene, automatic or by hand."""
+    """Run of a scene, automatic or by hand."""
 
     seconds: float
     error: float
@@ -133,28 +133,28 @@ class Run(NamedTuple):
 
 
 class Row(NamedTuple):
-    """A scene at a tolerance."""
+    """Scene at a tolerance."""
 
     name: str
     tol: float
     met: bool
     automatic: Run
     by_hand: Run
-    judged: float  # seconds of that with the run that tells its error
+    judged: float  # seconds of that including the run for its error estimate
 
     @property
     def ratio(self) -> float:
-        """Time of the automatic choice over that by hand, of both with their estimates."""
+        """Time of the automatic choice over that by hand, both with their estimates."""
         return self.automatic.seconds / self.judged
 
     @property
     def bare(self) -> float:
-        """The same over the time of a run by hand that tells no error."""
+        """Time of the automatic choice over that of a run by hand without an error estimate."""
         return self.automatic.seconds / self.by_hand.seconds
 
 
 def searched(scene: Scene, tol: float) -> Result:
-    """A run to a tolerance that knows of none before."""
+    """Run to a tolerance without knowledge of earlier searches."""
     describe(scene).known.clear()
     return simulate(scene, tol=tol)
 
@@ -177,7 +177,7 @@ def instants(truth: Result) -> NDArray:
 
 
 def error(found: dict[str, NDArray], truth: dict[str, NDArray]) -> float:
-    """The largest difference over the amplitude of effort or flow at its probe."""
+    """Largest difference over the amplitude of effort or flow at its probe."""
     largest = max(float(np.abs(values).max()) for values in truth.values())
     worst = 0.0
     for name, values in truth.items():
@@ -188,7 +188,7 @@ def error(found: dict[str, NDArray], truth: dict[str, NDArray]) -> float:
 
 
 def compared(name: str, scene: Scene, tol: float) -> Row:
-    """The automatic choice for a scene beside the best by hand."""
+    """Compare the automatic choice for a scene with the best by hand."""
     truth = simulate(scene, tol=max(FINEST[0] * tol, FINEST[1]))
     t = instants(truth)
     exact = seen(truth, t)
@@ -219,7 +219,7 @@ def compared(name: str, scene: Scene, tol: float) -> Row:
 
 
 def page(rows: list[Row]) -> str:
-    """The sums and the table of the page."""
+    """Format the sums and the table of the page."""
     ratios, bare = [row.ratio for row in rows], [row.bare for row in rows]
     beyond = sum(ratio > LARGEST_RATIO for ratio in ratios)
     sums = (
@@ -231,7 +231,7 @@ def page(rows: list[Row]) -> str:
 
 
 def cells(row: Row) -> list[str]:
-    """A row of the table."""
+    """Format a row of the table."""
     shown = [row.name, f"{row.tol:.0e}", "yes" if row.met else "no"]
     for run in (row.automatic, row.by_hand):
         shown += [f"{run.order}, {run.slab:.3g} s", f"{run.error:.1e}", f"{1e3 * run.seconds:.3g}"]

@@ -1,8 +1,8 @@
 """Scenes with circuits against SciPy and ngspice, imported decks against ngspice: ``python -m benchmarks.circuits``.
 
-Writes the tables of docs/circuits.md and docs/netlists.md. What SciPy integrates and what ngspice reads is written by
+Writes the tables of docs/circuits.md and docs/netlists.md. The inputs of SciPy and ngspice are written by
 hand (tests/electrical_by_hand.py, hydraulic_by_hand.py, circuit_decks.py, decks). The largest step of ngspice is halved
-until its result moves no more, moves more again, or a run takes too long. Takes some minutes.
+until its result converges, diverges again, or a run takes too long. Takes some minutes.
 """
 
 import shutil
@@ -32,7 +32,7 @@ STEPS, STILL = 40, 1e-7  # in the shortest delay; change
 def refined(
     run: Callable[[int], Any], moved: Callable[[Any, Any], float], steps: int, still: float
 ) -> tuple[Any, float, int, float]:
-    """The finest run with so many steps at least, what halving them changed, their number, and its seconds."""
+    """Refine a run from a least number of steps; return it, its last change, number of steps, and seconds."""
     found, change, seconds = run(steps), float("inf"), 0.0
     while change > still and seconds < LONG:
         begun = time.perf_counter()
@@ -48,7 +48,7 @@ def refined(
 
 
 def circuit(name: str) -> list[str]:
-    """Figures of a scene."""
+    """Measure a scene."""
     scene, by_hand = read_scene(ROOT / "scenes" / f"{name}.toml"), (ELECTRICAL | HYDRAULIC)[name]
     fine = simulate(scene, tol=FINE)
     usual, seconds = timed(lambda: simulate(scene, tol=USUAL), clock=time.perf_counter)
@@ -61,7 +61,7 @@ def circuit(name: str) -> list[str]:
 
 
 def deck(name: str) -> list[str]:
-    """Figures of an imported deck."""
+    """Measure an imported deck."""
     scene, notes = read_spice(FILES / f"{name}.cir")
     ours, seconds = timed(
         lambda: simulate(scene.with_changes(solver={"tol": DECK_TOL}), active=True), 1, time.perf_counter

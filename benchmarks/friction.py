@@ -43,7 +43,7 @@ GREYS = ("#555555", "#777777", "#999999", "#AAAAAA", "#666666", "#888888", "#BBB
 
 
 def failure_rows() -> list[tuple[str, float, float]]:
-    """What, predicted, measured."""
+    """Rows of failures: name, predicted and measured value."""
     rows = []
     for slope, h in ((0.5, 0.001), (2.0, 0.0001)):
         run, told = simulate(Coulomb(), Testbench(Ramp(slope)), 1.0 / slope, "euler", h=h), euler_chatter(1.0, slope, h)
@@ -111,7 +111,7 @@ def stick_limit(model: LuGre, method: str, guess: float) -> float:
 
 
 def draw_maps() -> Figure:
-    """Error of explicit steps over (h, σ0) and (h, σ1), with the predicted borders."""
+    """Draw the error of explicit steps over (h, σ0) and (h, σ1), with the predicted borders."""
     figure = Figure(figsize=(12, 4.4), dpi=140, layout="constrained")
     colours = LinearSegmentedColormap.from_list("error", ["#0072B2", "#F7F7F7", "#D55E00"])
     colours.set_bad("#BBBBBB")
@@ -280,7 +280,7 @@ def knobs(who: str, solver: str) -> list[float]:
 
 
 def worker(case: str, who: str, solver: str) -> None:
-    """One solver in this process: rows of (knob, ms, error)."""
+    """Run one solver in this process: rows of (knob, ms, error)."""
     run = MAKERS[who](case, solver)
     _, first = timed(lambda: run(knobs(who, solver)[0]), 1, time.perf_counter)
     rows = []
@@ -311,7 +311,7 @@ def measured(case: str) -> dict[tuple[str, str], dict]:
 
 
 def cost_at(rows: list, error: float) -> float:
-    """Least time of those that are as good; NaN if none is."""
+    """Least time of rows with this error or less; NaN if there is none."""
     good = [ms for _, ms, got in rows if got <= error]
     return min(good, default=nan)
 

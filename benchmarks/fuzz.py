@@ -1,7 +1,7 @@
 """Hostile input by the million: `python -m benchmarks.fuzz` asks all commands, and prints the seed of each bad answer.
 
-Cases (`tests/fuzz`) run in forked processes with a limit of time and of memory: one that dies names the case it died
-of. Whatever is given, a command answers in time, in bounds, and touches nothing else.
+Cases (`tests/fuzz`) run in forked processes with a limit of time and of memory: a process that dies names its
+case. For any input, a command must answer in time, in bounds, and touch nothing else.
 """
 
 import argparse
@@ -31,8 +31,8 @@ from benchmarks import harness  # noqa: F401 (finds the helpers of the tests)
 
 SIZE = 250  # cases of a process
 SECONDS, WALL = 5.0, 120.0  # of processor time that a case may take, and until one that waits for ever is given up
-MEMORY = 500_000_000  # bytes, beyond what the program has before
-STATE = struct.Struct("qdd")  # of a process: the case under way, longest and summed processor time so far
+MEMORY = 500_000_000  # bytes, in addition to those of the program before
+STATE = struct.Struct("qdd")  # of a process: the present case, longest and summed processor time
 SAID = {signal.SIGPROF: f"took more than {SECONDS:g} s", signal.SIGALRM: "waits for ever"}
 
 
@@ -45,7 +45,7 @@ class Block(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """What is wrong with the answer to one case."""
+    """Errors in the answer to one case."""
 
     door: str
     index: int
@@ -58,7 +58,7 @@ def findings(
     processes: int,
     told: Callable[[Block, float, float], None],
 ) -> Iterator[Finding]:
-    """Run all blocks; `told` hears of each that is done, with the processor time of its longest case and of all."""
+    """Run all blocks; `told` is called after each, with the processor time of its longest case and of all."""
     with tempfile.TemporaryDirectory(prefix="fuzz-", dir=_memory()) as scratch:
         yield from _supervised(blocks, case_of, processes, told, Path(scratch))
 
@@ -100,7 +100,7 @@ def _supervised(
 
 
 def _work(block: Block, case_of: Callable[[str, int], Case], folder: Path, shared: mmap.mmap, writing: int) -> None:
-    """Take a block in a process of its own; never comes back."""
+    """Take a block in a process of its own; never returns."""
     code = 1
     try:
         size = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
@@ -136,12 +136,12 @@ def _work(block: Block, case_of: Callable[[str, int], Case], folder: Path, share
 
 
 def _memory() -> str | None:
-    """A folder in memory, if there is one."""
+    """Folder in memory, if there is one."""
     return "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
 
 
 def main() -> int:
-    """Run, and answer 1 if anything was found."""
+    """Run all cases, and return 1 if anything was found."""
     asked = _asked()
     if asked.show:
         return _show(asked)

@@ -1,4 +1,4 @@
-"""What all benchmarks share: one clock, processes of their own, tables, and pages that they write.
+"""Common parts of all benchmarks: one clock, processes of their own, tables, and pages that they write.
 
 A time is a median of runs after a first one that compiles; a claim of speed is a ratio of times taken in turn.
 """
@@ -21,7 +21,7 @@ RUNS = 5
 
 
 def timed(call: Callable[[], Any], runs: int = RUNS, clock: Callable[[], float] = time.process_time) -> tuple:
-    """What a call gives at last, and the median of its seconds by a clock."""
+    """Return a call's last result, and the median of its seconds by a clock."""
     found, seconds = None, []
     for _ in range(runs):
         begun = clock()
@@ -31,7 +31,7 @@ def timed(call: Callable[[], Any], runs: int = RUNS, clock: Callable[[], float] 
 
 
 def in_turn(calls: Mapping[str, Callable[[], float]], runs: int = RUNS) -> dict[str, tuple[float, float]]:
-    """Of calls that give seconds, one after the other in each round: the median, and that of the ratio to the first."""
+    """Measure calls that return seconds, in turn in each round: median, and median ratio to the first, by name."""
     rounds = [{name: call() for name, call in calls.items()} for _ in range(runs + 1)][1:]
     first = next(iter(calls))
     return {
@@ -41,7 +41,7 @@ def in_turn(calls: Mapping[str, Callable[[], float]], runs: int = RUNS) -> dict[
 
 
 class Spent(NamedTuple):
-    """What a process took, s, and printed."""
+    """Wall and processor time of a process, s, and its output."""
 
     wall: float
     cpu: float
@@ -73,13 +73,13 @@ def spent(call: list, environment: Mapping[str, Any] | None = None, limit: float
 
 
 def apart(module: str, *arguments: object, limit: float = 600.0) -> Any:
-    """What ``python -m module ARGUMENT…`` prints as JSON in its last line, in a process of its own."""
+    """Run ``python -m module ARGUMENT…`` as a process; return the JSON in its last line."""
     call = [sys.executable, "-W", "ignore", "-m", module, *map(str, arguments)]
     return json.loads(spent(call, limit=limit).said.splitlines()[-1])
 
 
 def table(head: str, rows: Iterable[Iterable[object]]) -> str:
-    """A table in Markdown; columns are parted by bars in its head, and such that begin with < stand to the left."""
+    """Format a table in Markdown; the head has its columns between bars, those with < aligned to the left."""
     titles = head.split("|")
     bar = "|" + "|".join("---" if title.startswith("<") else "---:" for title in titles) + "|"
     first, *rest = ([str(cell).strip() for cell in row] for row in ([title.lstrip("<") for title in titles], *rows))
@@ -88,7 +88,7 @@ def table(head: str, rows: Iterable[Iterable[object]]) -> str:
 
 
 def write(page: str, text: str, mark: str = "") -> None:
-    """Print a text and make it a page, or what stands in one between its mark and the end of that."""
+    """Print a text and write it to a page, or between the page's mark and the end of that."""
     print(text, flush=True)
     path = ROOT / page
     if mark:

@@ -1,4 +1,4 @@
-"""Whether the witness finds faults put into the kernel by hand: python -m benchmarks.mutants [NUMBER...].
+"""Detection by the witness of faults put into the kernel by hand: python -m benchmarks.mutants [NUMBER...].
 
 Each mutant is a copy of the package in which one line of the kernel is wrong, and runs some scenes in a process of its
 own. Prints a table and writes it to benchmarks/pages/mutants.md. Takes some ten minutes, nearly all of it compiling.
@@ -20,11 +20,11 @@ from benchmarks import harness
 
 KERNEL = "tline/solver/kernel"
 TOL, INSTANTS = 1e-4, 200
-COUNTED = 1.0  # times the tolerance, from which on an answer counts as changed
+COUNTED = 1.0  # times the tolerance, from which an answer counts as changed
 
 
 class Mutant(NamedTuple):
-    """What is wrong, in which file of the kernel, and the line before and after."""
+    """Fault in the kernel: description, file, and the line before and after."""
 
     what: str
     file: str
@@ -80,7 +80,7 @@ def water(loads: dict[str, Any], **more: Any) -> dict[str, Any]:
 
 
 def cable(loads: dict[str, Any], delay: str = "3.3 ns", at: str = "1 ns") -> dict[str, Any]:
-    """A cable behind 50 ohm."""
+    """Cable behind 50 ohm."""
     line = {"nodes": ["near", "far"], "z0": 50, "delay": delay}
     value = {"shape": "step", "to": 1.0, "at": at}
     return {
@@ -117,7 +117,7 @@ SCENES = {
 
 
 def answers() -> dict[str, Any]:
-    """Of all scenes, by the package that is imported."""
+    """Answers to all scenes, by the package that is imported."""
     import tline as tl
 
     found: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def answers() -> dict[str, Any]:
 
 
 def ran(folder: Path) -> dict[str, Any]:
-    """The answers of the package in a folder."""
+    """Answers of the package in a folder."""
     call = [sys.executable, "-P", str(Path(__file__).resolve()), "--answers"]
     try:
         said = harness.spent(call, {"PYTHONPATH": f"{folder}{os.pathsep}{harness.ROOT}"}).said
@@ -146,7 +146,7 @@ def ran(folder: Path) -> dict[str, Any]:
 
 
 def copied(folder: Path, mutant: Mutant | None) -> Path:
-    """The package with one line of the kernel changed."""
+    """Copy the package with one line of the kernel changed."""
     skipped = shutil.ignore_patterns("__pycache__")
     for package in ("tline", "passivity", "friction", "drives"):
         shutil.copytree(harness.ROOT / package, folder / package, ignore=skipped)
@@ -159,7 +159,7 @@ def copied(folder: Path, mutant: Mutant | None) -> Path:
 
 
 def weighed(true: dict[str, Any], given: dict[str, Any]) -> dict[str, str]:
-    """What became of each scene: the same, told, or wrong and not told."""
+    """Outcome by scene: equal, reported, or wrong and not reported."""
     found = {}
     for name in SCENES:
         if "error" in given[name]:

@@ -1,7 +1,7 @@
-"""Large networks: streets of up to a million pipes, and what comes with wntr, held still and disturbed.
+"""Large networks: streets of up to a million pipes, and the networks of wntr, at rest and disturbed.
 
 ``python -m benchmarks.networks [PIPES | NAME…]`` writes the tables of benchmarks/pages/networks.md: streets of at most
-so many pipes, or networks of these names; all if nothing is named, in some twenty-five minutes and ten gigabytes. Each
+this number of pipes, or networks of these names; by default all, in some twenty-five minutes and ten gigabytes. Each
 network is built and run in a process of its own, after a small one for which everything is compiled.
 """
 
@@ -43,7 +43,7 @@ def street_grid(side: int, friction: bool) -> dict[str, float]:
 
 
 def streets(most: int) -> None:
-    """The table of towns of at most so many pipes."""
+    """Write the table of towns up to a number of pipes."""
     if 1.1 * most < PIPES[0]:
         raise SystemExit(f"the smallest town has {PIPES[0]:,} pipes")
     rows = []
@@ -65,7 +65,7 @@ def streets(most: int) -> None:
 
 
 def repeated(scene: Scene) -> tuple[Result, float]:
-    """A run with extremes of all nodes, and its seconds by the clock: the median of several if it is short."""
+    """Run with extremes of all nodes, and measure its seconds by the clock: the median of several if it is short."""
     result, seconds = timed(lambda: simulate(scene, envelope=True, ledger=False), 1, time.perf_counter)
     if seconds > QUICK_SECONDS:
         return result, seconds
@@ -80,7 +80,7 @@ def moved(result: Result) -> float:
 
 
 def disturbed(scene: Scene) -> dict[str, Scene]:
-    """The scene with one thing operated: the largest demand shut, the first pump stopped, a hole of 10 L/s there."""
+    """Operate one element of a scene at a time: largest demand shut, first pump stopped, a hole of 10 L/s there."""
     demands = {load.at: float(load.flow) for load in scene.loads.values() if load.kind == "check valve"}
     largest = max(demands, key=demands.__getitem__)
     events = {
@@ -125,7 +125,7 @@ def shipped(name: str) -> dict[str, Any]:
 
 
 def of_wntr(names: list[str]) -> None:
-    """The tables of networks that come with wntr."""
+    """Write the tables of networks that come with wntr."""
     still, events = [], []
     for name in names:
         f = apart("benchmarks.networks", "shipped", name, limit=1200)

@@ -1,6 +1,6 @@
 """Time of an exact verdict, and right answers on the collected cases, into docs/: python -m benchmarks.passivity.
 
-Beside it: python-control's `ispassive` and scikit-rf's test on samples. Every figure is a median.
+For comparison: python-control's `ispassive` and scikit-rf's test on samples. Every figure is a median.
 """
 
 import json
@@ -24,7 +24,7 @@ S = fmpq_poly([0, 1])
 
 
 def rc_ladder(n: int) -> RationalFunction:
-    """Unit resistors and capacitors."""
+    """Ladder of unit resistors and capacitors."""
     p, q = fmpq_poly([1]), fmpq_poly([0])
     for _ in range(n):
         q += S * p
@@ -33,7 +33,7 @@ def rc_ladder(n: int) -> RationalFunction:
 
 
 def rlcg_ladder(n: int) -> RationalFunction:
-    """Random elements, quotients of two-digit numbers."""
+    """Ladder of random elements, quotients of two-digit numbers."""
     rng = random.Random(n)
 
     def element() -> fmpq_poly:
@@ -47,7 +47,7 @@ def rlcg_ladder(n: int) -> RationalFunction:
 
 
 def foster_sum(n: int) -> RationalFunction:
-    """Lossy resonances and a resistor, elements being doubles."""
+    """Sum of lossy resonances and a resistor, elements being doubles."""
     rng = random.Random(n)
     p, q = fmpq_poly([fmpq(1, 10)]), fmpq_poly([1])
     for _ in range(n // 2):
@@ -58,7 +58,7 @@ def foster_sum(n: int) -> RationalFunction:
 
 
 def doubles(n: int) -> RationalFunction:
-    """The same sum, coefficients rounded to doubles; no longer positive real for high degrees."""
+    """Sum of lossy resonances, coefficients rounded to doubles; no longer positive real for high degrees."""
     z = foster_sum(n)
     return RationalFunction.from_coefficients(*([float(c) for c in side] for side in z.to_floats()))
 
@@ -86,7 +86,7 @@ def milliseconds(work: Callable[[], object]) -> float:
 
 
 def proper(z: RationalFunction) -> RationalFunction:
-    """The impedance, or the admittance where that has no state space; one is as positive real as the other."""
+    """Return the impedance, or the admittance where that has no state space; one is as positive real as the other."""
     return z if z.p.degree() <= z.q.degree() else z.inverse()
 
 

@@ -1,7 +1,7 @@
-"""LuGre from soft to stiff: time against true error, beside numbalsoda: python -m benchmarks.stiffness.
+"""LuGre from soft to stiff: time against true error, compared with numbalsoda: python -m benchmarks.stiffness.
 
-Peers get the same right-hand side, compiled, with sign v as it is, and tell no error; runs of ours tell theirs, and
-are heard by the witness. numbalsoda is left out where it is not installed (it builds where gfortran is).
+Peers get the same right-hand side, compiled, with sign v as it is, and estimate no error; runs of ours estimate theirs,
+and are checked by the witness. numbalsoda is left out where it is not installed (it builds where gfortran is).
 """
 
 import time

@@ -1,7 +1,7 @@
 """Sweeps on several processes and on Dask, and side by side: ``python -m benchmarks.sweeps``.
 
-Writes the tables of benchmarks/pages/sweeps.md. Processor seconds stand beside wall seconds, for other work on the
-machine changes these and hardly those.
+Writes the tables of benchmarks/pages/sweeps.md. Processor seconds are given with wall seconds, as other work on the
+machine changes the latter and hardly the former.
 """
 
 import os
@@ -38,7 +38,7 @@ WITH_LAWS, PREPARED = 2_000, 40  # runs of each
 
 
 def network() -> Scene:
-    """A grid of 24 pipes with friction, a reservoir at one corner, a pipe to a valve at the opposite one."""
+    """Grid of 24 pipes with friction, a reservoir at one corner, a pipe to a valve at the opposite one."""
     pipe = {"length": "480 m", "diameter": "200 mm", "wave_speed": "1200 m/s", "density": "1000 kg/m^3"}
     pipe |= {"friction": {"kind": "darcy", "factor": 0.02}}
     across = [([i, j], [i, j + 1]) for i in range(SIDE) for j in range(SIDE - 1)]
@@ -59,17 +59,17 @@ def network() -> Scene:
 
 
 def closures(count: int, **where) -> Sweep:
-    """Closures of its valve."""
+    """Sweep over closures of the network's valve."""
     vary = {"loads.valve.opening.duration": "uniform(0.4 s, 4 s)", "loads.valve.kv": "uniform(50, 200)"}
     return sweep(network(), vary, sample=f"latin:{count}", **where)
 
 
 def measured(run: Callable[[], Sweep]) -> tuple[Sweep, float, float, float]:
-    """A sweep, its wall seconds, and processor seconds of this process and of those that it started."""
+    """Run a sweep; return its wall seconds, and processor seconds of this process and of those that it started."""
     begun, own, others = time.perf_counter(), time.process_time(), _children()
     found = run()
     wall, own = time.perf_counter() - begun, time.process_time() - own
-    time.sleep(1.0)  # until processes that ended have told
+    time.sleep(1.0)  # until ended processes have reported
     return found, wall, own, _children() - others
 
 
@@ -79,12 +79,12 @@ def _children() -> float:
 
 
 def same(one: Sweep, other: Sweep) -> bool:
-    """Whether all that is kept is the same to the last bit."""
+    """Whether all kept results are equal to the last bit."""
     return all(np.array_equal(one[name], other[name], equal_nan=True) for name in one.kept)
 
 
 def on_dask(processes: bool) -> Sweep:
-    """Closures on eight local workers."""
+    """Sweep closures on eight local workers."""
     from dask.distributed import Client
 
     with Client(processes=processes, n_workers=8, threads_per_worker=1, dashboard_address=":0") as client:
@@ -92,7 +92,7 @@ def on_dask(processes: bool) -> Sweep:
 
 
 def on_processes() -> str:
-    """Closures on one process, on two, and on Dask's threads and processes."""
+    """Measure closures on one process, on two, and on Dask's threads and processes."""
     closures(2, workers=1)  # compiles
     rows, alone = [], {CLOSURES: closures(CLOSURES, workers=1), ON_DASK: closures(ON_DASK, workers=1)}
     for name, count, run in (
@@ -107,7 +107,7 @@ def on_processes() -> str:
 
 
 def side_by_side() -> str:
-    """Many runs at once against one at a time and against ngspice, all values within 10 % of the chart's."""
+    """Measure runs side by side against one at a time and against ngspice, all values within 10 % of the chart's."""
     scene, rng, rows = chart_scene("rc").scene, np.random.default_rng(0), []
     nominal = {"lines.line.z0": 50.0, "lines.line.delay": 1e-9, "loads.load.resistance": 100.0}
     nominal["loads.load.capacitance"] = 4e-12
@@ -136,7 +136,7 @@ def _in_turn(ready: Prepared, path: str, values: Iterator[float]) -> None:
 
 
 def with_laws() -> str:
-    """Valves and diodes side by side, and prepared runs one at a time."""
+    """Measure valves and diodes side by side, and prepared runs one at a time."""
     rows, factors = [], np.random.default_rng(0).uniform(0.9, 1.1, WITH_LAWS)
     for (name, path), nominal in LAWS.items():
         vary = {path: nominal * factors}

@@ -1,7 +1,7 @@
 """Verdicts on state spaces with many states and ports, into docs/: python -m benchmarks.systems.
 
-Beside them in the same run: the H-infinity norm of SLICOT's AB13DD in doubles, and the linear matrix inequality of the
-bounded real lemma under Clarabel. All are asked whether |S| <= 1. Times are CPU times, medians over the systems.
+Compared in the same run: the H-infinity norm of SLICOT's AB13DD in doubles, and the linear matrix inequality of the
+bounded real lemma under Clarabel. All decide whether |S| <= 1. Times are CPU times, medians over the systems.
 """
 
 import time
@@ -20,11 +20,11 @@ SIZES = (10, 2), (20, 2), (20, 8), (50, 4), (100, 8), (200, 8)  # states, ports
 NORMS = {"lossy": 0.9, "marginal": 1 - 1e-6, "active": 1.01}  # largest singular value
 LARGEST_INEQUALITY = 50  # states; beyond, it takes minutes
 SYSTEMS = 4
-NORM_ROUNDING = 1e-9  # by which a norm in doubles may be beyond one
+NORM_ROUNDING = 1e-9  # largest excess over one of a norm in doubles
 
 
 class System(NamedTuple):
-    """x' = A x + B u, y = C x + D u."""
+    """System x' = A x + B u, y = C x + D u."""
 
     a: NDArray
     b: NDArray
@@ -41,14 +41,14 @@ def norm_of(system: System) -> float:
 
 
 def lossless(seed: int, states: int, ports: int) -> System:
-    """S of a network of reactances: its norm is one at all frequencies."""
+    """Scattering of a network of reactances: its norm is one at all frequencies."""
     rng = np.random.default_rng(seed)
     j, b = rng.integers(-9, 10, (states, states)), rng.integers(-3, 4, (states, ports))
     return System((j - j.T - b @ b.T / 2).astype(float), b / 1.0, -b.T / 1.0, np.eye(ports))
 
 
 def random_system(seed: int, states: int, ports: int, norm: float) -> System:
-    """Damped modes that are coupled, over what gives the norm."""
+    """Random system of damped, coupled modes, scaled to a norm."""
     rng = np.random.default_rng(seed)
     j, r = rng.normal(size=(states, states)), rng.normal(size=(states, states)) / np.sqrt(states)
     found = System(
@@ -62,7 +62,7 @@ def random_system(seed: int, states: int, ports: int, norm: float) -> System:
 
 
 def tline(system: System) -> bool | None:
-    """Proved, refuted, or neither; a proof is verified beside the clock."""
+    """Whether the system is proved or refuted, None if neither; a proof is verified outside the timing."""
     verdict = check_bounded_real(StateSpace.from_entries(*(each.tolist() for each in system)))
     return None if verdict.status is Status.UNDECIDED else verdict.status is Status.PROVED
 
@@ -110,7 +110,7 @@ WHO: dict[str, Callable[[System], bool | None]] = {"tline": tline, "AB13DD": ab1
 
 
 def measured(systems: list[System], passive: bool) -> list[Any]:
-    """Of each program the share of right answers, and wrong ones, and its time."""
+    """Share of right answers, and wrong ones, and time, of each program."""
     cells: list[Any] = []
     for who, ask in WHO.items():
         if who == "Clarabel" and len(systems[0].a) > LARGEST_INEQUALITY:
@@ -143,7 +143,7 @@ def timing() -> str:
 
 
 def proofs_hold() -> str:
-    """Of proofs of the largest systems, how long it takes to verify one beside deciding."""
+    """Compare the time to verify a proof of one of the largest systems with the time to decide it."""
     system = random_system(0, *SIZES[-1], NORMS["lossy"])
     begun = time.process_time()
     verdict = check_bounded_real(StateSpace.from_entries(*(each.tolist() for each in system)))

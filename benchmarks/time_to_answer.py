@@ -1,4 +1,4 @@
-"""What a user waits for: ``python -m benchmarks.time_to_answer [SCENE…]`` writes docs/time-to-answer.md.
+"""Waiting times of a user: ``python -m benchmarks.time_to_answer [SCENE…]`` writes docs/time-to-answer.md.
 
 Everything is measured in one run, whole processes in turn; with names of scenes only these are compiled.
 """
@@ -36,7 +36,7 @@ def compilation(scene: str) -> float:
 
 
 def processes() -> tuple[str, float]:
-    """The table of whole processes in turn, and the ratio of `tline run` to ``import numba``."""
+    """Table of whole processes in turn, and the ratio of `tline run` to ``import numba``."""
     from tline.study.charts.scenes import chart_scene
     from tline.study.programs import rthym
 
@@ -84,7 +84,7 @@ def again() -> dict[str, str]:
 
 
 def pipe() -> str:
-    """Least milliseconds of stepping that leave a true error below 1e-3, of slabs and of rthym-moc."""
+    """Least milliseconds of stepping for a true error below 1e-3, of slabs and of rthym-moc."""
     from tline.study.charts.measure import FULL, ChartTable, Judge
     from tline.study.charts.scenes import chart_scene
     from tline.study.charts.work_precision import add, production

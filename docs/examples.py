@@ -1,4 +1,4 @@
-"""An example of each element and waveform for the scene reference, each read as part of a scene before it is shown."""
+"""Examples of all elements and waveforms for the scene reference, each read as part of a scene before it is shown."""
 
 import re
 import shutil
@@ -20,7 +20,7 @@ EXAMPLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding=
 
 
 def example(model: str) -> str:
-    """The example of a model, checked: read as part of a scene, without a mistake."""
+    """Return the example of a model, checked: read as part of a scene, without a mistake."""
     texts = {name: (medium, text) for medium, known in EXAMPLES.items() for name, text in known.items()}
     between = {name for name, own in ELEMENTS.items() if issubclass(own, Between)}
     heads = {name: LINK if name in between else LOAD for name in ELEMENTS}

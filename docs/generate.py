@@ -1,4 +1,4 @@
-"""Writes what in docs/ is generated: ``python -m docs.generate [NAME…]``; with ``charts``, also the measured ones."""
+"""Write the generated files of docs/: ``python -m docs.generate [NAME…]``; with ``charts``, also the measured ones."""
 
 import runpy
 import sys
@@ -52,7 +52,7 @@ SHAPES = (
 
 
 def reference() -> str:
-    """The scene reference page."""
+    """Compose the scene reference page."""
     whole = schema()
     models = whole["$defs"]
     parts = [

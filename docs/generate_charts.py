@@ -18,20 +18,20 @@ BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "frict
 
 
 def written(table: ChartTable, name: str) -> None:
-    """Table and picture of one chart."""
+    """Write table and picture of one chart."""
     table.save(FOLDER / f"{name}.csv")
     save_figure(draw(table), FOLDER / f"{name}.png")
 
 
 def written_growth() -> None:
-    """growth.png and growth.csv."""
+    """Write growth.png and growth.csv."""
     curves = growth.error_growth(progress=True)
     growth.save(curves, FOLDER / "growth.csv")
     save_figure(growth.draw(curves), FOLDER / "growth.png")
 
 
 def written_maps() -> None:
-    """stability_*.png, stability.csv and stability_boundaries.csv."""
+    """Write stability_*.png, stability.csv and stability_boundaries.csv."""
     found = [stability.stability(name, progress=True) for name in stability.MAPS]
     for one in found:
         save_figure(stability.draw(one), FOLDER / f"stability_{one.map.name}.png")

@@ -28,7 +28,7 @@ OMEGA = np.logspace(-1, 4, 400)
 
 @styled
 def bode() -> Figure:
-    """x_k/T1 as given, and with so little friction and damping that the tension resonates."""
+    """Draw x_k/T1 as given, and with friction and damping low enough for the tension to resonate."""
     figure = draw_bode([EXERCISE.transfer("x_k", "T1"), _lively().transfer("x_k", "T1")], OMEGA)
     size, _ = figure.axes
     for line, text in zip(size.lines, ("as given", "friction a 100th, belt damping a 10th"), strict=True):
@@ -44,14 +44,14 @@ def _lively() -> CoupledDrives:
 
 @styled
 def poles() -> Figure:
-    """Poles and zeros of the tension and of a spool's speed."""
+    """Draw poles and zeros of the tension and of a spool's speed."""
     lively = _lively()
     return draw_poles([lively.transfer("tension", "T1"), lively.transfer("w1", "T1")])
 
 
 @styled
 def step() -> Figure:
-    """Both torques up, then one of them up more."""
+    """Draw the response to a step of both torques, then to a further one of one of them."""
     torques = Torque.step(0.1), Torque.table([0.0, 1.0, 1.2], [0.1, 0.1, 0.3])
     run = simulate(EXERCISE, *torques, t_end=2.5, step=0.005)
     return draw_run(run)
@@ -59,7 +59,7 @@ def step() -> Figure:
 
 @styled
 def control() -> Figure:
-    """Set points, a disturbance at 1 s, and torques at their limit."""
+    """Draw set points, a disturbance at 1 s, and torques at their limit."""
     made, points = design(EXERCISE), (Torque.step(1.0), Torque.step(5.0))
     run = simulate_control(made, *points, d1=Torque.step(0.3, 1.0), limit=2.0, t_end=2.0, step=0.005)
     return draw_run(run)
@@ -67,7 +67,7 @@ def control() -> Figure:
 
 @styled
 def artefact() -> Figure:
-    """Where forward differences put the two eigenvalues that are exactly 0."""
+    """Draw the two eigenvalues that are exactly 0, as computed by forward differences."""
     random, found = np.random.default_rng(1), []
     for _ in range(400):
         torques = (random.uniform(-1, 1), random.uniform(-1, 1))

@@ -42,18 +42,18 @@ INSULATION = DielectricLoss(100e-12, 0.02, 1e9, (1e4, 1e12))
 
 
 class Alone(Law):
-    """What a law adds to its storage."""
+    """Law without its storage."""
 
     def __init__(self, law: Law):
         super().__init__(law.loss, 0.0)
         self.law = law
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """All there is."""
+        """Return all of the law without its storage."""
         return self.law.beyond(s, arithmetic)
 
 
-CASES = {  # law, what it adds alone, lowest frequency of five decades
+CASES = {  # law, its part without storage, lowest frequency of five decades
     "laminar friction (Zielke)": (LAMINAR, Alone(LAMINAR), 0.1),
     "turbulent friction, Re = 10⁵": (law := TurbulentFriction(1000, 1e-3, 0.01, 1e5), Alone(law), 0.1),
     "round wire of 1 mm": (WIRE + FIELD, WIRE, 1e4),
@@ -65,7 +65,7 @@ CASES = {  # law, what it adds alone, lowest frequency of five decades
 
 
 def terms() -> str:
-    """Number of terms for each tolerance over five decades, of the law and of what it adds alone."""
+    """Number of terms for each tolerance over five decades, of the law and of its part without storage."""
     rows = []
     for name, (law, alone, low) in CASES.items():
         counts = []
@@ -77,7 +77,7 @@ def terms() -> str:
 
 
 def responses() -> str:
-    """What a realisation costs in time: the step response with the circuits against that with the laws."""
+    """Error of a realisation in time: the step response with the circuits against that with the laws."""
     tolerances = TOLERANCES[:3]
     rows = []
     pipe = LossyLine(LAMINAR, ConstantLoss(0, COMPLIANCE), LENGTH)
@@ -102,7 +102,7 @@ def responses() -> str:
 
 @styled
 def ripples() -> Figure:
-    """Error of the circuits for laminar friction over frequency."""
+    """Draw the error of the circuits for laminar friction over frequency."""
     picture = figure(7.5, 4.2, "Circuits for laminar friction, tolerances 10⁻² to 10⁻⁸")
     axes = picture.subplots()
     f = np.geomspace(1e-3, 1e6, 3000)
@@ -121,7 +121,7 @@ def ripples() -> Figure:
 
 @styled
 def closing() -> Figure:
-    """Pressure at a valve after a step, with friction of two kinds and without."""
+    """Draw the pressure at a valve after a step, with friction of two kinds and without."""
     picture = figure(7.5, 4.2, "Frequency-dependent friction rounds fronts and damps faster")
     axes = picture.subplots()
     steady = hagen_poiseuille(**PIPE)

@@ -16,13 +16,13 @@ from tline.style import COLOURS, INK, figure, save_figure, styled
 SCENE = ROOT / "scenes" / "column_separation.toml"
 DENSITY, G, VISCOSITY, AIR = 999.1, 9.80665, 1.14e-3, 101.325  # kg/m³, m/s², Pa s, kPa
 METRE = DENSITY * G  # of water, Pa
-LOW = -18.0  # kPa, what a cavity has in one of the figures that should be at the vapour's pressure, next to nothing
+LOW = -18.0  # kPa, cavity's pressure in one of the figures, which should be the vapour's, next to nothing
 GAS = 1e-7  # of the water
 FRICTION = ("Vardy and Brown", "as in steady flow", "none")
 
 
 class Experiment(NamedTuple):
-    """A pipe that rises from a tank to a valve which shuts."""
+    """Pipe that rises from a tank to a valve which shuts."""
 
     title: str
     file: str
@@ -47,7 +47,7 @@ class Experiment(NamedTuple):
         return t, heads[0], heads[-1]
 
     def computed(self, friction: str, places: int, late: bool = False) -> tuple[NDArray, NDArray]:
-        """Instants, and heads at the valve; a late valve stops the flow in the last tenth of the time that it takes."""
+        """Instants, and heads at the valve; a late valve stops the flow in the last tenth of its closing time."""
         table = read_scene(SCENE).table()
         area = math.pi / 4 * self.diameter**2
         gas = GAS * area * self.length / (places + 1)
@@ -79,7 +79,7 @@ EXPERIMENTS = (
 
 
 def figures(one: Experiment, t: NDArray, low: NDArray, high: NDArray) -> tuple[float, float, float, float]:
-    """Level of the first pulse, when the cavity behind it has gone, and the highest head of the next pulse and when."""
+    """Level of the first pulse, end of the cavity behind it, and highest head of the next pulse and its instant."""
     echo, half = 2 * one.length / one.wave_speed, one.head
     level = np.median((low + high)[(t > 1.2 * one.closes) & (t < 0.95 * echo)] / 2)
     shut = t[np.argmax((high < half) & (t > echo))]
@@ -89,14 +89,14 @@ def figures(one: Experiment, t: NDArray, low: NDArray, high: NDArray) -> tuple[f
 
 
 def off(experiment: Experiment, t: NDArray, u: NDArray) -> float:
-    """Root of the mean square by which the computed head misses what is drawn, over Joukowsky's rise."""
+    """Root mean square of the computed head's distance from the drawn range, over Joukowsky's rise."""
     at, low, high = experiment.measured()
     here = np.interp(at, t, u)
     return float(np.sqrt(np.mean((here - np.clip(here, low, high)) ** 2)) / experiment.joukowsky)
 
 
 def measured_and_computed() -> str:
-    """Measured and computed, by experiment."""
+    """Compare measured and computed figures, by experiment."""
     rows = []
     cases = [(name, name, 31, False) for name in FRICTION]
     cases += [(f"{places} places", FRICTION[0], places, False) for places in (15, 63)]
@@ -115,7 +115,7 @@ def measured_and_computed() -> str:
 
 @styled
 def overlay() -> Figure:
-    """Measured and computed heads at the valve."""
+    """Draw measured and computed heads at the valve."""
     picture = figure(8.5, 9.5, "Column separation, measured and computed")
     for axes, one in zip(picture.subplots(len(EXPERIMENTS)), EXPERIMENTS, strict=True):
         at, low, high = one.measured()

@@ -20,7 +20,7 @@ MEASURED = (1015e3 - 101_325) / 1e5  # bar, the highest pressure behind the colu
 
 
 def separation() -> Figure:
-    """Column separation in a pipe, with the highest pressure measured."""
+    """Draw column separation in a pipe, with the highest pressure measured."""
     picture = tl.simulate(tl.examples["column_separation"]).plot()
     axes = picture.axes[0]
     axes.axhline(MEASURED, color=INK, linestyle=":", linewidth=1.4)
@@ -29,7 +29,7 @@ def separation() -> Figure:
 
 
 def waves() -> dict[str, Any]:
-    """Of a pipe, and of a town."""
+    """Pictures of a pipe, and of a town."""
     town, closure = tl.examples["town"], tl.examples["valve_closure"]
     result, whole = tl.simulate(tl.examples["water_pipe"]), tl.simulate(town, record=town.lines, envelope=True)
     pumped = tl.examples["air_vessel"].with_changes(t_end=40)
@@ -49,7 +49,7 @@ def waves() -> dict[str, Any]:
 
 @styled
 def signals() -> dict[str, Any]:
-    """Of cables: crosstalk, reflections, eyes, load lines, a measured load; and a verdict."""
+    """Pictures of cables: crosstalk, reflections, eyes, load lines, a measured load; and a verdict."""
     pulse = tl.signal.pulse_response(tl.examples["stripline_eye"], "receiver", "100 ps", "20 ps", tol=1e-4)
     found = {
         "tdr": tl.signal.reflectometry(tl.examples["tdr"], "near", "100 ps"),

@@ -1,4 +1,4 @@
-"""``python -m tline`` is ``tline``."""
+"""Run ``tline`` as ``python -m tline``."""
 
 from tline.cli.program import program
 

@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 
 try:
     import fcntl
-except ImportError:  # Windows: what a killed run leaves there stays
+except ImportError:  # Windows: a killed run's files remain there
     fcntl = None
-ENDS = ("SIGTERM", "SIGHUP")  # signals that end a program without a word, where the system has them
+ENDS = ("SIGTERM", "SIGHUP")  # signals that end a program without an exception, where the system has them
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A temporary path beside `path` that takes its place when the block ends well, and is removed otherwise.
+    """Yield a temporary path next to `path` that takes its place when the block ends well, and is removed otherwise.
 
-    Also where a signal ends the program meanwhile. One that is killed leaves a hidden file ``.NAME.tline-*``, which the
-    next that writes `path` removes: whoever writes holds a lock, which no dead program does.
+    It is removed too if a signal ends the program. A killed program leaves a hidden file ``.NAME.tline-*``, which the
+    next writer of `path` removes: writers hold a lock, which no dead program does.
 
-    Of a link it is the file that it leads to.
+    If `path` is a link, the file that it leads to is replaced.
 
     Examples
     --------
@@ -62,12 +62,12 @@ def write_table(
 
 
 def write_columns(path: str | Path, columns: "Mapping[str, NDArray]") -> None:
-    """Write arrays of one length as a CSV file, beside each other under their names."""
+    """Write arrays of one length as a CSV file, in columns under their names."""
     write_table(path, [*columns], zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
 def check_writable(path: str | Path) -> None:
-    """Refuse a path that cannot be written, before any work is spent on what shall stand there."""
+    """Raise an error for a path that cannot be written, before any work is spent on its content."""
     try:
         with _beside(_target(path)):
             pass
@@ -76,7 +76,7 @@ def check_writable(path: str | Path) -> None:
 
 
 def _target(path: str | Path) -> Path:
-    """The file that a path names, through all links."""
+    """File that a path names, through all links."""
     if "\0" in str(path):
         raise OSError(0, "a name with a null character")
     target = Path(os.path.realpath(path))
@@ -87,7 +87,7 @@ def _target(path: str | Path) -> Path:
 
 @contextmanager
 def _beside(target: Path) -> Iterator[Path]:
-    """An empty file in the target's folder, with its suffix, locked and in the end removed if it is still there."""
+    """Create an empty file in the target's folder, with its suffix, locked and in the end removed if still there."""
     front = f".{target.stem[:100]}.tline-"
     _remove_stale(target.parent, re.compile(rf"{re.escape(front)}[0-9a-f]{{8}}{re.escape(target.suffix)}"))
     while True:
@@ -100,11 +100,11 @@ def _beside(target: Path) -> Iterator[Path]:
                     with suppress(OSError):
                         temporary.unlink(missing_ok=True)
                 return
-        # another run took it for a leftover before it was locked
+        # another run took the file for a leftover before it was locked
 
 
 def _remove_stale(folder: Path, names: re.Pattern[str]) -> None:
-    """Remove temporary files of that name that nobody holds."""
+    """Remove temporary files of that name without a lock."""
     with suppress(OSError):  # a folder that may not be listed
         for entry in os.scandir(folder):
             if names.fullmatch(entry.name) and entry.is_file(follow_symlinks=False):
@@ -114,7 +114,7 @@ def _remove_stale(folder: Path, names: re.Pattern[str]) -> None:
 
 
 def _locked(file: IO, wait: bool) -> bool:
-    """Hold a file until it is closed; False if another does, or the file system knows no locks."""
+    """Lock a file until it is closed; False if another process does, or the file system has no locks."""
     if fcntl is None:
         return False
     try:
@@ -126,7 +126,7 @@ def _locked(file: IO, wait: bool) -> bool:
 
 @contextmanager
 def _removed_at_end(temporary: Path) -> Iterator[None]:
-    """Remove a file if a signal ends the program in the block; it then ends as it would have."""
+    """Remove a file if a signal ends the program in the block; the program then ends as without this."""
     numbers = [getattr(signal, name) for name in ENDS if hasattr(signal, name)]
     if threading.current_thread() is not threading.main_thread():
         numbers = []  # only the main thread may listen
@@ -147,7 +147,7 @@ def _removed_at_end(temporary: Path) -> Iterator[None]:
 
 
 def _reason(error: BaseException | None) -> str:
-    """Why the disk would not take it, also where that made a program stumble; empty for any other error."""
+    """Reason why the disk refused, also if it caused another error; empty for any other error."""
     while error is not None and not isinstance(error, OSError):
         error = error.__context__
     return (error.strerror or str(error)).lower() if error is not None else ""

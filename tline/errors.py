@@ -1,23 +1,23 @@
-"""What a user did wrong, in one sentence: where, what is wrong, what was expected, what was given.
+"""Mistakes of a user, in one sentence: place, problem, expected and given value.
 
-All four packages say it with these classes, which survive pickle and copies. What is no mistake of the user but may
-surprise is a warning.
+All four packages use these classes, which survive pickle and copies. Surprises that are not mistakes of the user
+are warnings.
 """
 
 from typing import Any
 
 
 class InputError(ValueError):
-    """One mistake in what the user gave.
+    """One mistake in the input of a user.
 
     Parameters
     ----------
     where : str
-        The place the user can act on: ``lines.pipe.radius``, an option, a file; may be empty.
+        Place the user can act on: ``lines.pipe.radius``, an option, a file; may be empty.
     problem : str
-        What is wrong there.
+        Description of the mistake.
     expected, got : str, optional
-        What was expected, and what was given instead.
+        Expected value, and the one given instead.
 
     Examples
     --------
@@ -42,33 +42,33 @@ class SceneError(InputError):
     Parameters
     ----------
     mistakes : list of InputError
-        What is wrong, at least one.
+        Mistakes, at least one.
     """
 
     def __init__(self, mistakes: list[InputError]):
         super().__init__("", "\n".join(str(mistake) for mistake in mistakes))
         self.mistakes = mistakes
-        self.args = (mistakes,)  # what a copy is made of
+        self.args = (mistakes,)  # arguments of a copy
 
 
 class ActiveError(InputError):
-    """The scene has an active load, and nobody asked to run it all the same."""
+    """The scene has an active load, and the caller did not allow that."""
 
 
 class NoFlowError(InputError):
-    """No flow was found through elements that see each other; narrower slabs may help.
+    """No flow was found through elements that act on each other without delay; narrower slabs may help.
 
     Attributes
     ----------
     span : tuple of float, or None
-        Where the piece of a slab begins and ends in which that was, in slabs from t = 0, if it is known.
+        Begin and end of the piece of a slab in which that was, in slabs from t = 0, if known.
     """
 
     span: tuple[float, float] | None = None
 
 
 class MissingExtraError(InputError):
-    """A package that this needs, and tline does without, is not installed.
+    """An optional package needed here is not installed.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class MissingExtraError(InputError):
 
         clone = (Path(__file__).parents[1] / "pyproject.toml").is_file()
         super().__init__(where, problem, f"pip install {'-e ' * clone}'{'.' if clone else 'tline'}[{extra}]'")
-        self.args = (where, problem, extra)  # what a copy is made of
+        self.args = (where, problem, extra)  # arguments of a copy
 
 
 def import_extra(module: str, package: str, extra: str, where: str = "") -> Any:
@@ -108,8 +108,8 @@ def import_extra(module: str, package: str, extra: str, where: str = "") -> Any:
 
 
 class NotKeptWarning(UserWarning):
-    """Compiled code cannot be kept on disk, or what is there may be somebody else's: a process compiles for itself."""
+    """Compiled code cannot be kept on disk, or may be somebody else's there: a process compiles for itself."""
 
 
 class LeftOutWarning(UserWarning):
-    """A file of another program holds something that its scene does not, or holds otherwise."""
+    """A file of another program has contents that its scene lacks, or holds in another form."""

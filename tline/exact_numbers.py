@@ -26,14 +26,14 @@ BITS = 30  # of a radius
 
 
 def _radius_below(man: int, exp: int) -> tuple[int, int]:
-    """What is rounded up to a radius: the number below it of as many bits."""
+    """Invert flint's rounding of a radius: return the next smaller number of as many bits."""
     shift = BITS - man.bit_length()
     man, exp = man << shift, exp - shift
     return (2 * man - 1, exp - 1) if man == 1 << (BITS - 1) else (man - 1, exp)
 
 
 def ball(mid: tuple[int, int], rad: tuple[int, int]) -> arb:
-    """Real ball with midpoint and radius man·2^exp.
+    """Create a real ball with midpoint and radius man·2^exp.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Building a great many objects that all stay."""
+"""Construction of many permanent objects."""
 
 import gc
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def gc_paused() -> Iterator[None]:
-    """Look for no cycles among objects meanwhile: of a network, a third of the time goes into finding none.
+    """Pause the search for reference cycles: for a network, it takes a third of the time and finds none.
 
     Examples
     --------

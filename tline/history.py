@@ -1,4 +1,4 @@
-"""Results that are columns over time: one table, one way to save it, whatever moved."""
+"""Results that are columns over time: one table and one file format for all mechanisms."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -27,7 +27,7 @@ class History(Presentation):
         raise NotImplementedError
 
     def table_lines(self) -> Iterator[str]:
-        """Lowest, highest and last sample of each column behind the first, and how far off they may be."""
+        """Lowest, highest and last sample of each column behind the first, and their error estimates."""
         (_, t), *columns = self.columns.items()
         errors = getattr(self, "errors", {})
         told = ["largest error"] * bool(errors)
@@ -43,7 +43,7 @@ class History(Presentation):
         Parameters
         ----------
         path : str or Path
-            Its suffix says what it becomes; a file that is there is replaced.
+            Path, whose suffix determines the format; an existing file is replaced.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Packages whose public names are imported when they are used: their stub says what they are and where they live."""
+"""Packages whose public names are imported at first use: their stub lists these and their modules."""
 
 import sys
 from collections.abc import Callable
@@ -8,12 +8,12 @@ from typing import Any
 
 
 def lazy(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Functions ``__getattr__`` and ``__dir__`` of a package with a stub (PEP 562).
+    """Return functions ``__getattr__`` and ``__dir__`` of a package with a stub (PEP 562).
 
     Parameters
     ----------
     package : str
-        Its ``__name__``. Beside its ``__init__.py`` stands an ``__init__.pyi`` of statements
+        Its ``__name__``. Next to its ``__init__.py`` there must be an ``__init__.pyi`` of statements
         ``from where import name as name``, ``from where import *`` or ``import module as module``, which type checkers
         and editors read, too.
 

@@ -1,4 +1,4 @@
-"""How all that is given out shows itself: as a screen of text, in notebooks with its picture, and as plain data."""
+"""Display of all results: as a screen of text, in notebooks with a picture, and as plain data."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ SCREEN = 40  # lines of text
 
 
 class Presentation:
-    """Base of results: they state their text and their picture, and the rest follows from these."""
+    """Base of results: they define their text and their picture, and the rest follows from these."""
 
     picture: ClassVar[str] = ""  # "module:function" that draws it, given it and axes, None for a new figure
 
     def text_lines(self) -> Iterable[str]:
-        """The text, line by line."""
+        """Lines of the text."""
         raise NotImplementedError
 
     def plot(self, ax: Axes | None = None) -> Figure | Axes:
-        """Draw it.
+        """Draw the picture of the result.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw; without it a new figure with all there is.
+            Where to draw; without it a new figure with all panels.
 
         Returns
         -------
         Figure or Axes
-            What was drawn on.
+            Target of the drawing.
         """
         if not self.picture:
             raise NotImplementedError
@@ -49,7 +49,7 @@ class Presentation:
         return getattr(import_module(module), name)(self, ax)
 
     def to_dict(self) -> dict[str, Any]:
-        """The numbers in SI as plain data, as `--json` of a command prints them; None where a number is not finite."""
+        """Numbers in SI as plain data, as `--json` of a command prints them; None where a number is not finite."""
         return plain(self)
 
     def __str__(self) -> str:
@@ -61,7 +61,7 @@ class Presentation:
         return str(self)
 
     def _repr_html_(self) -> str:
-        """The text over the picture, in a notebook."""
+        """Text over the picture, in a notebook."""
         return self._shown(str(self).splitlines())
 
     def _shown(self, lines: Iterable[str]) -> str:
@@ -77,7 +77,7 @@ class Presentation:
 
 
 def as_image(figure: Any) -> str:
-    """A figure as an element of HTML that holds all of it."""
+    """Encode a figure as a self-contained element of HTML."""
     if hasattr(figure, "_repr_png_"):
         png, _ = figure._repr_png_()
     else:
@@ -89,7 +89,7 @@ def as_image(figure: Any) -> str:
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts, lists and tables by name, fit for JSON: complex numbers are pairs, infinities and NaN None.
+    """Convert numbers, texts, lists and tables by name for JSON: complex numbers are pairs, infinities and NaN None.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""One look for all pictures: colours that everyone can tell apart, sizes, and how a figure becomes a file."""
+"""Common style of all pictures: colours that everyone can distinguish, sizes, and files of figures."""
 
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -19,12 +19,12 @@ from tline.atomic import replacing
 from tline.errors import InputError
 from tline.words.wording import shown
 
-# Okabe and Ito's colours, told apart with every kind of colour vision; yellow is left out as too faint on white
+# Okabe and Ito's colours, distinct with every kind of colour vision; yellow is left out as too faint on white
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (1.6, 1.2)), (0, (6, 1.4, 1.4, 1.4)))
 UP, DOWN, INK, FAINT = "#B2182B", "#2166AC", "#222222", "#8A8A8A"
 DIVERGING = (DOWN, "#67A9CF", "#F7F7F7", "#EF8A62", UP)
-POINTS = 96  # of a notebook's page, per inch
+POINTS = 96  # per inch of a notebook's page
 HALO = [withStroke(linewidth=2.5, foreground="white")]
 LONGEST_NAME, ONE_ROW = 18, 80  # letters of a node's name, and of all names beside each other
 LOOK: dict[Any, Any] = {
@@ -55,16 +55,16 @@ LOOK: dict[Any, Any] = {
 }
 
 
-# decorates what draws, so that it draws in this look whatever the user's settings are, and leaves those as they were
+# decorates drawing functions, so that they use this style in place of the user's settings, which are restored
 styled = matplotlib.rc_context(LOOK)
 
 
 class Picture(Figure):
-    """A figure that no window system knows of, and that notebooks show without being asked to draw."""
+    """Figure independent of window systems, which notebooks show on their own."""
 
     @styled
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """The figure in a notebook: sharp on screens of twice as many dots."""
+        """Figure in a notebook: sharp on screens with twice the resolution."""
         file = BytesIO()
         self.savefig(file, format="png")
         width, height = self.get_size_inches() * POINTS
@@ -72,7 +72,7 @@ class Picture(Figure):
 
 
 def figure(width: float, height: float, title: str) -> Picture:
-    """An empty figure, inches."""
+    """Create an empty figure, inches."""
     blank = Picture(figsize=(width, height), dpi=150, layout="constrained")
     if title:
         text = textwrap.fill(title, int(9 * width))
@@ -81,7 +81,7 @@ def figure(width: float, height: float, title: str) -> Picture:
 
 
 def check_axes(ax: object, hint: str = "") -> None:
-    """Refuse what is no axes of Matplotlib."""
+    """Raise an error unless the argument is a Matplotlib axes."""
     if not isinstance(ax, Axes):
         raise InputError("ax", "not matplotlib axes", "Axes" + hint, shown(ax))
 
@@ -89,7 +89,7 @@ def check_axes(ax: object, hint: str = "") -> None:
 def cells_of(
     ax: Axes | None, width: float, height: float, rows: int = 1, columns: int = 1, title: str = "", **shared: Any
 ) -> tuple[Any, list[Axes]]:
-    """What `plot(ax)` draws on, and in which axes: in `ax` alone, or in those of a new figure, inches.
+    """Return the target of `plot(ax)` and its axes: `ax` alone, or those of a new figure, inches.
 
     Examples
     --------
@@ -105,7 +105,7 @@ def cells_of(
 
 
 def add_bar(colours: ScalarMappable, axes: Any, label: str, fraction: float = 0.06) -> Colorbar:
-    """A colour bar beside axes."""
+    """Add a colour bar next to axes."""
     beside = [axes] if isinstance(axes, Axes) else [*axes]
     bar = beside[0].figure.colorbar(colours, ax=beside, label=label, pad=0.02, fraction=fraction)
     bar.outline.set_visible(False)
@@ -113,14 +113,14 @@ def add_bar(colours: ScalarMappable, axes: Any, label: str, fraction: float = 0.
 
 
 def short(name: str) -> str:
-    """A name, cut where it is long."""
+    """Shorten a long name."""
     return name if len(name) <= LONGEST_NAME else name[: LONGEST_NAME - 1] + "…"
 
 
 def write_name(
     axes: Axes, name: str, place: tuple[float, float], sides: Iterable[tuple[float, float]], taken: list[BboxBase]
 ) -> None:
-    """Write a name beside a place, at the first side, points, where it covers nothing that is taken; else nowhere."""
+    """Write a name next to a place, at the first side, points, where it covers no taken box; else nowhere."""
     for x, y in sides:
         across, up = "center" if not x else "left" if x > 0 else "right", "bottom" if y > 0 else "top"
         text = axes.annotate(name, place, (x, y), textcoords="offset points", ha=across, va=up, fontsize=9,
@@ -133,7 +133,7 @@ def write_name(
 
 
 def name_nodes(axes: Axes, labels: Mapping[float, str]) -> None:
-    """Write the nodes of a route above the axes, as many as there is room for, and mark the inner ones."""
+    """Write the nodes of a route above the axes, as many as there is space for, and mark the inner ones."""
     marks, names = list(labels), list(labels.values())
     room = 0.06 * (marks[-1] - marks[0])
     kept = [0]

@@ -1,4 +1,4 @@
-"""Unit strings at the door, SI inside: ``"10 cm"`` becomes 0.1.
+"""Conversion of texts with units to SI: ``"10 cm"`` becomes 0.1.
 
 The parser is our own because full-size unit libraries import numpy and take longer than all of `tline line`.
 The tests hold its table against such a library, for every unit with every prefix.
@@ -6,11 +6,11 @@ The tests hold its table against such a library, for every unit with every prefi
 Grammar: a number, then units joined by ``*``, ``·``, ``×``, ``/`` or a space, each with an integer power
 (``m^3``, ``m**3``, ``m³``), and parentheses. Products and quotients are read strictly from left to right and
 a space multiplies, so ``1 m / s m`` is (m/s)·m; the other one is ``1 m/(s m)``. A number without a unit is
-SI. Values stay exact fractions until the end, so the result is the float nearest to what was typed.
+SI. Values stay exact fractions until the end, so the result is the float nearest to the text.
 
 Angles and cycles are plain numbers in SI, so rad/s and Hz have one dimension and yet differ by 2π. A unit therefore
-counts its angles and cycles beside its dimension; where the one is given and the other expected it is converted:
-``"1 rad/s"`` is 0.159 Hz, ``"1 Hz"`` is 6.28 rad/s. ``1/s`` says neither and is what is expected.
+counts its angles and cycles in addition to its dimension; if one is given and the other expected it is converted:
+``"1 rad/s"`` is 0.159 Hz, ``"1 Hz"`` is 6.28 rad/s. ``1/s`` is neither and counts as the one expected.
 """
 
 import math
@@ -112,7 +112,7 @@ _PRINTED = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M
 
 
 def to_si(value: float | str, unit: str | None, where: str = "", *, allow_infinite: bool = False) -> float:
-    """Value of a quantity in SI.
+    """Convert a quantity to SI.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def to_si(value: float | str, unit: str | None, where: str = "", *, allow_infini
     unit : str or None
         The SI unit expected, whose dimension counts; ``""`` for a plain number, None for any dimension.
     where : str
-        What the error message points at.
+        Place named by the error message.
     allow_infinite : bool
         Let ``inf`` pass.
 
@@ -152,7 +152,7 @@ def to_si(value: float | str, unit: str | None, where: str = "", *, allow_infini
 
 
 def engineering(value: float, unit: str) -> str:
-    """Text of an SI value: four digits, in `unit`, with a prefix if `unit` begins with a bare SI unit.
+    """Format an SI value: four digits, in `unit`, with a prefix if `unit` begins with a bare SI unit.
 
     Examples
     --------
@@ -170,7 +170,7 @@ def engineering(value: float, unit: str) -> str:
 
 
 def handy(largest: float, unit: str) -> tuple[float, str]:
-    """Size in SI and name of the unit for values up to `largest`: `unit`, with a prefix where it takes one.
+    """Choose the unit for values up to `largest`: its size in SI and name, `unit` with a prefix where it takes one.
 
     Times of a second and more stay in seconds, heights in metres.
 
@@ -234,7 +234,7 @@ def _text_to_si(text: str, unit: str | None) -> float:
 
 @lru_cache(256)
 def _parse(text: str) -> Factor:
-    """Value and dimension of a unit; parentheses are folded from the innermost outwards."""
+    """Parse a unit to its value and dimension; parentheses are folded from the innermost outwards."""
     groups: dict[str, Factor] = {}
     folded = text.translate(_ALIKE).replace("#", "?")  # '#0', '#1' ... stand for the groups already folded
     while group := _GROUP.search(folded):
@@ -268,7 +268,7 @@ def _too_large(unit: str) -> InputError:
 
 
 class UnknownUnit(InputError):
-    """A name that is no unit; whoever knows what is expected says what it may have meant."""
+    """Name that is not a unit; the caller, who knows the expected dimension, adds a suggestion."""
 
     def __init__(self, name: str):
         super().__init__("", f"unknown unit {_shown(name)}", got=_shown(name))
@@ -289,7 +289,7 @@ def _unit(name: str) -> Factor:
 
 
 def _spelled_out(name: str) -> str:
-    """What another spelling stands for, such as a word or "m3" for "m^3"; nothing if it is none."""
+    """Symbol of another spelling, such as a word or "m3" for "m^3"; empty if it is none."""
     letters, lower = name.rstrip("234"), name.lower()
     if len(name) == len(letters) + 1 and letters not in DEGREES:
         return f"{letters}^{name[-1]}"
@@ -301,7 +301,7 @@ def _spelled_out(name: str) -> str:
     return PREFIX_WORDS[prefix] + symbol if symbol in PREFIXABLE else ""
 
 
-# what a unit measures, in messages
+# quantities of units, in messages
 KINDS = {
     "m": "a length", "m^2": "an area", "m^3": "a volume", "s": "a time", "Hz": "a frequency",
     "m/s": "a speed", "kg": "a mass", "kg/m^3": "a density", "Pa": "a pressure", "m^3/s": "a volume flow",
@@ -313,7 +313,7 @@ KINDS = {
 
 
 def _suggestion(name: str, units: str, wanted: str | None) -> str:
-    """What an unknown unit may have meant: kelvin, another case, or the nearest symbols, of the right dimension."""
+    """Suggest units for an unknown one: kelvin, another case, or the nearest symbols, of the right dimension."""
     from difflib import get_close_matches
 
     known = [*PREFIXABLE, *PLAIN, *(prefix + unit for unit in PREFIXABLE for prefix in PREFIXES), *SPELLED]
@@ -325,7 +325,7 @@ def _suggestion(name: str, units: str, wanted: str | None) -> str:
 
 
 def _fits(units: str, wanted: str) -> bool:
-    """Whether a unit has the dimension that is wanted."""
+    """Whether a unit has the dimension wanted."""
     try:
         return _parse(units)[1][:5] == _parse(wanted)[1][:5]
     except InputError:
@@ -333,13 +333,13 @@ def _fits(units: str, wanted: str) -> bool:
 
 
 def _mistaken(given: str, expected: str) -> str:
-    """What is wrong with a unit of another dimension; of a temperature, that it is a unit with the same letter."""
+    """Explain why a unit has the wrong dimension; for a temperature, that it is a unit with the same letter."""
     letter = {"C": "coulomb", "F": "farad"}.get(given) if expected == "K" else None
     return f"{given} is the {letter}" if letter else "this unit measures something else"
 
 
 def _expected(unit: str | None) -> str:
-    """How a quantity of this unit is written."""
+    """Describe the form of a quantity of this unit."""
     if unit is None:
         return "a number with a unit"
     dimension = _parse(unit)[1][:5]

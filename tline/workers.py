@@ -1,4 +1,4 @@
-"""Processes that work for this one, and leave Ctrl-C to it from their birth, though a terminal sends it to them all."""
+"""Worker processes of this one, which ignore Ctrl-C from their start, although a terminal sends it to all."""
 
 import signal
 from collections.abc import Iterator
@@ -10,20 +10,20 @@ from typing import Any
 
 
 class Workers(ProcessPoolExecutor):
-    """As many processes, each begun when there is work for it."""
+    """Pool of worker processes, each started when there is work for it."""
 
     def __init__(self, count: int):
         super().__init__(count, get_context("spawn"), _ignore_interrupts)
 
     def submit(self, *task: Any, **named: Any) -> "Future[Any]":
-        """Let a process do something; those that this begins inherit that interrupts are blocked."""
+        """Submit a task to a process; processes started by this inherit that interrupts are blocked."""
         with interrupts_deferred():
             return super().submit(*task, **named)
 
     def end(self) -> None:
-        """End all processes, whatever they do, and the thread that hears of them.
+        """End all processes at once, and the thread that listens to them.
 
-        Were the thread left, it might close its pipe while Python, about to end, writes into that.
+        If the thread continued, it might close its pipe while Python, about to end, writes into that.
         """
         with interrupts_deferred():
             processes = list((self._processes or {}).values())
@@ -40,7 +40,7 @@ class Workers(ProcessPoolExecutor):
 
 @contextmanager
 def interrupts_deferred() -> Iterator[None]:
-    """Let Ctrl-C wait until this is left, and block it in processes that are begun meanwhile."""
+    """Defer Ctrl-C until the block ends, and block it in processes started meanwhile."""
     caught: list[int] = []
     handler = signal.getsignal(signal.SIGINT)
     ours = handler is not None and current_thread() is main_thread()  # no other thread is interrupted

@@ -1,4 +1,4 @@
-"""`tline chart`: speed against accuracy, error growth, and where methods blow up; measured while you wait."""
+"""Command `tline chart`: speed against accuracy, error growth, and instability of methods, measured at call."""
 
 import math
 import sys
@@ -28,15 +28,15 @@ Without --quick a chart takes minutes; docs/charts.md shows and explains them al
 
 @click.group("chart", epilog=EXAMPLES)
 def chart() -> None:
-    """Charts that are measured, never typed: error against run time, error growth, stability maps.
+    """Charts from measurements at call: error against run time, error growth, stability maps.
 
-    Baseline methods stand beside the production method: characteristics with and without interpolation, upwind,
+    The production method is compared with baseline methods: characteristics with and without interpolation, upwind,
     Lax-Wendroff, leapfrog FDTD, lumped sections, Padé sections, slabs without projection.
     """
 
 
 def _chart(source: str) -> Callable[[Callable[..., Output | None]], Command]:
-    """A chart as a command, which passes on how much effort is made."""
+    """Make a chart a command, with its options for the effort."""
     return command(f"tline.study.charts.{source}", files=FILES, omit=("name",), group=chart, epilog=EXAMPLES)
 
 
@@ -58,7 +58,7 @@ def peers(scene: str = "rc", **given: Any) -> Output:
     """Error against run time of other programs on the same scene, each measured now if it is installed.
 
     ngspice is looked for on the PATH; scikit-rf and rthym-moc among the installed packages; TSNet where the variable
-    TSNET_PYTHON names an interpreter that has it. What is absent is named.
+    TSNET_PYTHON names an interpreter that has it. Absent programs are named.
     """
     from tline.study.charts.work_precision import peers as measure
 
@@ -67,10 +67,10 @@ def peers(scene: str = "rc", **given: Any) -> Output:
 
 @_chart("growth:error_growth")
 def growth(**given: Any) -> Output:
-    """What ten thousand passes along a lightly damped line leave of a pulse: damping, phase and dispersion.
+    """Change of a pulse in ten thousand passes along a lightly damped line: damping, phase and dispersion.
 
-    Damping is the amplitude lost (negative: won), phase the delay in transits, dispersion the change of shape that no
-    shift and scale explains. --quick makes 40 passes.
+    Damping is the amplitude lost (negative: gained), phase the delay in transits, dispersion the change of shape beyond
+    any shift and scale. --quick makes 40 passes.
     """
     from tline.study.charts.growth import KINDS, error_growth, save
 
@@ -94,9 +94,9 @@ def stability(map: str = "courant", **given: Any) -> Output:
     MAP is one of
       courant          grid methods beyond Courant 1
       load_rate        integrators of a load, by step times rate
-      fraction         interpolation and extrapolation of what arrives
-      order_pointwise  slabs of order 1 to 8, the delayed wave read off
-      order_projected  the same, the delayed wave projected: the production method
+        fraction         interpolation and extrapolation of arriving waves
+        order_pointwise  slabs of order 1 to 8, the delayed wave interpolated
+        order_projected  slabs of order 1 to 8, the delayed wave projected: the production method
       loop_gain        an active load, whose growth is real and must be reproduced
     """
     from tline.study.charts import stability as maps
@@ -137,7 +137,7 @@ def _table(found: "ChartTable") -> Output:
 
 
 def _plain(value: Any) -> Any:
-    """As JSON can say it: infinities as text, no number as null."""
+    """Convert to values for JSON: infinities as text, nan as null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, list | tuple):

@@ -8,7 +8,7 @@ from pathlib import Path
 from tline.errors import InputError
 from tline.units import to_si
 
-WORDS = {  # of loggers, for the letters here
+WORDS = {  # names in files of data loggers, with their symbols
     "time": "t", "zeit": "t", "position": "x", "displacement": "x", "place": "x", "velocity": "v", "speed": "v",
     "force": "F", "friction": "F",
 }  # fmt: skip
@@ -18,18 +18,18 @@ HEADING = re.compile(r"\s*(\w+)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
 def read_columns(
     file: str, where: str, units: Mapping[str, str], assumed: tuple[str, ...] = ()
 ) -> dict[str, list[float]]:
-    """Columns of a file by their names, in SI.
+    """Read the columns of a file by their names, in SI.
 
     Parameters
     ----------
     file : str
-        Semicolon, tab, comma or blanks between columns; numbers may have a decimal comma where none stands between
-        columns. Units stand in brackets behind names, or in a line of their own. Empty lines and lines that begin with
+        Semicolon, tab, comma or blanks between columns; numbers may have a decimal comma unless commas separate
+        columns. Units are in brackets behind names, or in a line of their own. Empty lines and lines that begin with
         # or sep= are skipped.
     where : str
-        What an error points at.
+        Place named by errors.
     units : mapping of str to str
-        Unit of each column that there may be.
+        Unit of each column allowed.
     assumed : tuple of str
         Names of the columns of a file without heading; with none, a heading is needed.
     """

@@ -1,4 +1,4 @@
-"""`tline design`: how large what protects from a surge has to be."""
+"""Command `tline design`: size of a protection against surges."""
 
 import sys
 import warnings
@@ -36,17 +36,17 @@ FILES = {
 
 @click.group("design", epilog=EXAMPLES)
 def design() -> None:
-    """Size what protects from a surge, by runs of a scene with other sizes.
+    """Size a protection against surges, by runs of a scene with other sizes.
 
     A network is a scene (.toml) that starts in the steady state and has the surge in it, or a file of EPANET (.inp);
-    --trip, --close and the like operate it, as those of `tline surge`. Limits are gauge pressures ("0.5 bar"), or heads
+    --trip, --close and the like operate it, as in `tline surge`. Limits are gauge pressures ("0.5 bar"), or heads
     ("35 m") above the zero of elevations, at all nodes that no reservoir holds or all along a path. Printed are the
     size, its margin to the limit, and the curve of extremes over sizes.
     """
 
 
 def _search(function: Callable[..., Output]) -> Command:
-    """A search of `tline.design` as a command."""
+    """Make a search of `tline.design` a command."""
     name = function.__name__
     sources = f"tline.design.{'closure' if name == 'closure' else 'protection'}:{name}", OPERATE
     omit = ("at", "order", "rating", "record", "network", "seconds")
@@ -61,12 +61,12 @@ def _search(function: Callable[..., Output]) -> Command:
 def vessel(
     network: str, *, at: str, kv: str | None = None, exponent: str | None = None, confined: bool = False, **given: Any
 ) -> Output:
-    """The smallest air vessel at a node, and its precharge.
+    """Find the smallest air vessel at a node, and its precharge.
 
     Parameters
     ----------
     at : NODE
-        Where it stands.
+        Its node.
     kv : NUMBER
         Of the throttle between pipe and vessel, m³/h at 1 bar; none if not given.
     exponent : NUMBER
@@ -78,31 +78,31 @@ def vessel(
 
 @_search
 def closure(network: str, valve: str, *, confined: bool = False, **given: Any) -> Output:
-    """The shortest closure of a valve under a pressure rating."""
+    """Find the shortest closure of a valve under a pressure rating."""
     return _found(closure, network, confined, given | {"valve": valve})
 
 
 @_search
 def relief(network: str, *, at: str, confined: bool = False, **given: Any) -> Output:
-    """The smallest relief valve at a node, or its set pressure.
+    """Find the smallest relief valve at a node, or its set pressure.
 
     Parameters
     ----------
     at : NODE
-        Where it stands.
+        Its node.
     """
     return _found(relief, network, confined, given | {"at": at})
 
 
 @_search
 def flywheel(network: str, pump: str, *, confined: bool = False, **given: Any) -> Output:
-    """The smallest inertia of a pump that trips."""
+    """Find the smallest inertia of a pump that trips."""
     return _found(flywheel, network, confined, given | {"pump": pump})
 
 
 @command(group=design, epilog=EXAMPLES)
 def separation(scene: "Scene") -> Presentation:
-    """The highest pressure where columns separate, over three numbers of places."""
+    """Find the highest pressure where columns separate, over three numbers of places."""
     from tline.design.columns import separation as search
 
     return search(scene)
@@ -129,7 +129,7 @@ def _found(search: Command, network: str, confined: bool, given: dict[str, Any])
 def _operated(
     network: str, confined: bool, t_end: str | None, tol: str | None, operations: dict[str, Any]
 ) -> "tuple[Scene, tuple[str, ...]]":
-    """The scene in which something is sized, and notes on what was guessed for it."""
+    """Return the scene for a search, and notes on quantities assumed in it."""
     from tline.design.sizing import USUAL_TOL
     from tline.interchange.any_file import read as read_any
     from tline.scene.file import EPANET

@@ -1,4 +1,4 @@
-"""Arguments of functions and what their numpydoc docstrings say of them, read as source text: nothing is imported."""
+"""Arguments of functions and their descriptions in numpydoc docstrings, from source text: nothing is imported."""
 
 import ast
 import inspect
@@ -13,7 +13,7 @@ Given = tuple[str, ast.expr | None, ast.expr | None]  # name, annotation, defaul
 
 
 class Argument(NamedTuple):
-    """What is known of an argument: annotation, default, help and type in words."""
+    """Argument of a function: annotation, default, help and type in words."""
 
     annotation: Any
     default: Any
@@ -61,7 +61,7 @@ def _signature(function: ast.FunctionDef) -> list[Given]:
 
 
 def _fields(record: ast.ClassDef) -> list[Given]:
-    """Of a dataclass whose defaults are numbers."""
+    """Fields of a dataclass, with defaults that are constants."""
     found = [each for each in record.body if isinstance(each, ast.AnnAssign) and isinstance(each.target, ast.Name)]
     return [
         (each.target.id, each.annotation, each.value if isinstance(each.value, ast.Constant) else None)
@@ -73,7 +73,7 @@ def _fields(record: ast.ClassDef) -> list[Given]:
 def documented_in(text: str) -> dict[str, Argument]:
     """Help and type in words by argument, from the section of parameters of a docstring.
 
-    Where it says "As of" another function of the package, what that says.
+    A reference "As of" another function of the package is replaced by the description there.
     """
     section = re.split(r"\n\n\S+\n-+\n", text.partition("Parameters\n----------\n")[2])[0]
     entries = re.findall(r"^(\w.*?)(?: : (.*))?\n((?:[ ]+.*\n?|\n)*)", f"{section}\n", re.MULTILINE)
@@ -88,12 +88,12 @@ def documented_in(text: str) -> dict[str, Argument]:
 
 
 def without_sections(text: str) -> str:
-    """The first paragraphs of a docstring, with the quotes of a terminal."""
+    """First paragraphs of a docstring, with the quotes of a terminal."""
     return re.split(r"^[A-Z]\w+\n-+$", text, maxsplit=1, flags=re.MULTILINE)[0].strip().replace("`", "'")
 
 
 def _public(package: str, name: str) -> str:
-    """Source of a public name of a package, whose stub says where that is, or of one in a module."""
+    """Source of a public name of a package, as its stub refers to it, or of a name in a module."""
     if not _folder(package).is_dir():
         return f"{package}:{name}"
     stub = _folder(package).joinpath("__init__.pyi").read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""`tline drives`: the coupled drives, from the equations to Bode plot and controller."""
+"""Command `tline drives`: the coupled drives, from the equations to Bode plot and controller."""
 
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, NamedTuple
@@ -24,7 +24,7 @@ SAMPLES = {"step": 200, "control": 400}  # of a run
 
 
 class Asked(NamedTuple):
-    """A number that a run under control is asked for: its unit, the value if none is given, and its help."""
+    """Option of a run under control: its unit, the value if none is given, and its help."""
 
     unit: str
     default: str | None = None
@@ -35,7 +35,7 @@ ASKED = {
     "speed": Asked("m/s", "1 m/s", "Set point of the belt speed."),
     "tension": Asked("N", "5 N", "Set point of the tension."),
     "disturbance": Asked("N m", "0 N m", "Torque on spool 1 from half of the run on."),
-    "speed_bandwidth": Asked("rad/s"),  # what these are, the design and the run say
+    "speed_bandwidth": Asked("rad/s"),  # described by the design and the run
     "tension_bandwidth": Asked("rad/s"),
     "limit": Asked("N m"),
     "period": Asked("s"),
@@ -90,7 +90,7 @@ def bode(
     high : ω
         Largest angular frequency.
     points
-        How many.
+        Number of frequencies.
     """
     import numpy as np
 
@@ -164,7 +164,7 @@ def step_(
     step: str | None = None,
     **given: Any,
 ) -> Output:
-    """What torques do to the mechanism at rest: exact at the samples, with the balance of energy.
+    """Response of the mechanism at rest to torques: exact at the samples, with the balance of energy.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def step_(
     hold
         Hold each row of the table until the next, instead of straight lines.
     slack
-        A belt that cannot push.
+        Let the belt go slack, as it cannot push.
     step : TIME
         Time between samples, a 200th of the run if not given; it causes no error.
     """
@@ -211,13 +211,13 @@ Examples:
 def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) -> Output:
     """Design PI controllers for belt speed and tension behind a decoupler, and run them.
 
-    Spools that differ are made alike by an inner feedback. Set points step at t = 0. At the limit the tension comes
-    first. What cannot be had, a bandwidth with good margins or set points at the limit, is said with what can; exit 1.
+    Unequal spools are made equal by an inner feedback. Set points step at t = 0. At the limit the tension has
+    priority. A bandwidth without good margins, or set points beyond the limit, are reported with feasible ones; exit 1.
 
     Parameters
     ----------
     sensitivities
-        Tell what 1 % more of each parameter does to poles and overshoots of the linear, continuous loop.
+        Print the effect of 1 % more of each parameter on poles and overshoots of the linear, continuous loop.
     """
     from drives import Torque, design, simulate_control
     from drives import sensitivities as sensitivities_of
@@ -251,6 +251,6 @@ def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) ->
 
 
 def numbers_of(given: Mapping[str, str]) -> dict[str, float]:
-    """What a run under control is asked for, in SI."""
+    """Numbers given for a run under control, in SI."""
     texts = {key: given.get(key, each.default) for key, each in ASKED.items()}
     return {key: quantity(f"--{key.replace('_', '-')}", text, ASKED[key].unit) for key, text in texts.items() if text}

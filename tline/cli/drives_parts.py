@@ -1,4 +1,4 @@
-"""The mechanism of `tline drives` from options and files: parts, dry friction, a belt that is wound, torques."""
+"""Mechanism of `tline drives` from options and files: parts, dry friction, a wound belt, torques."""
 
 import re
 from collections.abc import Callable
@@ -23,7 +23,7 @@ TWO = " Two with a comma between: left, right."
 
 
 class Parameter(NamedTuple):
-    """A number of the mechanism: its unit, of which part, its name and class there, and the exercise's value."""
+    """Parameter of the mechanism: its unit, its part, its name and class there, and the exercise's value."""
 
     unit: str
     part: str
@@ -32,7 +32,7 @@ class Parameter(NamedTuple):
     default: str
 
     def option(self, key: str) -> click.Option:
-        """The option that gives it, explained as the part explains it."""
+        """Option for the parameter, with the help of the part's docstring."""
         told = arguments_of(f"drives.parts:{self.kind}")[self.name].help.partition(". ")[0].rstrip(".")
         two = "" if self.part == "pulley" else TWO
         text = f"{told}; '{self.default}' if not given.{two}"
@@ -66,7 +66,7 @@ LOOSE = (
 
 
 def mechanism(given: dict[str, Any]) -> "CoupledDrives":
-    """The mechanism, whose parameters are taken out of what is given: options over the file over the exercise."""
+    """Build the mechanism from its parameters, removed from those given: options over the file over the exercise."""
     from drives import Belt, CoupledDrives, Pulley, Spool
 
     file = given.pop("parameters", None)
@@ -88,7 +88,7 @@ def mechanism(given: dict[str, Any]) -> "CoupledDrives":
 
 
 def _part(kind: Callable, side: dict[str, tuple[str, float]]) -> Any:
-    """A part, whose mistakes are named by the option or the key they come from."""
+    """Build a part; errors name the option or the key of the value."""
     with options_named({key: where for key, (where, _) in side.items()}):
         return kind(**{key: value for key, (_, value) in side.items()})
 
@@ -102,7 +102,7 @@ def _read_parameters(file: str) -> dict[str, Any]:
 
 
 def quantity(where: str, given: Any, unit: str) -> float:
-    """Value in SI; a text without a unit, or a number, is refused."""
+    """Convert a text to SI; a text without a unit, or a number, is refused."""
     example = "a quantity such as '45 deg'" if unit == "rad" else f"a quantity such as '1 {unit}'"
     if not isinstance(given, str):
         raise InputError(where, "not a text with a unit", example, repr(given)[:40])
@@ -112,7 +112,7 @@ def quantity(where: str, given: Any, unit: str) -> float:
 
 
 def loosely(given: dict[str, Any]) -> dict[str, Any]:
-    """Dry friction and winding, taken out of what is given; nothing if there is neither."""
+    """Dry friction and winding, removed from the options given; empty if there is neither."""
     from drives import Winding
 
     names = ("coulomb", "break_away", "stribeck", "thickness", "line_density")
@@ -153,7 +153,7 @@ def _dry_friction(coulomb: str | None, break_away: str | None, stribeck: str | N
 
 
 def torques(t1: str | None, t2: str | None, rise: str | None, table: str | None, hold: bool) -> "tuple[Torque, Torque]":
-    """T1 and T2 from the options of `tline drives step`."""
+    """Torques T1 and T2 from the options of `tline drives step`."""
     from drives import Torque
 
     check_partners({"hold": hold, "table": table}, {"hold": "table"})

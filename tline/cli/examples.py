@@ -1,4 +1,4 @@
-"""`tline examples`, `demo` and `live`: the scenes that come with tline, and what to see of one at once."""
+"""Commands `tline examples`, `demo` and `live`: the scenes that come with tline, and views of one."""
 
 from pathlib import Path
 
@@ -29,9 +29,9 @@ def examples(name: str | None = None, *, output: str = ".") -> Output:
     Parameters
     ----------
     output : FOLDER
-        Where to; if not given, into the working folder.
+        Folder to write to; if not given, the working folder.
     as_json
-        Print titles, or what was written, as JSON.
+        Print titles, or the files written, as JSON.
     """
     from tline import shipped
 
@@ -43,9 +43,9 @@ def examples(name: str | None = None, *, output: str = ".") -> Output:
 
 @command()
 def demo(*, output: str = "tline-demo") -> None:
-    """Run the scene water_pipe of `tline examples`, with all that can be drawn of it.
+    """Run the scene water_pipe of `tline examples`, with all its pictures.
 
-    The first time, what it needs is compiled, which takes some seconds.
+    At first use the program is compiled, which takes some seconds.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ def demo(*, output: str = "tline-demo") -> None:
 def live(scene: str, *, no_browser: bool = False, confined: bool = False) -> None:
     """Open a page on this machine that runs SCENE as its numbers are moved.
 
-    It shows network, traces, extremes, and for a chain the effort over place and time, and gives the scene out as TOML
+    It shows network, traces, extremes, and for a chain the effort over place and time, and exports the scene as TOML
     and as Python. Only this machine can open it, by the address that is printed, until Ctrl-C, or
-    until nobody has used it for an hour.
+    after an hour without use.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""`tline exercise`: the exercise, letter by letter."""
+"""Command `tline exercise`: the exercise, letter by letter."""
 
 from pathlib import Path
 from typing import Any
@@ -60,7 +60,7 @@ def exercise(letter: str = "", *, figures: str | None = None, files: dict[str, s
 
 
 def _code(modelica: str) -> list[str]:
-    """The package; where that fills more than a screen, the model that it adds to those of the letters before."""
+    """Return the package; if longer than a screen, only the model that it adds to those of the letters before."""
     lines = modelica.splitlines()
     if len(lines) > SCREEN:
         last = max(k for k, line in enumerate(lines) if line.startswith(("  model ", "  partial model ")))
@@ -69,7 +69,7 @@ def _code(modelica: str) -> list[str]:
 
 
 def _figure(answer: Any, folder: str) -> str:
-    """Write a figure into a folder; what to say of it."""
+    """Write a figure into a folder; return a sentence about it."""
     make_folder(folder, "--figures")
     file = str(Path(folder, f"{answer.letter}.png"))
     _draw(answer, file)

@@ -1,4 +1,4 @@
-"""`tline fit`: the model that a Touchstone file becomes as a load or a link of a scene, before it is one."""
+"""Command `tline fit`: the model of a Touchstone file as a load or a link, before its use in a scene."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -30,10 +30,10 @@ Exit status: 0 proved passive, 1 not passive or no model within the tolerance, 2
 def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool = False) -> Output:
     """Fit a rational model behind delays to a Touchstone file, and prove it passive.
 
-    It is what a load or a link of kind = "touchstone" in a scene becomes. One port: a lossless line of the file's
-    reference resistance and of the delay that saves most poles, then as few poles as the tolerance takes. Several
+    A load or a link of kind = "touchstone" in a scene becomes this model. One port: a lossless line of the file's
+    reference resistance and of the delay that saves most poles, then as few poles as the tolerance allows. Several
     ports: poles common to all entries of S, up to 200, behind the delays that are given or found. A scene refuses a
-    model that is not passive; see here where, and what the nearest passive one costs at which frequencies.
+    model that is not passive; this shows where, and the error of the nearest passive one at its frequencies.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def _found(file: str, tol: str, delay: str | None, nearest: bool) -> "DelayedMod
 
 @contextmanager
 def trying() -> Iterator[Callable[[int, float], None]]:
-    """A bar on a terminal that shows the poles on the way to a model, told each that is tried."""
+    """Show on a terminal a bar of the poles of a model; yields a function to call after each attempt."""
     from tline.words.progress import Progress
 
     most = 0

@@ -1,4 +1,4 @@
-"""`tline frequency`: a scene over frequency."""
+"""Command `tline frequency`: a scene over frequency."""
 
 from typing import TYPE_CHECKING
 
@@ -36,15 +36,15 @@ def frequency(
 ) -> "Presentation":
     """Transfer functions, S-parameters and natural oscillations of a scene.
 
-    SCENE is a TOML file as for `tline run`. Waveforms do not count: the answer is what each probe sees per unit of the
-    source. Natural oscillations are located as zeros of the scene's characteristic function, not read off a curve; left
-    out are those that decay by more than exp(-3) within the shortest delay. Those that grow are listed even below the
+    SCENE is a TOML file as for `tline run`. Waveforms are ignored: the answer is the response of each probe per unit of
+    the source. Natural oscillations are located as zeros of the scene's characteristic function, not read off a curve;
+    those that decay by more than exp(-3) within the shortest delay are left out. Growing ones are listed even below the
     lowest frequency.
 
     Parameters
     ----------
     source : NAME
-        Source whose effect is asked for; the others are silent.
+        Source of the responses; the others are silent.
     ports : NODE,NODE
         S-parameters between these nodes instead, sources there taken away.
     z0 : OHM

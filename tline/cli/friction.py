@@ -1,4 +1,4 @@
-"""`tline friction run`: models on the testbench."""
+"""Command `tline friction run`: models on the testbench."""
 
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
@@ -26,7 +26,7 @@ Examples:
 Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
 """
 GAINS = ("proportional", "integral", "derivative")
-PARTNERS = {  # options without which others mean nothing
+PARTNERS = {  # options, and the one that each requires
     "sine": "frequency", "frequency": "sine", "phase": "sine", "hold": "table", "spring": "pull", "play": "spring",
     "target": "pid", "limit": "pid", "period": "pid", "delay": "pid",
 }  # fmt: skip
@@ -54,7 +54,7 @@ NAMED = {  # options by the package's names
 
 @click.group("friction", epilog=EXAMPLES)
 def friction() -> None:
-    """Friction models on a testbench: exact where they can be, and how methods fail."""
+    """Friction models on a testbench: exact where possible, and failures of numerical methods."""
 
 
 @command(
@@ -89,7 +89,7 @@ def run(
     budget: Annotated[int | None, click.IntRange(1)] = None,
     **given: Any,
 ) -> Output:
-    """Run models on the testbench and say what happened: events, cycles, final state, energy.
+    """Run models on the testbench and print events, cycles, final state and energy.
 
     Parameters
     ----------
@@ -112,19 +112,19 @@ def run(
     spring : N/m
         Stiffness of a spring that pulls [N/m], with --pull.
     play : m
-        How far the spring is slack, either way [m].
+        Half of the spring's play, either way [m].
     pid : P,I,D
         Gains of a controller of the place, such as '100 N/m, 200 N/(m s), 5 N s/m'; later ones are 0 if not given.
     target : m
-        Where the controller wants the mass [m].
+        Target position of the controller for the mass [m].
     pull : m/s
         Speed of the spring's far end, or of the controller's target [m/s].
     limit : N
         Largest force of the controller, either way [N].
     period : TIME
-        Time from one look of a sampled controller to the next [s]; it is continuous if not given.
+        Time between samples of a sampled controller [s]; it is continuous if not given.
     delay : TIME
-        From a look to the force that it leads to [s].
+        Time from a sample to its force [s].
     samples : NUMBER
         Equal steps from sample to sample, 1000 if not given; errors and events do not depend on them.
     """
@@ -161,7 +161,7 @@ def run(
 
 
 def _balanced(found: "Result") -> list[str]:
-    """Swings by harmonic balance, where a controller of the place meets a static law."""
+    """Limit cycles by harmonic balance, for a position controller with a static friction law."""
     from friction import Coulomb, Karnopp, swings
 
     pid, lines = found.bench.controller, list[str]()
@@ -175,7 +175,7 @@ def _balanced(found: "Result") -> list[str]:
 
 
 def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mapping[str, type]) -> dict[str, Any]:
-    """The models of those names; each takes the parameters that it has."""
+    """Build the models of those names; each takes the parameters that it has."""
     from friction.parameters import TOLD
 
     for name in names:
@@ -206,7 +206,7 @@ def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mappin
 
 
 def beside(runs: Mapping[str, Any]) -> dict[str, Any]:
-    """Columns of runs beside each other, with their labels if there are several."""
+    """Columns of several runs in one table, with their labels if there are several."""
     several = len(runs) > 1
     return {f"{label}: {n}" if several else n: x for label, run in runs.items() for n, x in run.columns.items()}
 
@@ -249,7 +249,7 @@ def _force(si: dict[str, float], file: str | None, hold: bool, pulled: bool) -> 
 
 
 def columns_of(file: str, where: str, *names: str) -> list[list[float]]:
-    """These columns of a file, which may be without heading."""
+    """Read these columns of a file, which may have no heading."""
     found = read_columns(file, where, RECORDED, names)
     if not found.keys() >= {*names}:
         raise InputError(where, "a column is missing", " and ".join(names), " and ".join(found))

@@ -1,4 +1,4 @@
-"""`tline friction motion` and `identify`: friction under a prescribed motion, and parameters from such a record."""
+"""Commands `tline friction motion` and `identify`: friction under a prescribed motion, and parameters from records."""
 
 import re
 from typing import TYPE_CHECKING, Annotated, Any
@@ -31,7 +31,7 @@ Examples:
 A file begins with the names of its columns: t [ms], x [um] or v [mm/s], F [N]; SI without units.
 """
 TIME = 1.0  # s, of a steady velocity or a formula
-FORMULA = re.compile(r"\bt\b")  # what has a t in it
+FORMULA = re.compile(r"\bt\b")  # a formula contains t
 
 
 @command(
@@ -52,7 +52,7 @@ def motion(
     samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
     parameters: tuple[str, ...] = (),
 ) -> Output:
-    """Friction that a prescribed motion meets, for one or more models: hysteresis, presliding loops.
+    """Friction under a prescribed motion, for one or more models: hysteresis, presliding loops.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
 
 
 def _motions(kind: str, text: str, frequency: float | None, hold: bool) -> list[tuple[str, Any, float]]:
-    """Label, motion and default end of each."""
+    """Label, motion and default end time of each motion."""
     from friction import Ramp, Sine, Steps, Table
 
     option, is_file = f"--{kind}", text.strip().lower().endswith(".csv")

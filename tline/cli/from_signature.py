@@ -1,10 +1,10 @@
 """Click commands from Python functions: options from signatures, their help from numpydoc docstrings.
 
 A command is a function. Its arguments in front of ``*`` are the command's arguments, the others its options: a bool is
-a flag, a tuple may be repeated, a `Literal` is a choice. An argument ``**given`` stands for all that the functions take
-which the command passes it on to. What an option is for is said once, in the docstring of that function among them
-which says it first. An argument that is annotated as "Scene" is read from the file that is named; what a function gives
-back is an `Output`, or a result that shows itself. Errors name options in place of arguments.
+a flag, a tuple may be repeated, a `Literal` is a choice. An argument ``**given`` stands for all arguments of the
+functions that the command passes it on to. The help of an option is in one docstring, that of the first of these
+functions that documents it. An argument annotated as "Scene" is read from the file named; the return value
+is an `Output`, or a result with its own display. Errors name options in place of arguments.
 """
 
 import inspect
@@ -54,18 +54,18 @@ COMMON = {  # options of many commands
     "active": "Run even if a load is active, that is, not positive real.",
     "as_json": "Print the numbers in SI and full precision.",
 }
-OWN = {"scene", "progress"}  # arguments that no option gives
+OWN = {"scene", "progress"}  # arguments without an option
 LAST = ("active", "confined", "as_json")
 
 
 class FileKind(NamedTuple):
-    """A file that a command writes if asked to: its suffixes, and what is in it."""
+    """File that a command writes on request: its suffixes, and its content."""
 
     suffixes: tuple[str, ...]
     content: str
 
     def option(self, name: str) -> click.Option:
-        """The option that names it."""
+        """Option for the path of the file."""
         *some, last = self.suffixes or [""]
         named = some and some[0] not in self.content
         told = f"{self.content}; {', '.join(some)} or {last}." if named else f"{self.content}."
@@ -75,7 +75,7 @@ class FileKind(NamedTuple):
 
 
 class Output(NamedTuple):
-    """What a command found: as text and as data, what writes its files, or says why not, and the exit status."""
+    """Result of a command: as text and as data, writers of its files, or the reason for none, and the exit status."""
 
     text: Iterable[str]
     data: Callable[[], Any]
@@ -85,7 +85,7 @@ class Output(NamedTuple):
 
 
 class Command(click.Command):
-    """A command whose options a function's signature gives; see `command`."""
+    """Command with options from a function's signature; see `command`."""
 
     def __init__(
         self,
@@ -138,7 +138,7 @@ class Command(click.Command):
         return options_named({str(each.name): each.opts[-1] for each in options} | more)
 
     def in_si(self, given: Mapping[str, str | None]) -> dict[str, float]:
-        """Values of options whose help names a unit in brackets, in SI, of those that are given."""
+        """Values in SI of the options given whose help has a unit in brackets."""
         options = {str(each.name): each for each in self.params if isinstance(each, click.Option)}
         found = {name: re.search(r"\[([^\]]+)\]", options[name].help or "") for name in given}
         units = {name: unit[1] for name, unit in found.items() if unit and given[name] is not None}
@@ -172,7 +172,7 @@ class Command(click.Command):
     def shown(
         self, found: Any, *more: str, told: Mapping[str, Any] | None = None, exit_code: int = 0, **files: Any
     ) -> Output:
-        """A result by its text, with lines below it, its numbers, with more of them, its notes, pictures and tables."""
+        """Display a result: its text with lines below it, its numbers, with more of them, notes and files."""
         known = {name: drawn(found.picture, found) if kind.suffixes == PICTURE else found.save
                  for name, kind in self.kinds.items() if name not in files}  # fmt: skip
         text, notes = [*found.text_lines(), *more], getattr(found, "notes", ())
@@ -215,9 +215,9 @@ def command(
     *sources : str
         Functions that its ``**given`` is passed on to, as ``"module:name"``.
     names : mapping of str to str, optional
-        Options that are not called like their arguments; the command's own name at the empty text.
+        Options with other names than their arguments; the command's own name at the empty text.
     files : mapping of str to FileKind, optional
-        What it can write; an argument ``files`` gets the paths that are asked for.
+        Files that the command can write; an argument ``files`` gets the paths requested.
     omit : iterable of str
         Arguments of the sources that the command gives itself.
     more : iterable of click.Parameter
@@ -225,9 +225,9 @@ def command(
     epilog : str
         Examples.
     group : click.Group, optional
-        Whose command it becomes.
+        Group of the command.
     kind : type
-        Of command, if it parses its words in a way of its own.
+        Class of the command, if it parses its words in a way of its own.
     """
 
     def made(function: Callable[..., Output | Presentation | None]) -> Command:
@@ -240,17 +240,17 @@ def command(
 
 
 def table(content: str) -> FileKind:
-    """A table of something."""
+    """Table of something."""
     return FileKind(CSV, content)
 
 
 def picture(content: str) -> FileKind:
-    """A picture of something."""
+    """Picture of something."""
     return FileKind(PICTURE, content)
 
 
 def drawn(function: str, *args: Any, **more: Any) -> Callable[[str], None]:
-    """What draws with a function ``"module:name"``, imported then, and saves the figure to a file."""
+    """Return a writer that draws with a function ``"module:name"``, imported at call, and saves the figure."""
 
     def save(file: str) -> None:
         from tline.style import save_figure, styled
@@ -262,7 +262,7 @@ def drawn(function: str, *args: Any, **more: Any) -> Callable[[str], None]:
 
 
 def tabled(columns: Mapping[str, Any]) -> Callable[[str], None]:
-    """What writes arrays beside each other as a table."""
+    """Return a writer of arrays as the columns of a table."""
 
     def save(file: str) -> None:
         from tline.atomic import write_columns

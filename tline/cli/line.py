@@ -1,4 +1,4 @@
-"""`tline line`: the parameters of a pipe or a cable, and what earth and metal take from an overhead line."""
+"""Command `tline line`: the parameters of a pipe or a cable, and the losses of an overhead line in earth and metal."""
 
 import json
 import math
@@ -27,13 +27,13 @@ OPTIONS = (
     ),
 )
 FREQUENCIES = (50.0, 1e3, 1e4, 1e5, 1e6)  # Hz
-DECIBELS = 20 / math.log(10)  # of a neper
+DECIBELS = 20 / math.log(10)  # per neper
 
 
 def over_earth(
     given: Mapping[str, str | None], asked: Mapping[str, str | None]
 ) -> tuple[ElectricalLine, list[dict[str, float]]]:
-    """The lossless line, in air if its speed is not given, and at some frequencies what it is with its losses."""
+    """Return the lossless line, in air if no speed is given, and its quantities with losses at some frequencies."""
     from tline.loss import ConstantLoss, EarthReturn, LossyLine, RoundWire
 
     values = read(OPTIONS, asked).values
@@ -64,7 +64,7 @@ def _at(f: float, line: "LossyLine") -> dict[str, float]:
 
 
 def losses_as_table(rows: list[dict[str, float]]) -> str:
-    """Resistance, inductance, attenuation and speed of waves over frequency."""
+    """Format resistance, inductance, attenuation and speed of waves over frequency."""
     told = [
         [
             engineering(row["frequency"], "Hz"),
@@ -79,7 +79,7 @@ def losses_as_table(rows: list[dict[str, float]]) -> str:
 
 
 class LineMedium(NamedTuple):
-    """Medium of a line, as the command knows it."""
+    """Medium of a line, as the command uses it."""
 
     name: str
     build: Callable[..., LineParameters]
@@ -131,7 +131,7 @@ Examples:
 
 
 def command(medium: LineMedium) -> click.Command:
-    """The subcommand of a medium, with one option per quantity."""
+    """Create the subcommand of a medium, with one option per quantity."""
 
     def show(json: bool, **given: str | None) -> None:
         asked = {item.name: given.pop(item.name) for item in medium.losses}
@@ -165,12 +165,12 @@ def command(medium: LineMedium) -> click.Command:
 
 
 def as_table(medium: LineMedium, parameters: LineParameters) -> str:
-    """All that is known of a line, and what effort and flow are."""
+    """Format all known quantities of a line, and the names of effort and flow."""
     return "\n".join([*parameters.text_lines(), "", f"effort: {medium.effort}", f"flow:   {medium.flow}"])
 
 
 def as_json(parameters: LineParameters, losses: list[dict[str, float]]) -> str:
-    """All quantities of a line in SI, what is odd about them, and its losses over frequency if they are known."""
+    """Format all quantities of a line in SI, remarks on them, and its losses over frequency if they are known."""
     return json.dumps(parameters.to_dict() | ({"over_earth": losses} if losses else {}), indent=2, ensure_ascii=False)
 
 

@@ -1,4 +1,4 @@
-"""The command `tline`: finds a subcommand by name, imports only that one, and says errors in one sentence."""
+"""Command `tline`: finds a subcommand by name, imports only that one, and reports errors in one sentence."""
 
 import gc
 import sys
@@ -56,19 +56,19 @@ COMMANDS = {
     "warm-up": ("tline.cli.warm_up:warm_up", "Compile ahead what runs may need."),
     "schema": ("tline.cli.scene_files:schema", "JSON schema of scene files, for editors."),
 }
-NEW_OBJECTS = 100_000  # before garbage is looked for
+NEW_OBJECTS = 100_000  # number before a garbage collection
 NOTES = NotKeptWarning, LeftOutWarning
 
 
 class LazyGroup(click.Group):
-    """A group that imports a subcommand when it is used, and lists them all without importing any."""
+    """Group that imports a subcommand when it is used, and lists them all without importing any."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run as a program, and exit.
 
-        What the user got wrong goes to stderr in one sentence and exits with 2, an active scene with 1. A fault of the
-        program exits with 70 (EX_SOFTWARE of sysexits.h), for 1 would be an answer; like other programs one that is
-        interrupted with 130, and quietly one that nobody reads to the end with 141.
+        Errors of the user go to stderr in one sentence with exit status 2, an active scene exits with 1. A fault of the
+        program exits with 70 (EX_SOFTWARE of sysexits.h), as 1 would be an answer; an interrupt exits with 130 as in
+        other programs, and a closed pipe, silently, with 141.
         """
         with terminal():
             sys.exit(self._exit_code(*args, **kwargs))
@@ -84,7 +84,7 @@ class LazyGroup(click.Group):
         except UnreadError:
             forsake_stdout()
             return 141
-        except OSError as error:  # what is left of them: the output cannot be written
+        except OSError as error:  # any other: the output cannot be written
             click.echo(f"output: cannot be written, got {(error.strerror or str(error)).lower()}", err=True)
             forsake_stdout()
             return 2
@@ -114,7 +114,7 @@ class LazyGroup(click.Group):
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The subcommand of that name, None if there is none."""
+        """Subcommand of that name, None if there is none."""
         if cmd_name not in COMMANDS:
             return None
         module, _, attribute = COMMANDS[cmd_name][0].partition(":")
@@ -128,7 +128,7 @@ class LazyGroup(click.Group):
 
 @contextmanager
 def _noted() -> Iterator[None]:
-    """Say notes in a line, without the place in the program that a warning has."""
+    """Print notes in a line, without the location in the program that a warning has."""
     with warnings.catch_warnings():
         show = warnings.showwarning
 
@@ -146,7 +146,7 @@ def _noted() -> Iterator[None]:
 
 @contextmanager
 def _rarely_collected() -> Iterator[None]:
-    """Look for garbage seldom: a command makes little, and imports much, a tenth of whose time goes into looking."""
+    """Collect garbage rarely: a command makes little, but a tenth of the time of its imports is garbage collection."""
     before = gc.get_threshold()
     gc.set_threshold(NEW_OBJECTS)
     try:

@@ -1,4 +1,4 @@
-"""What is printed of the model of a Touchstone file, wherever it is used."""
+"""Printed description of the model of a Touchstone file, for all commands that use it."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def as_dict(found: "DelayedModel") -> dict[str, Any]:
-    """Poles and verdict, and how far the model is from the samples, in SI.
+    """Poles and verdict, and distance of the model from the samples, in SI.
 
     With several ports residues and constant are matrices, and there is a delay for each. The distance is the largest of
     an entry at each frequency of the file.
@@ -39,7 +39,7 @@ def as_dict(found: "DelayedModel") -> dict[str, Any]:
 
 
 def in_words(found: "DelayedModel") -> str:
-    """Poles, verdict and distance from the samples in one line."""
+    """Describe poles, verdict and distance from the samples in one line."""
     samples, order = found.samples, found.order
     one = samples.ports == 1
     poles = f"{order} pole{'s' * (order != 1)}"
@@ -58,7 +58,7 @@ def in_words(found: "DelayedModel") -> str:
 
 
 def bands_in_words(found: "DelayedModel", tolerance: float) -> Iterator[str]:
-    """Where the model is farther than the tolerance from the samples, a line for each of the worst bands."""
+    """Describe where model and samples differ by more than the tolerance, in a line for each of the worst bands."""
     import numpy as np
 
     f, distance = found.samples.f, found.distance
@@ -73,7 +73,7 @@ def bands_in_words(found: "DelayedModel", tolerance: float) -> Iterator[str]:
 
 
 def _parts(values: "NDArray[np.complex128]") -> list[Any]:
-    """Real and imaginary part of each."""
+    """Real and imaginary part of each value."""
     import numpy as np
 
     return np.stack([values.real, values.imag], axis=-1).tolist()

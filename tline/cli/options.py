@@ -1,4 +1,4 @@
-"""What commands share: files that can be written, and errors that name options."""
+"""Helpers of commands: files that can be written, and errors that name options."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -12,7 +12,7 @@ PICTURE, CSV = (".png", ".svg", ".pdf"), (".csv",)
 
 
 def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None:
-    """Refuse files that could not be written, by option with its suffixes, before time is spent on them."""
+    """Raise an error for files that cannot be written, by option with its suffixes, before time is spent on them."""
     from tline.atomic import check_writable
 
     seen: dict[Path, str] = {}
@@ -28,7 +28,7 @@ def check_files(files: Mapping[str, tuple[str | None, tuple[str, ...]]]) -> None
 
 
 def print_or_write(text: str, file: str | None) -> None:
-    """Print a document, or write it to a file and say so."""
+    """Print a document, or write it to a file and print its name."""
     if file is None:
         click.echo(text, nl=False)
     else:
@@ -53,7 +53,7 @@ def make_folder(path: str, where: str = "") -> None:
 
 
 def check_partners(given: Mapping[str, object], partners: Mapping[str, str]) -> None:
-    """Refuse options that are given without the one that each belongs to."""
+    """Raise an error for options that are given without the one that each requires."""
     for name, other in partners.items():
         if given.get(name) not in (None, False) and given.get(other) is None:
             flag, beside = (f"--{one.replace('_', '-')}" for one in (name, other))
@@ -61,7 +61,7 @@ def check_partners(given: Mapping[str, object], partners: Mapping[str, str]) -> 
 
 
 def check_readable(file: str) -> None:
-    """Refuse a file that could be read for ever: a device, a terminal, a pipe with a name."""
+    """Raise an error for a file that could be read for ever: a device, a terminal, a named pipe."""
     from tline.scene.text_file import check_ordinary
 
     try:
@@ -72,7 +72,7 @@ def check_readable(file: str) -> None:
 
 
 def hours(text: str | None) -> float | None:
-    """Hours that an option `--at-hour` says, if it is given."""
+    """Parse the hours of an option `--at-hour`, if it is given."""
     if text is None:
         return None
     try:
@@ -82,7 +82,7 @@ def hours(text: str | None) -> float | None:
 
 
 def tolerance(text: str) -> float:
-    """The tolerance that an option `--tol` says."""
+    """Parse the tolerance of an option `--tol`."""
     from tline.scene.quantity import TOLERANCE
 
     with options_named({"": "--tol"}):

@@ -44,10 +44,10 @@ Exit status: 0 proved, 1 refuted, 3 undecided (and no violation seen in samples)
 
 
 class ExpressionCommand(Command):
-    """Takes an expression that begins with a minus sign for what it is."""
+    """Command that accepts an expression beginning with a minus sign."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """There are no short options but -h, so a dash begins an expression if no second one and a letter follow."""
+        """Take a dash as the start of an expression, except in -h and before a second dash with a letter."""
         try:
             return super().parse_args(ctx, [f" {arg}" if re.match(r"-(?!-[a-z]|-$|h$)", arg) else arg for arg in args])
         except click.NoSuchOption as error:
@@ -81,16 +81,16 @@ def passivity(
     kind
         pr: an impedance (default); br: a reflection; chain: an impedance seen through a line, step by step.
     parameters : NAME=VALUE
-        Value of a name, such as R='50 ohm', or what is assumed of it, such as 'R>0', '0<k<=1' or 'k real'; of any
+        Value of a name, such as R='50 ohm', or an assumption, such as 'R>0', '0<k<=1' or 'k real'; of any
         function, 'Z2 positive real' or 'H bounded real'.
     z0 : OHM
         Impedance against which an impedance reflects, 1 if not given.
     delay : T
         Look at the impedance through a lossless line of z0 and this delay.
     within : TOLERANCE
-        Ask also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.
+        Require it also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.
     error : BAR
-        How far each sample of a file may be from the truth.
+        Largest distance of each sample of a file from its true value.
     verify : FILE.json
         Check such a file instead, by the rules alone.
     as_json
@@ -112,7 +112,7 @@ def passivity(
 
 
 def _answer(what: str, asked: verdicts.Asked) -> Output:
-    """Ask the one who knows about this kind of thing."""
+    """Answer by the kind of input."""
     if what.lower().endswith(".toml"):
         return verdicts.scene(what, asked)
     if SAMPLES.search(what):
@@ -121,7 +121,7 @@ def _answer(what: str, asked: verdicts.Asked) -> Output:
 
 
 def _named(error: "ExpressionError", tolerance: str) -> InputError:
-    """The same error, about the option to act on, where it is one."""
+    """Return the error with the option to act on in place of the argument, where there is one."""
     thing, comma, place = error.where.partition(", ")
     named = re.sub("^(parameter|assumption) ", "--param ", thing) or "expression"
     options = {"z0": "--z0", "delay": "--delay", "tolerance": tolerance, "assumption": "--param"}

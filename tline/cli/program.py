@@ -1,4 +1,4 @@
-"""The command `tline` as a program of its own: it loads no plugins, and ends without taking apart what it has made."""
+"""Command `tline` as a program: it loads no plugins, and exits without destroying its objects."""
 
 import atexit
 import os
@@ -9,10 +9,10 @@ from threading import active_count
 def program() -> None:
     """Run `tline`, and exit.
 
-    Once all is written the system takes back memory at once; emptying every module and looking for garbage before would
-    take a tenth of the time of a small scene. Where threads are left, Python waits for them as usual.
+    When all is written the system frees memory at once; clearing every module and collecting garbage before would
+    take a tenth of the time of a small scene. While threads are alive, Python waits for them as usual.
     """
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else pydantic reads what all packages say of theirs
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else pydantic reads the metadata of all packages
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait for each other longer than small matrices take
     from tline.cli.main import main
 

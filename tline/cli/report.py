@@ -1,4 +1,4 @@
-"""What `tline run` prints of a result."""
+"""Text and numbers that `tline run` prints of a result."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -21,11 +21,11 @@ from tline.units import handy
 from tline.words.aligned import aligned
 from tline.words.wording import place
 
-MOST_JUDGED = 1e8  # line-end samples of a run fixed by hand that is worth another one, only to judge it
+MOST_JUDGED = 1e8  # line-end samples; a run with fixed order and slab below this is repeated to estimate its error
 
 
 def judgement(result: Result) -> Accuracy | None:
-    """How accurate a result is; None where finding out would take too long."""
+    """Estimate the accuracy of a result; None if that would take too long."""
     if result.accuracy is None and result.samples <= MOST_JUDGED:
         return judged(result)
     return result.accuracy
@@ -34,7 +34,7 @@ def judgement(result: Result) -> Accuracy | None:
 def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = None) -> dict[str, Any]:
     """Resolution, and smallest, largest and last value of every probe and its estimated error, in SI.
 
-    With instants, s, also what the probes saw then.
+    With instants, s, also the values at the probes then.
     """
     told = result.to_dict()
     estimates, blurred = (accuracy.estimates, accuracy.blurred) if accuracy else ({}, {})
@@ -69,14 +69,14 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
 
 
 def _bounds(probe: ProbeResult, told: Estimate, sizes: Mapping[str, float]) -> Bounds:
-    """Errors of effort and flow at a probe: those told are relative to the gauge pressure, or the effort, and flow."""
+    """Errors of effort and flow at a probe, from estimates relative to gauge pressure, or effort, and flow."""
     gauge, flow = sizes.get("gauge_pressure", sizes.get("u", 0.0)), sizes.get("y", 0.0)
     weight = abs(probe.height.weight)
     return Bounds(told.u * gauge, told.y * flow, probe.record.z0, probe.height.per_metre, gauge + weight, flow)
 
 
 def _samples(result: Result, times: NDArray) -> dict[str, Any]:
-    """What the probes saw at these instants, in SI."""
+    """Values at the probes at these instants, in SI."""
     found: dict[str, Any] = {}
     for name, probe in result.probes.items():
         seen = probe.at(times)
@@ -86,13 +86,13 @@ def _samples(result: Result, times: NDArray) -> dict[str, Any]:
 
 
 def _measured_in_words(result: Result) -> list[str]:
-    """Of each element from a Touchstone file a line of text."""
+    """Describe each element from a Touchstone or IBIS file in a line of text."""
     drivers = [f"{place(*where)}: {x.summary}" for where, x in result.scene.composed.items() if isinstance(x, Ibis)]
     return drivers + [f"{place(*where)}: {x.file}, {in_words(x.model)}" for where, x in result.scene.measured.items()]
 
 
 def _losses(result: Result) -> dict[str, Any]:
-    """Of each lossy line, or of its stretches between cavities, slabs in diamonds or cells, and its circuits."""
+    """Losses by line, or by stretch between cavities: number of diamonds or cells, and terms of the circuits."""
     told: dict[str, Any] = {}
     description = describe((result.parts or result).scene)
     lines = description.lines
@@ -108,7 +108,7 @@ def _losses(result: Result) -> dict[str, Any]:
 
 
 def _losses_in_words(losses: dict[str, Any]) -> list[str]:
-    """The same for the eye, one line of text; of many lines only the extremes."""
+    """Summarise the losses in one line of text; of many lines only the extremes."""
     if not losses:
         return []
     parts = ["convolved with what they answer in s"] * any("convolved" in each for each in losses.values()) + [
@@ -123,7 +123,7 @@ def _losses_in_words(losses: dict[str, Any]) -> list[str]:
 
 
 def _grid_in_words(grid: dict[str, Any]) -> str:
-    """Why the slabs are what they are, and the predicted cost of the run."""
+    """Explain the choice of the slabs, and predict the cost of the run."""
     cost = grid["cost"]
     return grid["reason"] if cost is None else f"{grid['reason']}, predicted cost {cost:,.0f} samples without fronts"
 
@@ -141,7 +141,7 @@ def _told(accuracy: Accuracy) -> dict[str, Any]:
 
 
 def as_table(result: Result, accuracy: Accuracy | None) -> str:
-    """The same for the eye, in handy units."""
+    """Format the summary of a result in handy units."""
     told = summary(result, accuracy)
     slab, slab_unit = handy(told["slab"], "s")
     second, time_unit = handy(told["end_time"], "s")
@@ -188,7 +188,7 @@ def _measured(result: Result) -> Iterator[list[str]]:
 
 
 def _in_words(accuracy: Accuracy | None) -> str:
-    """What was asked, reached and spent."""
+    """Describe the tolerance asked, the error reached and the effort spent."""
     if accuracy is None:
         return "error not estimated: the run is long, and fixed by hand"
     worst = max(accuracy.inside, key=lambda name: accuracy.inside[name].worst, default=None)
@@ -202,8 +202,8 @@ def _in_words(accuracy: Accuracy | None) -> str:
     return f"{reached}, {asked}; {runs} runs in {seconds:.2g} s"
 
 
-SHOWN = 30  # accounts; of more, those with the largest numbers
-QUIET = 1e-9  # of the turnover; accounts with nothing beyond it are left out
+SHOWN = 30  # accounts shown; of more, those with the largest numbers
+QUIET = 1e-9  # relative to the turnover; accounts below it are left out
 
 
 def ledger_as_dict(ledger: Ledger) -> dict[str, Any]:
@@ -221,7 +221,7 @@ def _numbers(entry: Entry) -> dict[str, float]:
 
 
 def ledger_as_table(ledger: Ledger) -> str:
-    """The same for the eye, in handy units."""
+    """Format the accounts in handy units."""
     size, unit = handy(ledger.turnover, "J")
     worth = sorted(ledger.entries, key=_largest, reverse=True)[:SHOWN]
     kept = {entry.where for entry in worth if _largest(entry) > QUIET * ledger.turnover}

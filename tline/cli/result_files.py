@@ -1,4 +1,4 @@
-"""Tables and pictures of a result, and what a run has to record for them."""
+"""Tables and pictures of a result, and the lines to record for them."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,7 @@ ENVELOPES = ("envelope", "map")  # show the extremes at nodes
 
 
 def recorded(scene: "Scene", way: "Route | None", mapped: bool) -> tuple[str, ...]:
-    """Lines of whose inside pictures show something."""
+    """Lines whose interior appears in pictures."""
     if not mapped:
         return way.lines if way else ()
     from tline.pictures.map import lines_to_map
@@ -43,7 +43,7 @@ def recorded(scene: "Scene", way: "Route | None", mapped: bool) -> tuple[str, ..
 def writers(
     result: "Result", way: "Route | None" = None, times: "NDArray | None" = None
 ) -> dict[str, Callable[[str], Any]]:
-    """What writes each kind of file, with tables at some instants, s, or else at slab ends."""
+    """Writers for each kind of file, with tables at some instants, s, or else at slab ends."""
     from tline.solver.result import save
 
     return {

@@ -1,4 +1,4 @@
-"""`tline run`: simulate a scene, print what the probes saw, and write files and pictures."""
+"""Command `tline run`: simulate a scene, print the values at its probes, and write files and pictures."""
 
 import sys
 import warnings
@@ -48,14 +48,14 @@ def run(
     confined: bool = False,
     files: dict[str, str],
 ) -> Output:
-    """Simulate a scene and print what its probes saw.
+    """Simulate a scene and print the values at its probes.
 
     SCENE is a TOML file with lines, sources, loads and probes (`tline schema` describes it), or a SPICE netlist or a
     network of EPANET, as `tline import` reads them. A scene with a load that is not positive real runs only with
-    --active; without it you are told whether its waves grow, and how fast.
+    --active; without it the growth of its waves is reported, if any.
 
-    Order and slab are refined until the estimated error of every probe meets the tolerance; where it is not met, you
-    are told what was reached, and the exit status is 1. With an order or a slab and no tolerance there is one run.
+    Order and slab are refined until the estimated error of every probe meets the tolerance; if it is not met, the error
+    reached is printed, and the exit status is 1. With an order or a slab and no tolerance there is one run.
 
     Parameters
     ----------
@@ -70,11 +70,11 @@ def run(
     path : FROM,…,TO
         Path of --profile, --space-time, --plot-waves, --animate: ends, any passed.
     units
-        In which results are read: 'SI', 'US', or units such as 'US, MGD'; the scene's if not given.
+        Units of results: 'SI', 'US', or units such as 'US, MGD'; the scene's if not given.
     ledger
-        Show energy by element: supplied, dissipated, stored, and what is off; or do not keep it.
+        Show energy by element: supplied, dissipated, stored, and the residual; or do not keep it.
     seconds : TIME
-        Time for all runs; what there is by then is printed, with what is known of its error.
+        Time for all runs; the best result by then is printed, with its error estimate.
     """
     if ledger is False and "ledger_csv" in files:
         raise InputError("--ledger-csv", "there is no ledger to write", "no --no-ledger beside it")
@@ -106,7 +106,7 @@ def _text(result: "Result", accuracy: "Accuracy | None", with_ledger: bool) -> I
 
 
 def _advice(result: "Result", accuracy: "Accuracy | None") -> Iterator[str]:
-    """What to do where a run of cavities along pipes is no number to design for."""
+    """Advise on cavities along pipes where a run gives no pressure to design for."""
     from tline.scene.vessel import with_cavities
 
     if accuracy and accuracy.at_slab_ends > UNCERTAIN and with_cavities(result.scene.lines):
@@ -138,7 +138,7 @@ def _instants(at: str | None, scene: "Scene") -> "NDArray | None":
 
 
 def instants(text: str, where: str) -> "NDArray":
-    """Instants, s, apart by equal times, first and last included.
+    """Parse instants, s, apart by equal times, first and last included.
 
     Examples
     --------
@@ -162,7 +162,7 @@ def instants(text: str, where: str) -> "NDArray":
 
 
 def _route(scene: "Scene", path: str | None, wanted: dict[str, str]) -> "Route | None":
-    """The path that pictures show, None if none does."""
+    """Find the path for pictures, None if none needs it."""
     if "lattice" in wanted:
         from tline.pictures.lattice import only_line
 

@@ -1,4 +1,4 @@
-"""`tline import`, `export` and `schema`: scenes from other programs' files, for other programs, and for editors."""
+"""Commands `tline import`, `export` and `schema`: scenes from and for other programs, and for editors."""
 
 import json
 from pathlib import Path
@@ -28,8 +28,8 @@ Examples:
 def import_(file: str, *, output: str | None = None, **given: Any) -> None:
     """Turn another program's file into a scene.
 
-    FILE is a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a network of EPANET (.inp). What no scene has is refused,
-    all of it at once, and the lines or the elements are named. What is left out without harm is noted.
+    FILE is a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a network of EPANET (.inp). Elements that scenes lack are
+    refused, all at once, by line or name. Parts left out without harm are noted.
 
     Parameters
     ----------
@@ -56,15 +56,15 @@ Examples:
 def export(scene: str, *, output: str | None = None, rise: str | None = None, confined: bool = False) -> None:
     """Turn an electrical scene into a SPICE netlist.
 
-    Lines become T elements, sources V or I with their resistors, loads R, L and C, probes .save, all values exact. What
-    a netlist cannot say is refused, and the element is named.
+    Lines become T elements, sources V or I with their resistors, loads R, L and C, probes .save, all values exact.
+    Elements that netlists lack are refused by name.
 
     Parameters
     ----------
     output : FILE.cir
         Write the netlist to a file instead of printing it.
     rise : TIME
-        What a jump takes in the netlist, such as '1 ps': SPICE has no jumps.
+        Duration of a jump in the netlist, such as '1 ps': SPICE has no jumps.
     """
     from tline.interchange.any_file import read
     from tline.interchange.netlist_text import spice_text

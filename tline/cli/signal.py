@@ -1,4 +1,4 @@
-"""`tline tdr`, `tline crosstalk`, `tline eye` and `tline channel`: signals on cables."""
+"""Commands `tline tdr`, `tline crosstalk`, `tline eye` and `tline channel`: signals on cables."""
 
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -35,7 +35,7 @@ Examples:
 """,
 )
 def tdr(scene: "Scene", **given: Any) -> "Reflections":
-    """Send a step into a node of a scene, and show what comes back.
+    """Send a step into a node of a scene, and show its reflections.
 
     The impedance is z0 (1 + ρ)/(1 - ρ) of the reflected wave ρ, as if each reflection had come back on its first way:
     exact up to the first discontinuity, misled by multiple reflections behind it. Other sources are silent.
@@ -90,7 +90,7 @@ def eye(
     neighbours: str | None = None,
     **given: Any,
 ) -> Output:
-    """Send a bit pattern through a scene, and measure how far the eye opens at a probe.
+    """Send a bit pattern through a scene, and measure the opening of the eye at a probe.
 
     The pattern is sent twice, and the second round is measured. The width is taken half way between ones and zeros
     where the eye is highest; the height in the middle of that width, the sampling instant; the jitter is the spread of
@@ -104,10 +104,10 @@ def eye(
     mask : TIME,LEVEL
         Width and height of a hexagon in its middle, as '0.4 ns, 0.3 V'.
     statistical
-        The eye of all patterns of a linear scene, from its response to one bit.
+        Use all patterns of a linear scene, from its response to one bit.
     ffe : TAPS
-        Factors by which the sender adds up bits, as '-0.1, 0.8, -0.1', or 'best:1,2' for the best of so many taps
-        before and behind the main one.
+        Weights of the sender's taps, as '-0.1, 0.8, -0.1', or 'best:1,2' for the best weights with one
+        tap before and two behind the main one.
     ctle : DB,HZ,HZ,…
         Gain at rest, zero and poles of a receiver's equaliser, as '-6, 2 GHz, 5 GHz, 15 GHz'; 'best' for the gain tries
         0 to -12 dB.
@@ -152,7 +152,7 @@ def _number_or_text(text: str) -> float | str:
 
 
 def _check_options(statistical: bool, given: dict[str, Any]) -> None:
-    """Refuse options of the other kind of eye."""
+    """Raise an error for options of the other kind of eye."""
     for name in ("bits",) if statistical else OF_STATISTICS:
         if given.get(name) is not None:
             problem = "is for one pattern, not for all of them" if statistical else "is for --statistical alone"
@@ -162,7 +162,7 @@ def _check_options(statistical: bool, given: dict[str, Any]) -> None:
 def _equalised(
     pulses: "list[PulseResponse]", ffe: str | None, ctle: str | None, asked: dict[str, Any]
 ) -> "tuple[StatisticalEye, list[float], float | None]":
-    """The highest eye of all equalisers that are tried, sender's taps, and gain of the receiver's filter."""
+    """Highest eye of all equalisers tried, sender's taps, and gain of the receiver's filter."""
     from tline.signal import statistical_eye
 
     gains: list[float | None] = [None]
@@ -183,7 +183,7 @@ def _equalised(
 
 
 def _told(seen: "StatisticalEye", taps: list[float], gain: float | None, mask: str | None) -> tuple[list[str], int]:
-    """What equalisers and mask add to the text of an eye, and the exit status."""
+    """Describe equalisers and mask for the text of an eye, and return the exit status."""
     from tline.signal import mask_margin
 
     told = ["sender's taps " + ", ".join(f"{tap:.4g}" for tap in taps)] if len(taps) > 1 else []
@@ -222,7 +222,7 @@ def channel(
     mask: str | None = None,
     **given: Any,
 ) -> Output:
-    """What a measured channel lets through: losses, crosstalk, impedances, and the eye of all bit patterns.
+    """Report on a measured channel: losses, crosstalk, impedances, and the eye of all bit patterns.
 
     S of a Touchstone file between single ports or differential modes of pairs, with the nearest passive model of it,
     which is proved. With --bit its eye, exact for that model, down to error rates that no run reaches. A closed eye,
@@ -233,7 +233,7 @@ def channel(
     bit : TIME
         Time of a bit; without it no eye is computed.
     rise : TIME
-        Time of a change of bits, and of the step that tells impedances; half a period of the highest frequency if not
+        Time of a change of bits, and of the step for impedances; half a period of the highest frequency if not
         given.
     ffe : TAPS
         As of `tline.cli.signal.eye`.
@@ -272,7 +272,7 @@ def channel(
 
 
 def _taps(text: str, pulse: "PulseResponse", dfe: int) -> list[float]:
-    """As they are given, or the best."""
+    """Parse the taps given, or find the best."""
     from tline.signal import best_ffe
 
     kind, _, numbers = text.partition(":")
@@ -285,7 +285,7 @@ def _taps(text: str, pulse: "PulseResponse", dfe: int) -> list[float]:
 
 
 def _numbers(text: str, name: str, *units: str) -> list[float]:
-    """Numbers with commas between, the first of the first unit, others of the last."""
+    """Parse numbers with commas between, the first of the first unit, others of the last."""
     from tline.units import to_si
 
     found = []

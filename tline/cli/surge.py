@@ -1,4 +1,4 @@
-"""`tline surge` and `study`: operate a network without editing a file, once or in many ways, and see what is worst."""
+"""Commands `tline surge` and `study`: operate a network without editing a file, once or in many ways."""
 
 import sys
 from pathlib import Path
@@ -16,7 +16,7 @@ OPERATE = "tline.surge.operation:operate"
 OPERATIONS = ("trip", "start", "stop", "speed", "close", "open", "burst", "demand")
 READING = ("wave_speed", "material", "hour", "moving_tanks")
 OPERATING = (*OPERATIONS, "when", "inertia", "rated_speed", *READING)
-KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inertia"}  # what an option says is no guess
+KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inertia"}  # options, by assumption replaced
 NAMES = {"t_end": "for", "hour": "at_hour"}  # of options
 STUDY = {
     "report": FileKind((".html",), "All in one page: tables, maps, profiles"),
@@ -25,12 +25,12 @@ STUDY = {
 
 
 def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tuple[str, ...]]":
-    """The operated scene of a network, and notes on what was left out or guessed.
+    """Build the operated scene of a network, and notes on parts left out or assumed.
 
     Parameters
     ----------
     network : Scene or str
-        Or the path of its file.
+        Network, or the path of its file.
     **given
         Arguments of `tline.surge.operation.operate`.
     """
@@ -81,12 +81,12 @@ def surge(
     files: dict[str, str],
     **given: Any,
 ) -> Output:
-    """Operate a network, and print the worst of it.
+    """Operate a network, and print its extremes.
 
     NETWORK is a file of EPANET (.inp) or a scene (.toml, or the name of one that comes with tline) of pipes that starts
     in the steady state. Times and durations have units, and an operation without a duration is done at once. The exit
-    status is 1 if the tolerance is not met, or no pressure class can be told: columns separate, or the highest pressure
-    comes at the end of the run.
+    status is 1 if the tolerance is not met, or no pressure class can be determined: columns separate, or the highest
+    pressure comes at the end of the run.
 
     Parameters
     ----------
@@ -97,9 +97,9 @@ def surge(
     path : FROM,…,TO
         Path of --profile.
     band
-        Vary what is guessed, one by one (wave speed, friction, travel of valves, inertia), and say what that leaves.
+        Vary the values assumed, one by one (wave speed, friction, travel of valves, inertia), and print the range.
     seconds : TIME
-        Computing time for all runs, and again for those of --band: then the best so far is told, and how good it is.
+        Computing time for all runs, and again for those of --band: then the best so far is printed, with its error.
     until_settled
         Run longer, up to an hour, until neither extreme comes at the end of the run.
     cavities
@@ -152,10 +152,10 @@ Example:
 """,
 )
 def study(study: str, *, files: dict[str, str], **given: Any) -> Output:
-    """Operate a water network in many ways, in variants of it, and compare what comes of them.
+    """Operate a water network in many ways, in variants of it, and compare the results.
 
-    STUDY is a TOML file with the network, what is operated (in turn for each pump, valve, pipe or node, if wanted) and
-    variants, such as protections. The exit status is 1 if no class of pressure can be told for a scenario.
+    STUDY is a TOML file with the network, its operations (in turn for each pump, valve, pipe or node, if wanted) and
+    variants, such as protections. The exit status is 1 if a scenario has no pressure class.
     """
     from tline.surge.study import surge_study
 

@@ -1,4 +1,4 @@
-"""`tline sweep`: a scene in many runs, with values of a grid or drawn from distributions."""
+"""Command `tline sweep`: a scene in many runs, with values of a grid or drawn from distributions."""
 
 import sys
 import warnings
@@ -20,7 +20,7 @@ FILES = {
     "csv": table("A row for each run, SI, full precision"),
     "plot": picture("Extremes over values, or histograms"),
 }
-INTERRUPTED = 130  # exit status, as of any command
+INTERRUPTED = 130  # exit status, as of any interrupted command
 EXAMPLES = """\b
 Examples:
   tline sweep cable.toml --vary "lines.cable.z0=40 ohm:60 ohm:5"
@@ -48,16 +48,16 @@ def sweep(
     commas between; FROM:TO:COUNT, both ends included, or FROM:TO:COUNT:log; or a distribution: uniform(LOW, HIGH),
     loguniform(LOW, HIGH), normal(MEAN, DEVIATION). All with units; plain numbers are SI.
 
-    Without distributions every value of a path meets every one of the others (a grid); with --sample list, values stand
+    Without distributions every value of a path meets every one of the others (a grid); with --sample list, values are
     side by side. Distributions need a count: --sample random:1000, latin:100 (hypercube) or sobol:128.
 
     A run that fails is a row with a sentence. Where runs failed or missed the tolerance, a note says so, and the exit
-    status is 1. After Ctrl-C there is what was done until then, with a note, and the exit status is 130.
+    status is 1. After Ctrl-C the runs done until then are shown, with a note, and the exit status is 130.
 
     Parameters
     ----------
     vary : PATH=VALUES
-        What varies, and how; may be repeated.
+        Path that varies, with its values; may be repeated.
     keep : WHAT
         extremes (if not given), or instants; may be repeated.
     dask : ADDRESS
@@ -69,7 +69,7 @@ def sweep(
     from tline.sweeps.table import as_text, notes, summary
 
     with _executor(dask) as executor, warnings.catch_warnings():
-        for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes tell
+        for said in (sweeps.InterruptedWarning, UnresolvedWarning):  # notes report these
             warnings.simplefilter("ignore", said)
         kept = list(keep) or "extremes"
         found = sweeps.sweep(scene, wanted, keep=kept, executor=executor, progress=sys.stderr.isatty(), **given)
@@ -84,7 +84,7 @@ def sweep(
 
 
 def _wanted(vary: tuple[str, ...]) -> dict[str, str]:
-    """Values by path."""
+    """Parse the values by path."""
     wanted = {}
     for each in vary:
         where, equals, text = each.rpartition("=")
@@ -100,7 +100,7 @@ def _wanted(vary: tuple[str, ...]) -> dict[str, str]:
 
 @contextmanager
 def _executor(dask: str | None) -> "Iterator[Executor | None]":
-    """The executor of a Dask cluster, if one is named."""
+    """Executor of a Dask cluster, if one is named."""
     if dask is None:
         yield None
         return

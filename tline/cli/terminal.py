@@ -1,4 +1,4 @@
-"""Where text leaves: nothing that is printed steers the terminal, and streams that are closed or full do no harm."""
+"""Output streams: printed text cannot steer the terminal, and closed or full streams do no harm."""
 
 import io
 import os
@@ -11,16 +11,16 @@ from tline.words.printable import printable
 
 
 class UnreadError(Exception):
-    """Nobody reads what is printed any more."""
+    """The reader of the output is gone."""
 
 
 class Printable(io.TextIOBase):
-    """A stream that writes control characters as ``\\u001b``; a carriage return in front, of a progress bar, stays.
+    """Stream that writes control characters as ``\\u001b``; a carriage return in front, of a progress bar, stays.
 
     Parameters
     ----------
     stream : TextIO
-        Where the text goes.
+        Target of the text.
     optional : bool
         Whether text that cannot be written there is dropped.
     """
@@ -41,7 +41,7 @@ class Printable(io.TextIOBase):
         return self.stream.fileno()
 
     def write(self, text: str | bytes) -> int:  # noqa: D102
-        text = text.decode() if isinstance(text, bytes) else text  # as click writes what a shell completes
+        text = text.decode() if isinstance(text, bytes) else text  # click writes shell completions as bytes
         front = "\r" if text.startswith("\r") else ""
         with self._tolerant():
             self.stream.write(front + printable(text[len(front) :]))
@@ -62,15 +62,15 @@ class Printable(io.TextIOBase):
 
 @contextmanager
 def terminal() -> Iterator[None]:
-    """Open streams in place of closed ones, and let all text through `Printable`, while a command runs.
+    """Replace closed streams, and pass all text through `Printable`, while a command runs.
 
-    What is printed to a closed stdout is an error when it is printed; what is said on a closed or full stderr is lost.
+    Printing to a closed stdout is an error at that time; text for a closed or full stderr is lost.
     """
     _open_descriptors()
     before = sys.stdout, sys.stderr
     out, err = before[0] or _stream(1), before[1] or _stream(2)
     for stream in (out, err):
-        if isinstance(stream, io.TextIOWrapper):  # where Greek letters cannot be printed, '?' stands for them
+        if isinstance(stream, io.TextIOWrapper):  # '?' replaces Greek letters that cannot be printed
             stream.reconfigure(errors="replace")
     sys.stdout, sys.stderr = Printable(out, False), Printable(err, True)
     try:
@@ -80,13 +80,13 @@ def terminal() -> Iterator[None]:
 
 
 def forsake_stdout() -> None:
-    """Let what is still to be flushed go nowhere, after nobody reads any more."""
+    """Discard output not flushed yet, after the reader is gone."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _open_descriptors() -> None:
-    """Take the numbers 0 to 2 before a file of ours gets one of them and is written into."""
+    """Occupy the descriptors 0 to 2, so that no file of the program gets one of them and is overwritten."""
     for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):  # writing to stdout shall fail
         try:
             os.fstat(number)

@@ -1,4 +1,4 @@
-"""What `tline passivity` answers: of expressions and matrices, of samples, and of what stands in a scene."""
+"""Answers of `tline passivity`: on expressions and matrices, on samples, and on the elements of a scene."""
 
 import json
 import re
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from tline.solver.description.passive import CircuitVerdict
 
 EXIT = {"proved": 0, "refuted": 1, "undecided": 3, "no violation seen": 3}
-MOST_NODES = 6  # that are named of a circuit
+MOST_NODES = 6  # nodes of a circuit named
 OPAQUE = re.compile(r"^[^=]*\s(pr|br|positive real|bounded real)\s*$", re.IGNORECASE)
 ASSUMPTION = re.compile(rf"[<>]|\s+real\s*$|{OPAQUE.pattern}", re.IGNORECASE)
 STRUCTURE = re.compile(r"\blet\s|\bline\s*\(|[;\n]")
@@ -29,7 +29,7 @@ STRUCTURE = re.compile(r"\blet\s|\bline\s*\(|[;\n]")
 
 @dataclass(frozen=True)
 class Asked:
-    """The options of the command, as they were typed; None or empty where they were not."""
+    """Options of the command, as typed; None or empty where not given."""
 
     kind: str | None
     parameters: tuple[str, ...]
@@ -50,12 +50,12 @@ class Asked:
 
 
 def answer(status: Any, lines: Iterable[str], told: dict[str, Any], **files: Callable[[str], Any]) -> Output:
-    """The answer to one question, by its status."""
+    """Build the answer to one question, by its status."""
     return Output(lines, lambda: told, files, exit_code=EXIT[getattr(status, "value", status)])
 
 
 def values(given: tuple[str, ...]) -> dict[str, str]:
-    """Names and their values out of NAME=VALUE."""
+    """Parse names and their values from NAME=VALUE."""
     found: dict[str, str] = {}
     for text in given:
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -68,7 +68,7 @@ def values(given: tuple[str, ...]) -> dict[str, str]:
 
 
 def expression(text: str, asked: Asked) -> Output:
-    """Decide a text, or the file of one, by the route it needs."""
+    """Decide an expression, or the file of one, by the method it needs."""
     from passivity import Kind, check_symbolic
     from passivity.calculus.ask import of_text
     from passivity.rational.evaluate import with_values
@@ -97,7 +97,7 @@ def expression(text: str, asked: Asked) -> Output:
 
 
 def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str]) -> Output:
-    """From any load of a line to its input port."""
+    """Derive the input port's property from any load of a line."""
     from passivity import derive
 
     asked.refuse("the structure of a function", "within")
@@ -113,7 +113,7 @@ def _concluded(verdict: "Verdict") -> Output:
 
 
 def _certificate(verdict: "Verdict") -> Callable[[str], str | None]:
-    """What writes a file that anyone can check."""
+    """Return a writer of a file that anyone can check."""
 
     def save(file: str) -> str | None:
         from passivity.calculus.proof import save as save_evidence
@@ -152,7 +152,7 @@ def _read(path: str) -> str:
 
 
 def _one_port(function: "RationalFunction", asked: Asked) -> Output:
-    """Decide, and say everything that was asked."""
+    """Decide a rational function, and report all options given."""
     from passivity import Margins, Status, check_bounded_real, check_line, check_positive_real, margins, robustness
     from passivity.polynomial.sign import UndecidedError
     from passivity.report import as_dict, in_lines
@@ -179,7 +179,7 @@ def _one_port(function: "RationalFunction", asked: Asked) -> Output:
 
 
 def _tolerance(text: str) -> Fraction:
-    """A number, or a percentage such as "5 %"."""
+    """Parse a number, or a percentage such as "5 %"."""
     from passivity.rational.evaluate import exact
 
     number = text.strip().removesuffix("%")
@@ -187,7 +187,7 @@ def _tolerance(text: str) -> Fraction:
 
 
 def draw_one_port(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
-    """Nyquist and Smith chart, or the magnitude of a reflection."""
+    """Draw Nyquist and Smith chart, or the magnitude of a reflection."""
     from passivity.exact.picture import draw_verdict
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
@@ -211,7 +211,7 @@ def matrix(text: str, asked: Asked) -> Output:
 
 
 def samples(file: str, asked: Asked) -> Output:
-    """Look at the samples of a file; with --nearest fit a model and make it passive."""
+    """Check the samples of a file; with --nearest fit a model and make it passive."""
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.check import check_samples

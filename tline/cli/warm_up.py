@@ -1,4 +1,4 @@
-"""`tline warm-up`: everything that runs may need is compiled ahead, in as many processes as there are processors."""
+"""Command `tline warm-up`: compile all units for runs ahead, in as many processes as there are processors."""
 
 import os
 import sys
@@ -27,18 +27,18 @@ Examples:
 
 @command(epilog=EXAMPLES)
 def warm_up() -> Output:
-    """Compile ahead what runs may need.
+    """Compile all code for runs ahead.
 
-    What a scene needs is otherwise compiled when a scene first needs it. It is kept where NUMBA_CACHE_DIR says, else
-    beside the program, else in your own cache, until the program changes. A second call finds nothing to do.
+    Code is otherwise compiled when a scene first needs it. It is kept in the folder NUMBA_CACHE_DIR, else
+    next to the program, else in your own cache, until the program changes. A second call finds nothing to do.
 
-    Code is read only from folders and files that are yours, or root's, and to which nobody else may write. For all
+    Code is read only from folders and files that are yours, or root's, and that nobody else can write to. For all
     users of a computer, let root warm up a folder that they can read.
 
     Parameters
     ----------
     as_json
-        Print what was done as JSON.
+        Print the work done as JSON.
     """
     from tline.compiled.object_code import is_kept, path_of
 
@@ -54,7 +54,7 @@ def warm_up() -> Output:
 
 
 def found() -> Iterator[tuple[tuple[str, str], "Unit"]]:
-    """All units by module and name, those that are made of most source code first."""
+    """Units by module and name, those with most source code first."""
     from importlib import import_module
     from pkgutil import walk_packages
 

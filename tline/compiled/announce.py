@@ -1,4 +1,4 @@
-"""What is said on a terminal while something is compiled, which its first use alone waits for."""
+"""Messages on a terminal during compilation, which only the first use waits for."""
 
 import sys
 import time
@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from threading import Timer
 from time import process_time
 
-PATIENCE = 1.0  # s of compiling without a word
-FOR = {  # a part of the kernel -> what it is needed for, and how many seconds all of it takes
+PATIENCE = 1.0  # s of compiling without a message
+FOR = {  # part of the kernel -> its purpose, and seconds for compiling all of it
     "blocks": ("lines", 2),
     "delay": ("delays that are no whole number of slabs", 2),
     "friction": ("friction models", 5),
@@ -31,7 +31,7 @@ def compiling_seconds() -> float:
 
 @contextmanager
 def counted() -> Iterator[None]:
-    """Count what a unit takes to compile, with the units that it calls."""
+    """Count the compiling time of a unit, including the units that it calls."""
     begun = process_time()
     _compiling["depth"] += 1
     try:
@@ -43,12 +43,12 @@ def counted() -> Iterator[None]:
 
 @contextmanager
 def announced(module: str) -> Iterator[None]:
-    """While a unit is compiled: say so once its part of the kernel has taken a second.
+    """Announce the compilation of a unit once its part of the kernel has taken a second.
 
     Parameters
     ----------
     module : str
-        The unit's.
+        Module of the unit.
     """
     part = next((part for part in module.split(".") if part in FOR), "")
     if part in _said or not sys.stderr.isatty():

@@ -1,7 +1,7 @@
-"""How numba sees what `tline.compiled.structure` packs, and how compiled units call each other by address.
+"""Types in numba for the structures of `tline.compiled.structure`, and calls between compiled units by address.
 
 Members are read from memory when they are used: nothing is unpacked at the border, no references are counted, and
-the code of a function grows with what it reads, not with what there is.
+the code of a function grows with the members it reads, not with all there are.
 """
 
 from typing import Any
@@ -23,7 +23,7 @@ INVARIANT = "invariant.load"  # no word changes while compiled code runs
 
 
 class Reference(types.Type):
-    """The address of a packed structure."""
+    """Address of a packed structure."""
 
     def __init__(self, structure: type):
         self.structure = structure
@@ -115,6 +115,6 @@ def callback(_: Any, address: Any, effort: Any, control: Any) -> Any:
 
 
 def type_of(value: Any) -> Any:
-    """The type that numba gives to an intrinsic."""
+    """Type of an intrinsic in numba."""
     context: Any = cpu_target.typing_context
     return context.resolve_value_type(value)

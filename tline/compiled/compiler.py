@@ -1,8 +1,8 @@
-"""How numba compiles a unit: the functions that it calls are linked into it, optimised and translated once, with it.
+"""Compilation of a unit by numba: the functions that it calls are linked into it, optimised and translated once.
 
-Left alone, numba optimises every function with all that it calls, and translates each to machine code that nobody runs:
-several times the work. It also looks for the types of `a + b` and for the size of a type anew wherever they occur.
-This file leans on how numba 0.60 to 0.68 names its steps.
+By default numba optimises every function with all that it calls, and translates each to machine code that is never
+run: several times the work. It also looks up the types of `a + b` and the size of a type again wherever they occur.
+This file depends on the names of the steps in numba 0.60 to 0.68.
 """
 
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ from tline.gc_paused import gc_paused
 
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "nsz"}, "_nrt": False}
 BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-STEPS = (  # of numba's, those that plain loops over arrays need: half the time
+STEPS = (  # numba's steps needed for plain loops over arrays: half the time
     untyped.TranslateByteCode, untyped.FixupArgs, untyped.IRProcessing, untyped.GenericRewrites,
     untyped.ReconstructSSA, typed.NopythonTypeInference, typed.PreLowerStripPhis, typed.IRLegalization,
     typed.NativeLowering, typed.NoPythonBackend,
@@ -34,10 +34,10 @@ STEPS = (  # of numba's, those that plain loops over arrays need: half the time
 
 
 class _Steps(CompilerBase):
-    """What is done to compile a function."""
+    """Steps of the compilation of a function."""
 
     def define_pipelines(self) -> list[Any]:
-        """The only way, in numba's terms."""
+        """Define the only pipeline, in numba's terms."""
         steps = PassManager("unit")
         for step in STEPS:
             steps.add_pass(step, step._name)
@@ -49,7 +49,7 @@ class _Linked(JITCodeLibrary):
     """Code of a function, and of all that it calls, each once."""
 
     def add_linking_library(self, library: Any) -> None:
-        """Take what a function that is called is made of."""
+        """Add the code of a called function."""
         library._ensure_finalized()
         self._linking_libraries += [
             each for each in (library, *library._linking_libraries) if each not in self._linking_libraries
@@ -63,16 +63,16 @@ class _Part(_Linked):
     """Code of a function that is linked into units."""
 
     def finalize(self) -> None:
-        """The unit links and optimises it."""
+        """Do nothing, as the unit links and optimises the code."""
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """It is nowhere in memory."""
+        """Return no address, as the function is not in memory."""
         return 0
 
 
 class _Whole(_Linked):
-    """Code of a unit; nothing but the unit is called from outside, and no reference is counted."""
+    """Code of a unit; only the unit is called from outside, and no reference is counted."""
 
     def _optimize_functions(self, ll_module: Any) -> None:
         super()._optimize_functions(ll_module)
@@ -88,14 +88,14 @@ class _Whole(_Linked):
 
 @cache
 def _size_of(kind: Any) -> int:
-    """Bytes that a type of LLVM takes."""
+    """Size of an LLVM type in bytes."""
     context: Any = cpu_target.target_context
     return kind.get_abi_size(context.target_data)
 
 
 @cache
 def _signature(operation: Any, arguments: tuple[Any, ...]) -> Any:
-    """Types of an operation that numba knows, such as `operator.add`."""
+    """Types of an operation that numba supports, such as `operator.add`."""
     context: Any = cpu_target.typing_context
     return BaseFunction.get_call_type(operation, context, arguments, {})
 
@@ -108,7 +108,7 @@ def _call_type(operation: Any, context: Any, arguments: tuple[Any, ...], named: 
 
 @contextmanager
 def _quickly(name: str) -> Iterator[None]:
-    """Let numba make the code of one unit, and look for nothing twice."""
+    """Let numba generate the code of one unit without repeated look-ups."""
     context: Any = cpu_target.target_context
     codegen, builtin = context.codegen(), cast(Any, types.Function)
     codegen._library_class = lambda owner, made: (_Whole if made == name else _Part)(owner, made)
@@ -121,7 +121,7 @@ def _quickly(name: str) -> Iterator[None]:
 
 
 def dispatcher_of(code: Any) -> Any:
-    """What numba compiles a function with, once for each kind of arguments; that some are literals makes no other."""
+    """Create numba's dispatcher, with one version for each kind of arguments, literal or not."""
     decorate: Any = numba.njit
     dispatcher = decorate(**OPTIONS, **BARE, pipeline_class=_Steps)(code)
     template = dispatcher.get_call_template
@@ -130,7 +130,7 @@ def dispatcher_of(code: Any) -> Any:
 
 
 def compile_unit(code: Any, parameters: list[Any]) -> Any:
-    """Compile a function with parameters `int`, `float` or of a structure; gives what numba makes of it.
+    """Compile a function with parameters `int`, `float` or of a structure; returns numba's result.
 
     Raises
     ------

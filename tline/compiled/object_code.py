@@ -1,11 +1,11 @@
 """Object code of compiled units on disk: found, checked, and loaded by llvmlite alone, without numba.
 
-A file is valid while all source code that the unit is made of means the same (`tline.compiled.stamp`), for one
+A file is valid while all source code of the unit has the same meaning (`tline.compiled.stamp`), for one
 processor, one version of numba and one set of its options. It is read only if nobody else can have written it
-(`tline.compiled.trusted_file`). What it leaves to the C library must be found before it is loaded.
+(`tline.compiled.trusted_file`). The C library's functions that it needs must be found before it is loaded.
 
 A wheel for one platform brings code of all its units (`.ci/wheel`), made for any processor that has `BASELINE`. It
-depends on no version of numba, and whoever could change it could change the program beside it.
+does not depend on numba's version, and anyone able to change it could change the program next to it.
 """
 
 import ctypes
@@ -25,32 +25,32 @@ from uuid import uuid4
 from tline.compiled.stamp import SourceText, are_unchanged, digests, sources_of
 from tline.compiled.trusted_file import UntrustedError, check_folder, read_trusted
 
-COMPILING = "tline.compiled.by_reference", "tline.compiled.compiler"  # make any code, though no unit imports them
-NO_MATTER = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}  # of numba's settings, for code
+COMPILING = "tline.compiled.by_reference", "tline.compiled.compiler"  # affect all code, though no unit imports them
+NO_MATTER = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}  # numba's settings without effect on code
 SHIPPED = Path(__file__).with_name("shipped")  # code that came with a wheel
-BASELINE = {"x86_64": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}}  # x86-64-v3; of others, anything
+BASELINE = {"x86_64": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}}  # x86-64-v3; no requirement for others
 SETTINGS_FILE = Path(".numba_config.yaml")  # of numba, in the folder where the program runs
 EXPECTED = "expected a folder of your own to which nobody else may write"
-OWN_FOLDER, OWN_FILE = 0o755, 0o644  # modes, whatever the umask lets others do
+OWN_FOLDER, OWN_FILE = 0o755, 0o644  # modes, independent of the umask
 _said: set[str] = set()
 
 
 def load(unit: Any) -> tuple[int, Any] | None:
-    """The address of a unit's kept code, and what must be held meanwhile; None if there is none, or it is not valid."""
+    """Load a unit's kept code: its address, and the object to keep alive; None if there is none, or it is not valid."""
     try:
         found = _read(unit)
         return None if found is None else _linked(*found)
-    except Exception:  # noqa: BLE001 (whatever is wrong with a file, it is compiled anew)
+    except Exception:  # noqa: BLE001 (whatever the defect of a file, it is compiled again)
         return None
 
 
 def _read(unit: Any) -> tuple[str, list[str], bytes] | None:
-    """A unit's name, the functions it needs, and its code, if there is valid code of it."""
+    """Read a unit's name, the functions it needs, and its code, if there is valid code of it."""
     return _shipped(unit) or _kept(unit)
 
 
 def _shipped(unit: Any) -> tuple[str, list[str], bytes] | None:
-    """What came with the program, if it is valid."""
+    """Read the code shipped with the program, if it is valid."""
     name = _name_of(unit)
     if name is None or not _is_for_this_processor():
         return None
@@ -58,7 +58,7 @@ def _shipped(unit: Any) -> tuple[str, list[str], bytes] | None:
 
 
 def _kept(unit: Any) -> tuple[str, list[str], bytes] | None:
-    """What was compiled here, if it is valid."""
+    """Read the code compiled here, if it is valid."""
     path = path_of(unit)
     if path is None:
         return None
@@ -70,7 +70,7 @@ def _kept(unit: Any) -> tuple[str, list[str], bytes] | None:
 
 
 def _valid(unit: Any, file: bytes, versions: str | None = None) -> tuple[str, list[str], bytes] | None:
-    """What a file says, if it is whole, of these versions and of the source code that the unit has."""
+    """Parse a file, if it is whole, of these versions and of the unit's present source code."""
     digest, _, content = file.partition(b"\n")
     if hashlib.sha256(content).hexdigest().encode() != digest:
         return None
@@ -81,7 +81,7 @@ def _valid(unit: Any, file: bytes, versions: str | None = None) -> tuple[str, li
 
 
 def keep(unit: Any, name: str, library: Any) -> None:
-    """Write a unit's code, in place of what is no longer valid; whatever happens to the disk is no error."""
+    """Write a unit's code, in place of invalid code; failures of the disk are not errors."""
     path = path_of(unit)
     if path is None:
         return
@@ -117,7 +117,7 @@ def _linked(name: str, needed: list[str], code: bytes) -> tuple[int, Any] | None
 
 
 def _is_found(symbol: str) -> bool:
-    """Whether llvmlite finds a function of the C library; it is told where Python has it, or where numba has it."""
+    """Whether llvmlite finds a function of the C library, after registering Python's or numba's address of it."""
     import llvmlite.binding as llvm
 
     if llvm.address_of_symbol(symbol) is not None:
@@ -149,14 +149,14 @@ def _versions() -> str:
 
 
 def _settings() -> tuple[list[tuple[str, str]], bytes]:
-    """Numba's settings that change code."""
+    """Settings of numba that change code."""
     settings = sorted(item for item in os.environ.items() if item[0].startswith("NUMBA_") and item[0] not in NO_MATTER)
     return settings, SETTINGS_FILE.read_bytes() if SETTINGS_FILE.is_file() else b""
 
 
 @cache
 def _processor() -> str:
-    """What numba translates for: this processor, unless one of its settings names another or less of this one."""
+    """Target of numba: this processor, unless one of its settings names another or disables features."""
     import llvmlite.binding as llvm
 
     host = llvm.get_process_triple(), llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
@@ -165,7 +165,7 @@ def _processor() -> str:
 
 @cache
 def _is_for_this_processor() -> bool:
-    """Whether shipped code can run here, and no setting asks for other code."""
+    """Whether shipped code can run here, and no setting requires other code."""
     import llvmlite.binding as llvm
 
     if not SHIPPED.is_dir() or _settings() != ([], b""):
@@ -175,7 +175,7 @@ def _is_for_this_processor() -> bool:
 
 
 def sources_for(module: str) -> dict[str, SourceText] | None:
-    """What units of a module are made of; to be asked when it is loaded, for an upgrade may change files later."""
+    """Sources of the units of a module; to be read when it is loaded, as an upgrade may change files later."""
     return sources_of(module, *COMPILING)
 
 
@@ -190,7 +190,7 @@ def _name_of(unit: Any) -> str | None:
 
 
 def path_of(unit: Any) -> Path | None:
-    """Where a unit's code is kept, a file for each processor and setting; None if there is no place."""
+    """Path of a unit's code, a file for each processor and setting; None if there is no place."""
     name, origin = _name_of(unit), unit.code.__code__.co_filename
     folder = None if name is None else _folder(Path(origin).parent)
     key = hashlib.sha256(f"{origin} {_processor()}".encode()).hexdigest()[:16]
@@ -199,7 +199,7 @@ def path_of(unit: Any) -> Path | None:
 
 @cache
 def _folder(beside: Path) -> Path | None:
-    """Where code is kept: where the user says, else beside the source, else in the user's own cache."""
+    """Folder for code: the one set by the user, else next to the source, else in the user's own cache."""
     if os.environ.get("NUMBA_CACHE_DIR"):
         return Path(os.environ["NUMBA_CACHE_DIR"]).absolute()
     home = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or str(Path.home() / ".cache")

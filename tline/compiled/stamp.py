@@ -1,6 +1,6 @@
-"""The source code that a module's compiled functions are made of: its own, and that of what it imports.
+"""Source code that a module's compiled functions depend on: its own, and that of its imports.
 
-Compiled code holds what it takes from other files: constants, functions it inlines or links, intrinsics. All of these
+Compiled code holds constants, functions it inlines or links, and intrinsics from other files. All of these
 enter a module by its import statements, which are followed through the package of the module and through `tline`.
 """
 
@@ -26,12 +26,12 @@ class SourceText:
 
     @cached_property
     def meaning(self) -> str:
-        """Digest of the syntax tree without docstrings; comments and line breaks do not count either."""
+        """Digest of the syntax tree without docstrings; comments and line breaks are ignored too."""
         return _digest(ast.dump(_WithoutTexts().visit(ast.parse(self.text))))
 
     @cached_property
     def imports(self) -> set[str]:
-        """Modules of its own package or of `tline` that are imported at top level, whence compiled code has its names.
+        """Modules of its own package or of `tline` imported at top level, whose names compiled code uses.
 
         Statements are found by a pattern, since to parse a whole file takes as long as to load its compiled code.
         """
@@ -51,7 +51,7 @@ class SourceText:
 
 
 class _WithoutTexts(ast.NodeTransformer):
-    """Leave out statements that are nothing but a string."""
+    """Leave out statements that consist of a string only."""
 
     def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
         text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
@@ -64,13 +64,13 @@ _loaded: dict[str, tuple[ModuleSpec, SourceText]] = {}
 def sources_of(*modules: str) -> dict[str, SourceText] | None:
     """Sources of modules and of all they import from their package or `tline`, by name; None if one cannot be read.
 
-    A file is read once for each time its module is loaded, and so is what runs in this process even if an upgrade
-    changes the file meanwhile.
+    A file is read once for each time its module is loaded, so it is the text that runs in this process even if an
+    upgrade changes the file later.
 
     Parameters
     ----------
     *modules : str
-        Names of modules. Of one that is loaded, or is being loaded, the imports have been made.
+        Names of modules. For one that is loaded, or is being loaded, the imports have been made.
 
     Examples
     --------
@@ -90,12 +90,12 @@ def sources_of(*modules: str) -> dict[str, SourceText] | None:
 
 
 def digests(sources: Mapping[str, SourceText]) -> Digests:
-    """What is kept of sources, to tell later whether they have changed."""
+    """Digests of sources, for a later check for changes."""
     return {name: (source.digest, source.meaning) for name, source in sources.items()}
 
 
 def are_unchanged(sources: Mapping[str, SourceText], then: Digests) -> bool:
-    """Whether sources mean the same as when the digests were taken."""
+    """Whether sources have the same meaning as when the digests were taken."""
     return sources.keys() == then.keys() and all(
         source.digest == then[name][0] or source.meaning == then[name][1] for name, source in sources.items()
     )
@@ -117,7 +117,7 @@ def _source(name: str) -> SourceText | None:
 
 
 def _text(spec: ModuleSpec) -> str | None:
-    """Source text from whoever loaded the module, such as an archive's loader; else from its file."""
+    """Source text from the module's loader, such as an archive's; else from its file."""
     get_source = getattr(spec.loader, "get_source", None)
     if get_source:
         return get_source(spec.name)
@@ -129,7 +129,7 @@ def _text(spec: ModuleSpec) -> str | None:
 
 
 def _provider(origin: str, name: str) -> str:
-    """The module that `from origin import name` takes something from."""
+    """Module that `from origin import name` refers to."""
     inner = f"{origin}.{name}"
     module = sys.modules.get(inner)
     return inner if module is not None and getattr(sys.modules.get(origin), name, None) is module else origin

@@ -1,7 +1,7 @@
-"""Structures that compiled code reads by reference: one row of words, each a number or the place of something else.
+"""Structures that compiled code reads by reference: one row of words, each a number or an address.
 
 A structure is declared as a named tuple whose members are `int`, `float`, arrays of this module's kinds, or other
-structures. `pack` writes it down once; compiled code gets one address, however many arrays there are.
+structures. `pack` writes it once; compiled code gets one address, however many arrays there are.
 """
 
 from ctypes import addressof, c_char
@@ -26,16 +26,16 @@ Flags = Annotated[NDArray[np.bool_], np.bool_, 1]
 
 
 class Field(NamedTuple):
-    """A member of a structure: at which word it stands, and what it is."""
+    """Member of a structure: its first word, and its kind."""
 
     name: str
     word: int
     kind: Any  # int, float, the class of a structure, or the type of an array's elements
-    dimensions: int  # of an array, whose words are its place and its shape; -1 for all else
+    dimensions: int  # of an array, whose words are its address and its shape; -1 otherwise
 
     @property
     def words(self) -> int:
-        """Number of words it takes."""
+        """Number of words of the member."""
         return 1 + max(self.dimensions, 0)
 
 
@@ -62,7 +62,7 @@ def fields(structure: type) -> tuple[Field, ...]:
 
 
 def empty(structure: Any) -> Any:
-    """A structure with nothing in it: arrays of no length, and zeros.
+    """Create a structure without content: arrays of no length, and zeros.
 
     Examples
     --------
@@ -82,16 +82,16 @@ def empty(structure: Any) -> Any:
 
 
 class Packed:
-    """A structure in memory, and all that its words point to.
+    """Structure in memory, and all that its words point to.
 
     Attributes
     ----------
     structure : type
         Its declaration.
     values : NamedTuple
-        What was packed.
+        Values that were packed.
     address : int
-        Where its first word is; valid as long as this object.
+        Address of its first word; valid as long as this object.
     """
 
     __slots__ = ("_floats", "_inner", "_words", "address", "structure", "values")
@@ -106,7 +106,7 @@ class Packed:
         self.write(values)
 
     def write(self, values: Any) -> None:
-        """Put other values of this structure in the place of those that it has; what is the same object stays."""
+        """Replace the values of this structure; members that are the same object stay."""
         words, before = self._words, self.values or (None,) * len(values)
         for (name, word, kind, dimensions), value, old in zip(fields(self.structure), values, before, strict=True):
             if value is old:
@@ -135,9 +135,9 @@ class Packed:
 
 
 def _address(array: NDArray[Any]) -> int | None:
-    """Where the first element of an array is; None if it is not contiguous. Through its buffer, ten times as fast."""
+    """Address of the first element of an array; None if not contiguous. Through its buffer, ten times as fast."""
     if not array.size:
-        return 0  # which nothing reads
+        return 0  # which is never read
     try:
         return addressof(c_char.from_buffer(array))  # type: ignore[arg-type]
     except TypeError:  # not contiguous, or read only
@@ -145,7 +145,7 @@ def _address(array: NDArray[Any]) -> int | None:
 
 
 def pack(values: Any) -> Any:
-    """Write a structure down for compiled code, which reads and writes the arrays themselves: a `Packed`.
+    """Write a structure for compiled code, which reads and writes the arrays themselves, as a `Packed`.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Files whose content is believed: nobody but oneself, or root, can have written them.
+"""Files with trusted content: nobody but oneself, or root, can have written them.
 
-Code from a file runs with all that its reader may do. So a file counts if it and its folder belong to the reader or to
-root, who could change the program itself, and no group and nobody else may write to either. Both are judged by what has
-been opened, of which what is read is read, so nothing can be put in their place in between.
+Code from a file runs with all rights of its reader. So a file is trusted if it and its folder belong to the reader or
+to root, who could change the program itself, and no group and nobody else may write to either. Both are checked on the
+opened descriptors through which the content is read, so nothing can be put in their place in between.
 """
 
 import os
@@ -23,11 +23,11 @@ def read_trusted(path: Path) -> bytes:
     Raises
     ------
     UntrustedError
-        Somebody else can, or it is a link or no file.
+        Somebody else can, or it is a link, or not a file.
     OSError
-        It is not there, or cannot be read.
+        The file is missing, or cannot be read.
     """
-    if os.name != "posix":  # where owners and modes say nothing
+    if os.name != "posix":  # where owners and modes have no meaning
         return path.read_bytes()
     folder = _opened_folder(path.parent)
     try:
@@ -41,7 +41,7 @@ def read_trusted(path: Path) -> bytes:
 
 
 def check_folder(path: Path) -> None:
-    """Refuse a folder into which somebody else can write.
+    """Raise an error for a folder into which somebody else can write.
 
     Raises
     ------

@@ -1,8 +1,8 @@
 """Compiled units: C functions of addresses and numbers, kept as object code that loads without numba.
 
-A unit is compiled at its first call, with all functions that it calls by name; other units it calls by address. What
-is compiled is kept on disk (`tline.compiled.object_code`), valid while all source code that it is made of means the
-same.
+A unit is compiled at its first call, with all functions that it calls by name; other units it calls by address. The
+code is kept on disk (`tline.compiled.object_code`), valid while all its source code has the same
+meaning.
 """
 
 import ctypes
@@ -16,13 +16,13 @@ from tline.compiled.structure import Packed
 
 
 class Function:
-    """A function that is compiled as a part of the units that use it; called from Python, it runs as Python."""
+    """Function that is compiled as a part of the units that use it; called from Python, it runs as Python."""
 
     def __init__(self, function: Callable[..., Any]):
         self.py_func = function
 
     def __call__(self, *arguments: Any) -> Any:
-        """Run it, uncompiled."""
+        """Run the function, uncompiled."""
         return self.py_func(*arguments)
 
     @cached_property
@@ -33,7 +33,7 @@ class Function:
 
     @property
     def _numba_type_(self) -> Any:
-        """What numba asks of a global name."""
+        """Type of the function for numba."""
         return self._dispatcher._numba_type_
 
 
@@ -43,7 +43,7 @@ def function(code: Callable[..., Any]) -> Any:
 
 
 class _Intrinsic:
-    """A name in compiled code whose meaning is in `tline.compiled.by_reference`."""
+    """Name in compiled code, defined in `tline.compiled.by_reference`."""
 
     def __init__(self, name: str):
         self._name = name
@@ -60,13 +60,13 @@ callback: Any = _Intrinsic("callback")
 
 
 class Unit:
-    """A function that is compiled alone, for one signature, and called from Python and by its address.
+    """Function that is compiled alone, for one signature, and called from Python and by its address.
 
     Parameters
     ----------
     code : function
-        Its parameters are annotated: `int`, `float`, or the class of a structure (`tline.compiled.structure`), which it
-        gets by reference. It returns an `int`, allocates nothing, and raises nothing.
+        Its parameters are annotated: `int`, `float`, or the class of a structure (`tline.compiled.structure`), passed
+        by reference. It returns an `int`, allocates nothing, and raises nothing.
     """
 
     def __init__(self, code: Callable[..., Any]):
@@ -75,18 +75,18 @@ class Unit:
 
     @cached_property
     def parameters(self) -> list[Any]:
-        """The kinds of its parameters."""
+        """Types of the parameters."""
         hints = get_type_hints(self.code)
         return [hints[name] for name in inspect.signature(self.code).parameters]
 
     @cached_property
     def _loaded(self) -> tuple[int, Any]:
-        """Address, and what must be held for it."""
+        """Address of the code, and the object that keeps it alive."""
         return load(self) or self._compiled()
 
     @property
     def address(self) -> int:
-        """Where it is, for other units; compiles it if need be."""
+        """Address of the code, for other units; compiles it if need be."""
         return self._loaded[0]
 
     @cached_property
@@ -96,7 +96,7 @@ class Unit:
         return prototype(self.address)
 
     def __call__(self, *arguments: Any) -> int:
-        """Run it; structures are given packed."""
+        """Run the unit; structures are given packed."""
         result, error = ctypes.c_int64(), ctypes.c_void_p()
         given = [each.address if isinstance(each, Packed) else each for each in arguments]
         if self._native(ctypes.addressof(result), ctypes.addressof(error), *given):

@@ -1,4 +1,4 @@
-"""What protects a pipe from surges, and how large it has to be: vessels, closures, relief valves, flywheels."""
+"""Sizing of surge protection for pipes: vessels, closures, relief valves, flywheels."""
 
 from tline.lazy import lazy
 

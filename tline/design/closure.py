@@ -18,14 +18,14 @@ from tline.solver.description.excitation import just_before
 from tline.units import to_si
 from tline.words.wording import nearest, place
 
-TIMES = 0.15, 0.3, 0.5, 0.7  # shares of the time after which a second stage begins, at first
-LEVELS = 0.1, 0.25, 0.4, 0.6, 0.8  # and of the travel that is left there
+TIMES = 0.15, 0.3, 0.5, 0.7  # initial shares of the time at which a second stage begins
+LEVELS = 0.1, 0.25, 0.4, 0.6, 0.8  # initial shares of the travel left at that time
 FINER, WORTH = (0.1, 0.05, 0.025), 0.99  # how far these move, and how much shorter a closure is worth more
-FIRST = 0.1  # of the time that is left, the first closure tried
+FIRST = 0.1  # of the largest time, the first closure tried
 
 
 class Motion(NamedTuple):
-    """What moves: the path of its waveform, levels before and after, and when it begins, s."""
+    """Motion of a valve: the path of its waveform, levels before and after, and its begin, s."""
 
     path: str
     before: float
@@ -33,7 +33,7 @@ class Motion(NamedTuple):
     begin: float
 
     def waveform(self, duration: float, bend: tuple[float, float] | None) -> dict[str, Any]:
-        """One straight stage, or two with a bend at (share of the time, share of the travel that is left)."""
+        """Build one straight stage, or two with a bend at (share of the time, share of the travel left)."""
         if bend is None:
             shape = {"shape": "ramp", "from": self.before, "to": self.after, "at": self.begin}
             return {**shape, "duration": duration}
@@ -59,22 +59,22 @@ def closure(
 
     Parameters
     ----------
-    scene : Scene or path
+    Scene that starts in the steady state.
         That starts in the steady state.
     valve : str
-        An orifice (load or link), or a source of flow. Its waveform says from where to where it moves and when it
-        begins; a constant opening is shut.
+        An orifice (load or link), or a source of flow. Its waveform determines the levels of the motion and its
+        begin; a constant opening is closed to zero.
     path, lowest, highest, tol, progress
         As of `tline.design.vessel`; the highest pressure is the scene's ``rating`` if no limit is given.
     stages : int
-        1, or 2: then also where the second stage begins is searched.
+        1, or 2: then the begin of the second stage is searched too.
     begin : float or str, optional
-        When the closure begins, s, instead of what the scene says.
+        Begin of the closure, s, in place of the scene's.
 
     Returns
     -------
     Sizing
-        The time, its margin, the curve of all times that were run, and the scene with the closure.
+        The time, its margin, the curve of all times run, and the scene with the closure.
 
     Raises
     ------
@@ -136,14 +136,14 @@ def _two_stages(
 
 
 def _with_bend(scene: Scene, motion: Motion, one: Runs, bend: tuple[float, float]) -> Runs:
-    """Runs of a closure in two stages."""
+    """Prepare runs of a closure in two stages."""
     runs = Runs(scene, lambda size: {motion.path: motion.waveform(size, bend)}, one.limits, one.tol, False)
     runs.bar = one.bar
     return runs
 
 
 def _motion(scene: Scene, name: str, begin: float | str | None) -> Motion:
-    """What the scene lets move, and between which levels."""
+    """Find the motion of a valve, and its levels."""
     movable: Mapping[str, tuple[str, Shape]] = {
         **{
             key: (place("sources", key, "value"), one.value) for key, one in scene.sources.items() if one.kind == "flow"

@@ -1,4 +1,4 @@
-"""Highest pressure where liquid columns separate: over several numbers of places at which cavities may stand."""
+"""Highest pressure where liquid columns separate: over several numbers of places with cavities."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ LATE = 0.98  # share of a run
 
 
 class Peak(NamedTuple):
-    """The highest gauge pressure of a run at nodes and places.
+    """Highest gauge pressure of a run at nodes and places.
 
     Attributes
     ----------
@@ -44,12 +44,12 @@ class Peak(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Separation(Presentation):
-    """What to design for where columns separate.
+    """Design pressure where columns separate.
 
     Attributes
     ----------
     peaks : tuple of Peak
-        The stretches between places are half as long in each run as in the one before.
+        Stretches between places are half as long in each run as in the one before.
     notes : tuple of str
         Of the run with most places, and whether the runs are long enough.
     """
@@ -59,12 +59,12 @@ class Separation(Presentation):
 
     @property
     def governing(self) -> Peak:
-        """The highest of all runs."""
+        """Highest peak of all runs."""
         return max(self.peaks, key=lambda peak: peak.pressure)
 
     @property
     def spread(self) -> float:
-        """How much the number of places moves the highest pressure, Pa."""
+        """Spread of the highest pressure over the numbers of places, Pa."""
         pressures = [peak.pressure for peak in self.peaks]
         return max(pressures) - min(pressures)
 
@@ -73,7 +73,7 @@ class Separation(Presentation):
         return plain({"design_pressure": self.governing.pressure, "spread": self.spread} | vars(self))
 
     def text_lines(self) -> Iterator[str]:
-        """The highest pressure of each run, and which of them to design for."""
+        """Describe the highest pressure of each run, and the one to design for."""
         for places, pressure, node, at in self.peaks:
             yield f"{'/'.join(map(str, places))} places: {pressure / BAR:.4g} bar at {node} after {at:.4g} s"
         top = self.governing
@@ -84,16 +84,16 @@ class Separation(Presentation):
 def separation(scene: Scene | str | Path) -> Separation:
     """Find the highest gauge pressure at all nodes and places, with cavities at ever more places.
 
-    Later spikes between collapsing cavities do not converge, so the error that is estimated for a run says little of
-    its highest pressure. It is therefore computed with the places that the scene has, and with stretches between them
-    half and a quarter as long, in the method of textbooks (order 1, slabs that divide all delays). The free gas in all
-    is the same: what stands at a place, and in a cavity at the end of such a line, is in proportion to the stretches.
+    Later spikes between collapsing cavities do not converge, so the error estimate of a run says little about
+    its highest pressure. It is therefore computed with the places of the scene, and with stretches between them
+    half and a quarter as long, in the method of textbooks (order 1, slabs that divide all delays). The total free gas
+    is kept: that at a place, and in a cavity at the end of such a line, is in proportion to the stretches.
     Four times the places take some 16 times as long.
 
     Parameters
     ----------
     scene : Scene or path
-        With cavities in a line at least.
+        Scene with cavities in a line at least.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def separation(scene: Scene | str | Path) -> Separation:
 
 
 def _with_stretches(scene: Scene, times: int) -> Scene:
-    """The scene with so many times the stretches, and as much gas in all."""
+    """Return the scene with a multiple of the stretches, and an equal total of gas."""
     tables, ends = scene.table(), set[str]()
     for name, line in with_cavities(scene.lines).items():
         cavities = tables["lines"][name]["cavities"]

@@ -1,4 +1,4 @@
-"""Limits of gauge pressure or head, at all nodes or along a path, and how far a run stays within them."""
+"""Limits of gauge pressure or head, at all nodes or along a path, and the margin of a run to them."""
 
 from collections.abc import Sequence
 from math import inf, isfinite
@@ -23,7 +23,7 @@ LATE = 0.99  # of the run
 
 
 class Limits(NamedTuple):
-    """Where extremes are looked at, and what they are to keep."""
+    """Limits of the extremes, and the places at which they hold."""
 
     scene: Scene
     way: Route | None  # the path; all nodes if None
@@ -33,38 +33,38 @@ class Limits(NamedTuple):
 
     @property
     def record(self) -> tuple[str, ...]:
-        """Lines whose waves a run is to keep."""
+        """Lines whose waves must be recorded."""
         return self.way.lines if self.way else ()
 
     @property
     def where(self) -> str:
-        """The places, in words."""
+        """Places of the limits, in words."""
         return f"from {self.way.nodes[0]} to {self.way.nodes[-1]}" if self.way else "at all nodes"
 
     @property
     def word(self) -> str:
-        """What is limited."""
+        """Name of the limited quantity."""
         return "gauge pressure" if self.per_metre is None else "head"
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Size, Pa, and name of the unit in which they are read."""
+        """Size, Pa, and name of the unit for display."""
         size, unit = words(self.scene).unit("m" if self.per_metre else "effort")
         return size * (self.per_metre or 1.0), unit
 
     def shown(self, pressure: float) -> str:
-        """A pressure, or its head, with a unit."""
+        """Format a pressure, or its head, with a unit."""
         size, unit = self.unit
         return f"{pressure / size:.4g} {unit}"
 
     def trial(self, size: float, result: Result) -> Trial:
-        """The extremes of a run, and their margin."""
+        """Trial with the extremes of a run, and their margin."""
         self._refuse_broken(result.envelope)
         lowest, highest, error = self._extremes(result)
         return Trial(size, lowest, highest, min(lowest - self.lowest, self.highest - highest), error)
 
     def worst_node(self, result: Result, low: bool) -> str:
-        """Where the lowest or the highest of a run is, of all nodes that are looked at."""
+        """Node of the lowest or the highest limited value of a run."""
         seen = result.envelope
         assert seen is not None
         found = (
@@ -73,7 +73,7 @@ class Limits(NamedTuple):
         return seen.nodes[int(found)]
 
     def at_the_end(self, result: Result) -> bool:
-        """Whether the lowest or highest effort at nodes that is limited comes so late that it may not be the last."""
+        """Whether a limited extreme comes so near the end of the run that a later one may exceed it."""
         seen = result.envelope
         assert seen is not None
         low, high = (seen.nodes.index(self.worst_node(result, low)) for low in (True, False))
@@ -90,7 +90,7 @@ class Limits(NamedTuple):
                 raise InputError(key, problem, "one that the steady state keeps, or a path", self.shown(limit))
 
     def _at_nodes(self, seen: Envelope, effort: NDArray) -> NDArray:
-        """What is limited, at nodes of the path, or at all that no reservoir holds; not a number at others."""
+        """Limited quantity at nodes of the path, or at all that no reservoir holds; nan at others."""
         if self.way:
             chosen = np.isin(seen.nodes, self.way.nodes)
         else:
@@ -124,7 +124,7 @@ class Limits(NamedTuple):
 
 
 def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highest: float | str | None) -> Limits:
-    """Limits of a scene: gauge pressures, Pa, or texts with units; metres are a head above the zero of heights."""
+    """Read limits of a scene: gauge pressures, Pa, or texts with units; metres are a head above the zero of heights."""
     if scene.medium != "hydraulic":
         raise InputError("medium", "is designed for no surge", "'hydraulic'", f"'{scene.medium}'")
     if scene.start != "steady":
@@ -150,7 +150,7 @@ def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highes
 
 
 def _read(key: str, value: float | str) -> tuple[float, bool]:
-    """A value in SI, and whether it is a head."""
+    """Convert a value to SI, and tell whether it is a head."""
     try:
         return to_si(value, "Pa", key), False
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Extremes over the size that a design search varied, with its limits and what it found."""
+"""Extremes over the size that a design search varied, with its limits and the size found."""
 
 from math import isfinite
 

@@ -1,4 +1,4 @@
-"""What protects a pipe, at its least size that keeps limits: an air vessel, a relief valve, the inertia of a pump."""
+"""Protection of a pipe with the least size that keeps limits: an air vessel, a relief valve, the inertia of a pump."""
 
 from collections.abc import Sequence
 from math import sqrt
@@ -19,9 +19,9 @@ from tline.solver.steady.steady_state import above_level
 from tline.units import to_si
 from tline.words.wording import nearest, place
 
-RESERVE = 0.1  # of the shell: liquid left in it when the gas is largest
-SWING = 10.0  # times the compliance of the lines that of the first gas
-USUAL_SET = 0.9  # of the highest pressure; it is wide open there
+RESERVE = 0.1  # of the shell: liquid left when the gas volume is largest
+SWING = 10.0  # initial compliance of the gas over that of the lines
+USUAL_SET = 0.9  # of the highest pressure, at which the valve is wide open
 
 
 def vessel(
@@ -38,16 +38,16 @@ def vessel(
 ) -> Sizing:
     """Find the smallest air vessel at a node.
 
-    Searched is the volume of the gas in the steady state. The shell holds the gas when the pressure at the node is
-    lowest, and a reserve of liquid; the precharge is the pressure of gas that fills the empty shell at the temperature
-    that it has in the steady state.
+    The variable is the volume of the gas in the steady state. The shell holds the gas when the pressure at the node is
+    lowest, and a reserve of liquid; the precharge is the pressure of gas that fills the empty shell at its temperature
+    in the steady state.
 
     Parameters
     ----------
     scene : Scene or path
-        Of a surge; it starts in the steady state. An air vessel that is at the node is sized anew.
+        Scene of a surge that starts in the steady state. An air vessel already at the node is resized.
     at : str
-        A node.
+        Node of the vessel.
     path : sequence of str
         Nodes between which all places keep the limits; all nodes of the scene if not given.
     lowest : float or str, optional
@@ -61,12 +61,12 @@ def vessel(
     progress : bool
         Show a bar on stderr if it takes more than two seconds.
     **element
-        Of the vessel, as in a scene: ``kv``, ``exponent``, ``atmosphere``.
+        Keys of the vessel, as in a scene: ``kv``, ``exponent``, ``atmosphere``.
 
     Returns
     -------
     Sizing
-        Gas, shell and precharge, the margin, the curve of all sizes that were run, and the scene with the vessel.
+        Gas, shell and precharge, the margin, the curve of all sizes run, and the scene with the vessel.
 
     Raises
     ------
@@ -149,25 +149,25 @@ def relief(
     Parameters
     ----------
     scene : Scene or path
-        Of a surge; it starts in the steady state.
+        Scene of a surge that starts in the steady state.
     at : str
-        A node.
+        Node of the valve.
     highest : float or str
         Largest gauge pressure, Pa, or a text with a unit.
     path, tol, progress
         As of `tline.design.vessel`.
     set_pressure : float or str, optional
-        At which the valve begins to open, Pa; 0.9 of the highest pressure if neither it nor a capacity is given.
+        Pressure at which the valve begins to open, Pa; 0.9 of the highest if neither it nor a capacity is given.
     band : float or str, optional
-        Further pressure over which it opens, Pa; what is left to the highest pressure if not given, or a tenth of that
-        pressure where a capacity is.
+        Further pressure over which it opens, Pa; the rest up to the highest pressure if not given, or a tenth of that
+        pressure with a given capacity.
     kv : float or str, optional
         Capacity, m³/h of water at 1 bar: then the set pressure is searched.
 
     Returns
     -------
     Sizing
-        Capacity and set pressure, the margin, the curve of all sizes that were run, and the scene with the valve.
+        Capacity and set pressure, the margin, the curve of all sizes run, and the scene with the valve.
 
     Raises
     ------
@@ -249,16 +249,16 @@ def flywheel(
     Parameters
     ----------
     scene : Scene or path
-        In which the pump trips; it starts in the steady state.
+        Scene in which the pump trips, and that starts in the steady state.
     pump : str
-        Name of the pump; its inertia is where the search begins.
+        Name of the pump; its inertia is the start of the search.
     path, lowest, highest, tol, progress
         As of `tline.design.vessel`.
 
     Returns
     -------
     Sizing
-        The inertia, its margin, the curve of all that were run, and the scene with it.
+        The inertia, its margin, the curve of all sizes run, and the scene with that inertia.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The smallest size whose margin is not negative, of a margin that should grow with the size."""
+"""Search for the smallest size with a margin above zero, where the margin should grow with the size."""
 
 from collections.abc import Callable
 from math import floor, log, log10
@@ -7,29 +7,29 @@ from typing import NamedTuple
 STEP, STEPS = 2.0, 16  # from size to size until the margin changes its sign
 DIGITS = 4  # of a size
 PRECISION, NUDGE = 1.002, 0.001  # of the size
-CURVE = (0.4, 0.65, 1.5, 2.5, 5.0)  # times the size found: what is run for the curve, and to see that nothing turns
+CURVE = (0.4, 0.65, 1.5, 2.5, 5.0)  # times the size found: runs for the curve, and to check that the margin grows
 ROUNDS = 4  # of searches above a larger size that fails
 
 
 class Trial(NamedTuple):
-    """What one size leads to, in SI."""
+    """Result of one size, in SI."""
 
     size: float
     lowest: float  # lowest, highest: extremes that are limited, Pa
     highest: float
     margin: float  # to the nearer limit, Pa; negative beyond it
-    error: float  # estimated error of the extremes, Pa; not a number where the run is fixed by hand
+    error: float  # estimated error of the extremes, Pa; nan if order and slab are fixed
 
 
 class SizeSearch(NamedTuple):
-    """The trials of a search by size, and the smallest size that keeps the limits, None if none does."""
+    """Trials of a search by size, and the smallest size that keeps the limits, None if none does."""
 
     trials: tuple[Trial, ...]
     found: Trial | None
 
     @property
     def turns(self) -> tuple[Trial, Trial] | None:
-        """Two trials beside each other of which the larger size has less of a margin by more than their errors."""
+        """Adjacent trials of which the larger size has less margin by more than their errors."""
         for small, large in zip(self.trials, self.trials[1:], strict=False):
             slack = sum(trial.error for trial in (small, large) if trial.error == trial.error)
             if large.margin < small.margin - slack - 1e-6 * abs(small.margin):
@@ -38,9 +38,9 @@ class SizeSearch(NamedTuple):
 
 
 def smallest(run: Callable[[float], Trial], first: float, largest: float = float("inf")) -> SizeSearch:
-    """Search the smallest size, above zero, that keeps the limits, to 0.2 %, from `first` on and up to `largest`.
+    """Find the smallest size, above zero, that keeps the limits, to 0.2 %, from `first` on and up to `largest`.
 
-    A bracket by doubling or halving from `first`, then secants on the logarithm of the size, which bisect where they do
+    A bracket by doubling or halving from `first`, then secants on the logarithm of the size, with bisection if they do
     not halve the bracket. Sizes around the one found are run as well: if a larger one fails, the search goes on above.
     """
     tried: dict[float, Trial] = {}
@@ -75,7 +75,7 @@ def smallest(run: Callable[[float], Trial], first: float, largest: float = float
 
 
 def _refined(at: Callable[[float], Trial], low: Trial, high: Trial) -> Trial:
-    """The larger end of a bracket as narrow as wanted."""
+    """Larger end of a bracket that is narrow enough."""
     bisect, nudge = False, 0.0  # beyond the secant, so that the end that stood still moves next
     while high.size > PRECISION * low.size:
         width = log(high.size / low.size)
@@ -93,5 +93,5 @@ def _refined(at: Callable[[float], Trial], low: Trial, high: Trial) -> Trial:
 
 
 def rounded(size: float) -> float:
-    """A size of four digits."""
+    """Round a size to four digits."""
     return round(size, DIGITS - 1 - floor(log10(size)))

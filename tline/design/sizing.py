@@ -1,4 +1,4 @@
-"""The search of a size by prepared runs, and its result: the size, its margin, its curve, and the scene that has it."""
+"""Search for a size by prepared runs, and its result: the size, its margin, its curve, and the scene with it."""
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -25,7 +25,7 @@ NO_SEARCH = "even the smallest size that was tried keeps the limits"
 
 
 class Size(NamedTuple):
-    """A value of a design, in SI, and the unit in which it is read."""
+    """Value of a design, in SI, and its unit for display."""
 
     value: float
     unit: str
@@ -36,7 +36,7 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sizing(Presentation):
-    """What a design search found.
+    """Result of a design search.
 
     Attributes
     ----------
@@ -45,17 +45,17 @@ class Sizing(Presentation):
     element : str
         Place of the element that was sized, such as ``"loads.vessel"``.
     sizes : dict of str to Size
-        What was found, the size that was searched first.
+        Sizes found, the one searched first.
     found : Trial
         Extremes, margin and estimated error at that size.
     curve : tuple of Trial
-        All sizes that were run, in order.
+        All sizes run, in order.
     limits : Limits
-        What was asked for.
+        Limits of the search.
     scene : Scene
         The given scene with the element of that size.
     notes : tuple of str
-        What one should know of it.
+        Notes on the result.
     """
 
     kind: str
@@ -74,7 +74,7 @@ class Sizing(Presentation):
         return next(iter(self.sizes.items()))
 
     def text_lines(self) -> Iterator[str]:
-        """The size, its margin to the limit, and the curve of extremes over sizes."""
+        """Describe the size, its margin to the limit, and the curve of extremes over sizes."""
         limits, trial = self.limits, self.found
         per, unit = limits.unit
         name, size = self.searched
@@ -92,7 +92,7 @@ class Sizing(Presentation):
         yield from ["", *aligned([head, *rows], 0)]
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it but the scene as plain data, in SI."""
+        """Contents except the scene as plain data, in SI."""
         limits = self.limits
         bound = {"lowest": limits.lowest, "highest": limits.highest}
         told = {
@@ -114,7 +114,7 @@ class Sizing(Presentation):
 
 
 class Runs:
-    """Runs of one prepared scene in which one size varies: `values` has its values by dotted path, of a size."""
+    """Runs of one prepared scene with one variable size: `values` maps a size to values by dotted path."""
 
     def __init__(
         self,
@@ -132,7 +132,7 @@ class Runs:
         self.results: dict[float, Result] = {}
 
     def run(self, size: float) -> Trial:
-        """The trial of one size."""
+        """Run one size."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnresolvedWarning)  # the notes of the size that is found say it
             result = self.prepared.run(
@@ -143,14 +143,14 @@ class Runs:
         return self.limits.trial(size, result)
 
     def refuse_kept(self, key: str, without: str) -> None:
-        """Refuse to size what is not needed."""
+        """Raise an error if the limit is kept without protection."""
         trial, limits = self.run(1.0), self.limits
         if trial.margin >= 0:
             got = f"{limits.shown(trial.lowest)} to {limits.shown(trial.highest)} {limits.where}"
             raise InputError(key, f"is kept without {without}", "a stricter limit", got)
 
     def smallest(self, unit: str, first: float, largest: float = float("inf")) -> tuple[Trial, SizeSearch, list[str]]:
-        """Search the smallest size, which is read in some unit, and say in notes what is odd."""
+        """Search the smallest size, and note irregularities with the size in a given unit."""
         with self.bar:
             search = smallest(self.run, first, largest)
         if search.found is None:

@@ -1,4 +1,4 @@
-"""An answer by its letter: question, derivation, numbers, code and figure."""
+"""Answer to a letter of the exercise: question, derivation, numbers, code and figure."""
 
 import textwrap
 import tomllib
@@ -19,44 +19,44 @@ if TYPE_CHECKING:
 
     from drives import CoupledDrives
 
-WIDTH = 100  # letters of a line
+WIDTH = 100  # characters of a line
 PROBLEMS = {"1": "friction", "2": "lines", "3": "passive_line", "4": "coupled"}  # modules; each has FOUND, by letter
 
 
 class Step(NamedTuple):
-    """A step of a derivation: what it says, by which reason, and whether the program has checked that it holds."""
+    """Step of a derivation: its statement, its reason, and whether the program has checked that it holds."""
 
     text: str
     reason: str
-    holds: bool | None = None  # None: a law of physics, or a definition, which nothing can check
+    holds: bool | None = None  # None: a law of physics, or a definition, which cannot be checked
 
 
 class Found(NamedTuple):
-    """What the module of a problem works out for a letter."""
+    """Results of a problem's module for a letter."""
 
-    numbers: Mapping[str, Any]  # SI; the text shows them
+    numbers: Mapping[str, Any]  # SI; shown in the text
     steps: tuple[Step, ...] = ()
     modelica: str = ""
     draw: tuple[Any, ...] = ()  # name and arguments of a function of `pictures`
-    details: Mapping[str, Any] = {}  # further numbers, which the text does not show
+    details: Mapping[str, Any] = {}  # further numbers, not shown in the text
 
 
 @dataclass(frozen=True, repr=False)
 class Answer(Presentation):
-    """The answer to a letter of the exercise.
+    """Answer to a letter of the exercise.
 
     Attributes
     ----------
     letter, title, question : str
         Such as "3b"; the question is in words of our own.
     steps : tuple of Step
-        The derivation; `holds` says whether the program has checked a step, and that it is right.
+        Derivation; `holds` is whether the program has checked a step, and found it right.
     paragraphs, remarks : tuple of str
-        The answer, and where the text of the exercise is loose.
+        Answer, and points where the text of the exercise is imprecise.
     numbers : dict
         SI.
     modelica : str
-        The package that the letter asks for, empty where it asks for none.
+        Package that the letter asks for, empty if none.
     """
 
     letter: str
@@ -82,7 +82,7 @@ class Answer(Presentation):
             yield from _wrapped(f"A remark on the text: {remark}")
 
     def step_lines(self) -> Iterator[str]:
-        """The derivation, each step with its reason and whether it was checked."""
+        """Derivation, each step with its reason and whether it was checked."""
         width = min(max(len(step.text) for step in self.steps), WIDTH - 40)
         for number, step in enumerate(self.steps, 1):
             checked = {True: "checked: ", False: "DOES NOT HOLD: ", None: ""}[step.holds]
@@ -95,12 +95,12 @@ class Answer(Presentation):
                 yield from _wrapped(f"      {reason}", "      ")
 
     def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Draw its figure; a letter without one says so.
+        """Draw the answer's figure; raise an error for a letter without one.
 
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw the main part of it; without it a new figure with all.
+            Where to draw its main part; without it a new figure with all.
 
         Raises
         ------
@@ -118,7 +118,7 @@ class Answer(Presentation):
         return bool(self._draw)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as plain data."""
+        """All contents as plain data."""
         names = ("letter", "title", "question", "steps", "paragraphs", "remarks", "numbers", "modelica")
         return {name: plain(getattr(self, name)) for name in names}
 
@@ -191,7 +191,7 @@ def _texts() -> dict[str, dict[str, Any]]:
 
 
 def _step(text: str, reason: str, left: str = "", right: str = "") -> Step:
-    """A step of the text; where it has two sides, these are compared as quotients of polynomials."""
+    """Build a step of the text; if it has two sides, these are compared as quotients of polynomials."""
     from passivity.calculus.derivation import is_equation
 
     return Step(text, reason, is_equation(left, right) if left else None)

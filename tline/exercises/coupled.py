@@ -19,7 +19,7 @@ from drives.transfer import TransferFunction
 from tline.errors import InputError
 from tline.exercises.answer import Found
 
-MODELS = {  # of the package, by letter: each with the models that it is made of
+MODELS = {  # models of the package for each letter
     "4b": ("Drive",),
     "4c": ("Belt",),
     "4e": ("Pulley",),
@@ -30,14 +30,14 @@ MODELS = {  # of the package, by letter: each with the models that it is made of
 MODEL = re.compile(r"  (?:partial )?model (\w+).*?  end \1;\n\n?", re.DOTALL)
 OMEGA = np.logspace(-1, 4, 50)
 TORQUE, SPEED, TENSION, END, STEP = 0.1, 1.0, 5.0, 2.0, 0.01  # of the runs in (h): N m, m/s, N, s, s
-FAST = 1e5  # rad/s, a bandwidth that no loop reaches
-SLOW = 1e-6  # of the slowest pole or zero: there the phase is that at its start
+FAST = 1e5  # rad/s, a bandwidth out of reach of any loop
+SLOW = 1e-6  # of the slowest pole or zero: there the phase equals its initial value
 
 
 def package(
     letter: str, drives: CoupledDrives, made: Design | None = None, speed: float = 0, tension: float = 0
 ) -> str:
-    """The package as far as a letter asks for it."""
+    """Compose the part of the package that a letter asks for."""
     text = files("tline.exercises").joinpath("coupled_drives.mo").read_text(encoding="utf-8")
     text = MODEL.sub(lambda found: found[0] if found[1] in MODELS[letter] else "", text).replace("\n\nend", "\nend")
     values = {"k": drives.pulley.stiffness, "theta": drives.pulley.angle, "speed": speed, "tension": tension}
@@ -50,24 +50,24 @@ def package(
 
 
 def _number(value: float) -> str:
-    """As short as it can be; an angle of 45 degrees as a fraction of pi."""
+    """Format a number as short as possible; an angle of 45 degrees as a fraction of pi."""
     return "Modelica.Constants.pi/4" if value == math.pi / 4 else f"{value!r}"
 
 
 def balances(_: CoupledDrives) -> Found:
-    """4a."""
+    """Answer 4a: torque balances of the spools."""
     return Found({})
 
 
 def drive(drives: CoupledDrives) -> Found:
-    """4b."""
+    """Answer 4b: model of a spool's drive."""
     pairs = {"J": "inertia", "B": "friction", "r": "radius"}
     numbers = {key: _both(getattr(drives.left, name), getattr(drives.right, name)) for key, name in pairs.items()}
     return Found(numbers, modelica=package("4b", drives))
 
 
 def belt(drives: CoupledDrives) -> Found:
-    """4c."""
+    """Answer 4c: model of the belt."""
     left, right = drives.left_belt, drives.right_belt
     numbers = {"K": _both(left.stiffness, right.stiffness), "B": _both(left.damping, right.damping)}
     return Found(numbers, modelica=package("4c", drives))
@@ -78,20 +78,20 @@ def _both(left: Any, right: Any) -> str:
 
 
 def pulley(drives: CoupledDrives) -> Found:
-    """4d."""
+    """Answer 4d: balances of forces at the pulley."""
     seen, runaway = check_pulley(drives.pulley), wrong_sign(drives)
     numbers = {"k_p": float(drives.pulley.belt_stiffness), "runaway": written(runaway), **vars(seen)}
     return Found(numbers, details={"pole_of_the_wrong_sign": runaway})
 
 
 def pulley_model(drives: CoupledDrives) -> Found:
-    """4e."""
+    """Answer 4e: model of the pulley."""
     numbers = {"k": float(drives.pulley.stiffness), "theta": drives.pulley.angle}
     return Found(numbers, modelica=package("4e", drives))
 
 
 def assembly(drives: CoupledDrives) -> Found:
-    """4f."""
+    """Answer 4f: assembly of the drives."""
     model = drives.state_space()
     numbers = {"eigenvalues": ", ".join(map(written, model.poles))}
     details: dict[str, Any] = {"states": model.states, "A": model.A, "B": model.B, "C": model.C, "poles": model.poles}
@@ -99,7 +99,7 @@ def assembly(drives: CoupledDrives) -> Found:
 
 
 def bode(drives: CoupledDrives) -> Found:
-    """4g."""
+    """Answer 4g: Bode plot, resonance and eigenvalues."""
     all_of_them = [drives.transfer(output, source) for output in OUTPUTS[:5] for source in INPUTS]
     h, both = drives.transfer("x_k", "T1"), [drives.transfer("x_k", source) for source in INPUTS]
     hidden = hidden_modes(drives, "x_k", "T1")
@@ -120,7 +120,7 @@ def bode(drives: CoupledDrives) -> Found:
 
 
 def _resonance(drives: CoupledDrives, h: TransferFunction) -> dict[str, Any]:
-    """The text's resonance and bound of the bandwidth, beside what is so."""
+    """Resonance and bound of the bandwidth claimed by the text, with the true ones."""
     claimed = math.sqrt(drives.left_belt.stiffness / drives.mobility(drives.left)[0])
     found = peak(h) if h.dc_gain else None  # without DC gain the other spool turns freely, and nothing peaks
     seen = "no peak" if h.dc_gain else "no tension at rest, so no peak above it"
@@ -141,14 +141,14 @@ def _resonance(drives: CoupledDrives, h: TransferFunction) -> dict[str, Any]:
 
 
 def _phase(h: TransferFunction) -> dict[str, Any]:
-    """Where the phase begins, degrees."""
+    """Initial phase, degrees."""
     start = math.degrees(float(h.phase(SLOW * min(abs(z) for z in (*h.poles, *h.zeros) if z))))
     word = "It does, since x_k is negative under tension" if start < -179 else f"Here it starts at {start:.4g}°"
     return {"starts": round(start, 3), "starts_in_words": word, "of_tension": round(start + 180, 2) + 0.0}
 
 
 def _artefact(drives: CoupledDrives) -> str:
-    """What forward differences make of eigenvalues that are exactly 0."""
+    """Describe the error of forward differences at eigenvalues that are exactly 0."""
     if len(drives.damped) != 2:
         return "an undamped belt has no such model"
     seen = artefact(drives)
@@ -161,7 +161,7 @@ def _artefact(drives: CoupledDrives) -> str:
 
 
 def control(drives: CoupledDrives) -> Found:
-    """4h."""
+    """Answer 4h: decoupled control of belt speed and tension."""
     share = relative_gain_array(drives, [0.0, 1.0, 100.0]).real[0, 0]
     run = simulate(drives, T2=Torque.step(TORQUE), t_end=END, step=STEP)
     last = {name: float(run.outputs[name][-1]) for name in ("tension", "belt_speed")}
@@ -193,7 +193,7 @@ def control(drives: CoupledDrives) -> Found:
 
 
 def _decoupler(drives: CoupledDrives) -> str:
-    """The decoupler as formulas; what is 0 or 1 for spools alike is left out."""
+    """Format the decoupler as formulas, without the factors 0 or 1 for equal spools."""
     texts = []
     for k, (one, sign) in enumerate(zip(decoupler(drives), "−+", strict=True), 1):
         text = f"{'' if one.share == 1 else f'{float(one.share):.6g}·'}(τ_f {sign} τ_v)/2"

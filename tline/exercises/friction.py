@@ -12,7 +12,7 @@ from tline.exercises.answer import Found
 SLOPES = (0.5, 2.0)  # N/s
 H, T_END = 0.01, 10.0  # s
 LOCATED, IN_A_ROW = 1e-13, 1000  # s, how well a crossing is located; crossings after which Simulink gives up
-NARROW = 1e-5  # m/s, half width of a zone that Euler's method passes over
+NARROW = 1e-5  # m/s, half width of a zone that Euler's method jumps over
 
 
 def _ramp(
@@ -46,9 +46,9 @@ def _told(run: Result) -> str:
 
 
 def _sign_block(slope: float) -> tuple[float, float]:
-    """A sign block with zero-crossing detection: time and largest |v| after `IN_A_ROW` crossings, s and m/s.
+    """Simulate a sign block with zero-crossing detection: time and largest |v| after `IN_A_ROW` crossings, s and m/s.
 
-    A crossing is passed by as much as it is located to; from there friction leads back, v' = F_a ∓ F_c, to the next.
+    Each crossing is overshot by its localisation error; from there friction leads back, v' = F_a ∓ F_c, to the next.
     """
     t, largest, side = LOCATED, 0.0, 1.0
     v = slope * t**2 / 2
@@ -61,7 +61,7 @@ def _sign_block(slope: float) -> tuple[float, float]:
 
 
 def bare_coulomb() -> Found:
-    """Coulomb's law, by solvers that know nothing of events."""
+    """Answer 1a: Coulomb's law, by solvers without events."""
     law = Coulomb()
     variable, implicit = (
         simulate(law, Testbench(Ramp(0.5)), T_END, method, tol=1e-6, times=np.linspace(0.0, T_END, 100_001))
@@ -96,7 +96,7 @@ def bare_coulomb() -> Found:
 
 
 def karnopp() -> Found:
-    """Stuck or sliding, with events."""
+    """Answer 1b: sticking and sliding, with events."""
     runs = {f"{slope:g} N/s": _ramp(Coulomb(), slope) for slope in SLOPES}
     runs |= {f"{slope:g} N/s, v(0) = −1": _ramp(Coulomb(), slope, v0=-1.0) for slope in SLOPES}
     named = dict(zip(("slow", "fast", "slow_thrown", "fast_thrown"), runs.values(), strict=True))
@@ -106,7 +106,7 @@ def karnopp() -> Found:
 
 
 def zone() -> Found:
-    """The dead zone, from rest and from −1 m/s."""
+    """Answer 1c: the dead zone in place of events, from rest and from −1 m/s."""
     wide, narrow = (Karnopp(F_c=1.0, F_s=1.0, F_v=0.0, delta=delta) for delta in (0.5, NARROW))
     rest, thrown = _ramp(wide), _ramp(wide, v0=-1.0)
     euler = _ramp(wide, method="euler", v0=-1.0, h=H)
@@ -134,7 +134,7 @@ def zone() -> Found:
 
 
 def stribeck() -> Found:
-    """Stribeck's curve beside Coulomb's law."""
+    """Answer 1d: Stribeck's curve compared with Coulomb's law."""
     law, coulomb = _ramp(Karnopp()), _ramp(Coulomb())
     numbers = {
         "t_break": law.events[0].t,
@@ -151,7 +151,7 @@ def stribeck() -> Found:
 
 
 def lugre() -> Found:
-    """LuGre beside Stribeck's curve."""
+    """Answer 1e: LuGre compared with Stribeck's curve."""
     runs = {"Stribeck": _ramp(Karnopp())}
     runs |= {
         f"σ0 = {s0:g}, σ1 = {s1:g}": _ramp(LuGre(sigma0=s0, sigma1=s1))

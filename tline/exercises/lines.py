@@ -1,4 +1,4 @@
-"""Problem 2: what a pipe and a cable are, and their waves."""
+"""Problem 2: models of a pipe and a cable, and their waves."""
 
 from functools import cache
 from typing import Any
@@ -24,7 +24,7 @@ SNAPSHOTS = (0.6, 1.4, 2.2)  # in delays of the line
 
 
 def pipe() -> Found:
-    """The hydraulic line."""
+    """Answer 2a: the hydraulic line."""
     line = HydraulicLine(**PIPE)
     assert line.bulk_modulus is not None
     assert line.area is not None
@@ -40,7 +40,7 @@ def pipe() -> Found:
 
 
 def cable() -> Found:
-    """The electrical line."""
+    """Answer 2b: the electrical line."""
     line = ElectricalLine(**CABLE)
     assert line.capacitance is not None
     assert line.inductance is not None
@@ -78,7 +78,7 @@ FOUND = {"2a": pipe, "2b": cable}
 
 @styled
 def draw_snapshots(medium: str, ax: Axes | None = None) -> Figure | Axes:
-    """Waves a and b and the effort along 3 km of line at three instants, or at the first of them."""
+    """Draw waves a and b and the effort along 3 km of line at three instants, or at the first of them."""
     x, times, waves = snapshots(medium)
     second, unit = handy(times[-1], "s")
     drawn, cells = cells_of(ax, 11.0, 3.4, columns=len(times), sharey=True)
@@ -99,7 +99,7 @@ def draw_snapshots(medium: str, ax: Axes | None = None) -> Figure | Axes:
 
 @styled
 def draw_curves(names: tuple[str, ...], ax: Axes | None = None) -> Figure | Axes:
-    """Nyquist curves of G, and reflections H in a Smith chart, or the first of them."""
+    """Draw Nyquist curves of G, and reflections H in a Smith chart, or the first of them."""
     title = "25 Ω, then 100 Ω beside 4 pF, at the end of 50 Ω, 0.1 ns"
     drawn, cells = cells_of(ax, 9.6, 4.8, columns=len(names), title=title)
     for axes, name in zip(cells, names, strict=False):

@@ -10,7 +10,7 @@ from tline.exercises.answer import Found, Step
 if TYPE_CHECKING:
     from passivity import Derivation
 
-# the load that figures show: 25 ohm before 100 ohm beside 4 pF, at the end of 50 ohm and 0.1 ns
+# the load in the figures: 25 ohm before 100 ohm beside 4 pF, at the end of 50 ohm and 0.1 ns
 Z0, DELAY, SERIES, RESISTANCE, CAPACITANCE = 50.0, 1e-10, 25.0, 100.0, 4e-12
 OMEGA = np.linspace(0.0, 1e11, 4000)
 
@@ -32,14 +32,14 @@ def _derivation() -> "Derivation":
 
 
 def _statement(letter: str, reason: str = "") -> Step:
-    """One of the four statements, as proved."""
+    """Step of one of the four statements, as proved."""
     found = dict(_derivation().statements)[letter]
     text = found.statement if letter != "d" else "u1 ↦ y1 is positive real for all Z2 positive real, z0 > 0, T >= 0"
     return Step(text, f"{reason}{found.status}, {found.why}", found.proved)
 
 
 def reflection() -> Found:
-    """3a."""
+    """Answer 3a: bounded real reflection of a positive real load."""
     from passivity import reflection_identity
 
     steps = [Step(str(each), "G2 = x + iy", each.holds) for each in reflection_identity()]
@@ -47,7 +47,7 @@ def reflection() -> Found:
 
 
 def delayed() -> Found:
-    """3b."""
+    """Answer 3b: bounded real reflection at the input of the line."""
     from passivity.calculus.derivation import is_equation
 
     chained = is_equation("let e = E; let A2 = e*A1; let B2 = H2*A2; e*B2/A1", "E^2*H2")
@@ -59,7 +59,7 @@ def delayed() -> Found:
 
 
 def admittance() -> Found:
-    """3c."""
+    """Answer 3c: positive real admittance at the input of the line."""
     from passivity import admittance_identity
 
     algebra = [Step(equation, what, holds) for what, equation, holds in _derivation().algebra]
@@ -69,7 +69,7 @@ def admittance() -> Found:
 
 
 def port() -> Found:
-    """3d."""
+    """Answer 3d: passivity of the port for any passive load."""
     reasons = {"a": "G2 = Z2/z0: ", "b": "the line: ", "c": "(11): ", "d": "all of it at once: "}
     return _found("d", [_statement(letter, reason) for letter, reason in reasons.items()], "G2", "G1")
 
@@ -80,7 +80,7 @@ def _found(letter: str, steps: list[Step], *curves: str) -> Found:
 
 
 def example() -> Curves:
-    """G2, H2, H1 and G1 of the load that figures show."""
+    """Functions G2, H2, H1 and G1 of the load in the figures."""
     s = 1j * OMEGA
     g2 = (SERIES + RESISTANCE / (1 + s * RESISTANCE * CAPACITANCE)) / Z0
     h2 = (g2 - 1) / (g2 + 1)

@@ -1,4 +1,4 @@
-"""A scene's transfer function as an object that keeps its delays exact."""
+"""Transfer function of a scene as an object with exact delays."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -30,9 +30,9 @@ LONGEST = 1e6  # shortest delays in a step response
 
 @dataclass(frozen=True, repr=False)
 class DelaySystem(Presentation):
-    """What one source does at one probe, as a transfer function with exact delays.
+    """Response at one probe to one source, as a transfer function with exact delays.
 
-    All other sources are silent, and switches stand as they do after they have moved.
+    All other sources are silent, and switches are in their final state.
 
     Parameters
     ----------
@@ -99,11 +99,11 @@ class DelaySystem(Presentation):
         return self._curves().text_lines()
 
     def plot(self, ax: "Axes | None" = None) -> "Figure | Axes":
-        """Bode plot, over frequencies around those of the lines."""
+        """Draw a Bode plot, over frequencies around those of the lines."""
         return self._curves().plot(ax)
 
     def to_dict(self) -> dict[str, Any]:
-        """The curve that is drawn, and natural oscillations."""
+        """Curve of the plot, and natural oscillations."""
         return self._curves().to_dict() | {"source": self.source}
 
     def bode(self, f: ArrayLike) -> tuple[NDArray, NDArray]:
@@ -146,7 +146,7 @@ class DelaySystem(Presentation):
     def is_stable(self) -> bool:
         """Whether no natural oscillation grows; those that neither grow nor decay count as stable.
 
-        Counted by the argument principle, on samples of the boundary: reliable, not certified.
+        The count uses the argument principle on samples of the boundary: reliable, not certified.
 
         Raises
         ------
@@ -159,11 +159,11 @@ class DelaySystem(Presentation):
         return found.s is None
 
     def oscillations(self, highest: float) -> list[Resonance]:
-        """Natural oscillations up to a frequency, Hz: poles of the transfer function, unless the probe misses them."""
+        """Natural oscillations up to a frequency, Hz: poles of the transfer function, if observable at the probe."""
         return resonances(self.scene, highest)
 
     def to_control(self, order: int) -> "StateSpace":
-        """State space of python-control (extra `tline[control]`) in which every delay is a Padé approximation.
+        """Convert to a state space of python-control (extra `tline[control]`) with a Padé approximation of every delay.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class DelaySystem(Presentation):
         return pade_state_space(self._with_a_step(), self.probe, self.quantity, order)
 
     def _with_a_step(self) -> Scene:
-        """The scene without heights, a unit step in the source, all else at zero, and switches after their move."""
+        """Return the scene without heights, with a unit step in the source, others at zero, and switches moved."""
         table = self.scene.table()
         silent = {
             name: source | {"value": {"shape": "constant", "level": 0}} for name, source in table["sources"].items()

@@ -13,12 +13,12 @@ from tline.solver.description.description import describe
 from tline.solver.stability.growth import right_of_all
 from tline.solver.stability.zeros import MOST_SAMPLES, Box, Characteristic, UncountableError, all_zeros
 
-DEEP = 3.0  # exp(-DEEP) in the shortest delay: what decays faster is no oscillation
-LOWEST = 1e-9  # of the highest frequency; slower is no oscillation
-ABOVE = 1e-3  # how far right of the axis is searched where nothing can grow, in the same unit
-NEUTRAL = 1e-9  # in the same unit; what grows or decays by less does neither
-UNDAMPED = 1e-12  # of |s|; a smaller real part is rounding
-SAMPLES = 4.0  # per radian that the delays turn
+DEEP = 3.0  # decay exp(-DEEP) in the shortest delay; faster decay is not an oscillation
+LOWEST = 1e-9  # relative to the highest frequency; slower is not an oscillation
+ABOVE = 1e-3  # per shortest delay: right edge of the search where nothing can grow
+NEUTRAL = 1e-9  # per shortest delay; smaller growth or decay is rounding
+UNDAMPED = 1e-12  # relative to |s|; a smaller real part is rounding
+SAMPLES = 4.0  # per radian of phase of the delays
 MOST_WORK = 3e10  # entries of all matrices times their size
 
 
@@ -28,19 +28,19 @@ class Resonance(NamedTuple):
     Attributes
     ----------
     s : complex
-        Exponent, 1/s; Im s > 0, or Im s = 0 for what grows without turning.
+        Exponent, 1/s; Im s > 0, or Im s = 0 for growth without oscillation.
     """
 
     s: complex
 
     @property
     def frequency(self) -> float:
-        """Of the oscillation, Hz."""
+        """Frequency of the oscillation, Hz."""
         return self.s.imag / (2 * np.pi)
 
     @property
     def quality(self) -> float:
-        """|s|/(-2 Re s): energy over what is lost of it in a radian; infinite if nothing is, negative if it grows."""
+        """Quality factor |s|/(-2 Re s), energy over loss per radian; infinite without loss, negative if it grows."""
         return abs(self.s) / (-2 * self.s.real) if abs(self.s.real) > UNDAMPED * abs(self.s) else np.inf
 
     @property
@@ -57,10 +57,10 @@ class Resonance(NamedTuple):
 
 
 def resonances(scene: Scene | str | Path, highest: float) -> list[Resonance]:
-    """Natural oscillations up to a frequency, slowest first, and what grows without turning.
+    """Natural oscillations up to a frequency, slowest first, and growth without oscillation.
 
-    Sources are silent: ideal efforts are shorts, ideal flows are open. Counted by the argument principle and polished;
-    what decays by more than exp(-3) within the shortest delay is left out.
+    Sources are silent: ideal efforts are shorts, ideal flows are open. They are counted by the argument principle and
+    polished; those that decay by more than exp(-3) within the shortest delay are left out.
 
     Parameters
     ----------

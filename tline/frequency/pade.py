@@ -1,4 +1,4 @@
-"""A scene as a state space in which every delay is a Padé approximation."""
+"""State space of a scene with a Padé approximation of every delay."""
 
 from typing import TYPE_CHECKING
 
@@ -18,7 +18,7 @@ HIGHEST = 12  # order; the coefficients of higher ones are too far apart for flo
 
 
 def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "StateSpace":
-    """From the source whose level is 1 at last, all others being silent, to u, y, a or b at a probe.
+    """State space from a source of final level 1, all others being silent, to u, y, a or b at a probe.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
 
 
 def _delay(t: float, order: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """A, b, c, d of the Padé approximation of exp(-ts) with a numerator of one degree less; of no delay at all."""
+    """Matrices A, b, c, d of the Padé approximation of exp(-ts) with a numerator of one degree less; none for t = 0."""
     control = import_extra("control", "python-control", "control", "state space")
 
     if t == 0:

@@ -1,4 +1,4 @@
-"""S-parameters and impedances seen at nodes of a scene."""
+"""S-parameters and impedances at nodes of a scene."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -49,14 +49,14 @@ class ScatteringParameters(Curves):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """(n, p, p)."""
+        """Shape (n, p, p)."""
         return self.values.shape
 
     def _told(self) -> dict[str, Any]:
         return {"ports": self.ports, "z0": self.z0 if len({*self.z0}) > 1 else self.z0[0]}
 
     def save(self, path: str | Path) -> None:
-        """Write them as Touchstone 1 (``.sNp``), or as CSV: frequency in Hz, then real and imaginary parts.
+        """Write the S-parameters as Touchstone 1 (``.sNp``), or as CSV: frequency in Hz, then real and imaginary parts.
 
         Raises
         ------
@@ -146,7 +146,7 @@ def scattering_parameters(
 
 
 def impedance(scene: Scene | str | Path, node: str, s: ArrayLike) -> NDArray:
-    """Impedance between a node and the reference, of all that is attached there but sources; shape of s.
+    """Impedance between a node and the reference, of all elements connected there except sources; shape of s.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Answers over frequency; transfer functions from a source to all probes of a scene, at any complex s."""
+"""Responses over frequency; transfer functions from a source to all probes of a scene, at any complex s."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -26,12 +26,12 @@ from tline.words.wording import nearest, place
 
 MOST_POINTS = 1_000_000
 PARTS = {"re": np.real, "im": np.imag}
-MOST_MODES = 12  # oscillations that are told, of those that grow and of the others
+MOST_MODES = 12  # oscillations shown, of the growing ones and of the others
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Curves(Presentation):
-    """Complex functions of s, with the natural oscillations of the scene that they belong to."""
+    """Complex functions of s, with the natural oscillations of their scene."""
 
     scene: Scene
     s: NDArray  # Laplace variable, 1/s; any shape
@@ -56,7 +56,7 @@ class Curves(Presentation):
 
     @cached_property
     def _modes(self) -> tuple[list[Resonance], list[str]]:
-        """Natural oscillations in the range, and those that grow below it; or why they are not found."""
+        """Natural oscillations in the range, and growing ones below it; or the reason why none are found."""
         try:
             f = self.f
             found = resonances(self.scene, float(f[-1]))
@@ -66,12 +66,12 @@ class Curves(Presentation):
 
     @property
     def oscillations(self) -> list[Resonance]:
-        """Natural oscillations between the frequencies, and what grows below them, slowest first."""
+        """Natural oscillations between the frequencies, and growing ones below them, slowest first."""
         return self._modes[0]
 
     @property
     def notes(self) -> list[str]:
-        """Why no oscillations are listed, and how fast waves grow."""
+        """Reason why no oscillations are listed, or growth rate of waves."""
         description = describe(self.scene)
         return self._modes[1] + ([growth_sentence(description)] if description.active else [])
 
@@ -131,7 +131,7 @@ class ProbeResponse:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Response(Curves, Mapping[str, ProbeResponse]):
-    """What all probes of a scene see per unit of one source: by name as in a dict, and as Bode plot and table.
+    """Responses of all probes of a scene per unit of one source: by name as in a dict, and as Bode plot and table.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ def unit_over(scene: Scene, source: str, quantity: str) -> str:
 
 
 def frequencies(scene: Scene, low: str | None = None, high: str | None = None, points: int = 1001) -> NDArray:
-    """Frequencies, Hz, evenly spaced on a logarithmic scale; by default around what the lines' delays make of them."""
+    """Frequencies, Hz, evenly spaced on a logarithmic scale; by default around those that follow from the delays."""
     if not 2 <= points <= MOST_POINTS:
         raise InputError("points", "not a number of frequencies", f"2 to {MOST_POINTS}", f"{points}")
     delays = [line.parameters.delay or 0.0 for line in scene.lines.values()]
@@ -196,9 +196,9 @@ def frequencies(scene: Scene, low: str | None = None, high: str | None = None, p
 
 
 def respond(scene: Scene | str | Path, s: ArrayLike | None = None, source: str | None = None) -> Response:
-    """Transfer functions from one source of a scene to its probes.
+    """Compute transfer functions from one source of a scene to its probes.
 
-    All other sources are silent: only their resistances count. Switches stand as they do after they have moved.
+    All other sources are silent: only their resistances count. Switches are in their final state.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def respond(scene: Scene | str | Path, s: ArrayLike | None = None, source: str |
     given, network = scene.sources[name], Scattering(describe(scene))
     held, flows = np.zeros(len(network.names)), np.zeros(len(network.names))
     if given.is_effort and given.nodes is not None:
-        held[network.names.index(place("sources", name))] = 1.0  # behind which its branch stands
+        held[network.names.index(place("sources", name))] = 1.0  # behind which its branch lies
     elif np.isinf(given.conductance):
         held[network.names.index(given.terminals[0])] = 1.0
     else:
@@ -258,7 +258,7 @@ def respond(scene: Scene | str | Path, s: ArrayLike | None = None, source: str |
 def _seen(
     scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray
 ) -> ProbeResponse:
-    """What a probe sees: the two waves on its line, each delayed by its way."""
+    """Response of a probe from the two waves on its line, each delayed by its way."""
     line = scene.probed_line(probe)
     if line is None:
         u = efforts[:, network.names.index(scene.probes[probe].at or "")].reshape(s.shape)
@@ -279,7 +279,7 @@ def _seen(
 
 
 def source_named(scene: Scene, name: str | None) -> str:
-    """The name, or that of the only source.
+    """Return the name, or that of the only source.
 
     Raises
     ------

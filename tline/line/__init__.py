@@ -1,4 +1,4 @@
-"""Line parameters: what a pipe or a cable is, from whichever quantities are known."""
+"""Line parameters of a pipe or a cable, from any sufficient set of quantities."""
 
 from tline.line.electrical import ElectricalLine
 from tline.line.hydraulic import HydraulicLine

@@ -27,7 +27,7 @@ QUANTITIES = (
 
 LIGHT = 299_792_458.0  # m/s, exact in SI
 MU0 = 1.25663706127e-6  # H/m, CODATA 2022
-LIGHT_ROUNDING = 1e-3  # people write 3e8 m/s for the speed of light
+LIGHT_ROUNDING = 1e-3  # relative; 3e8 m/s is a common value for the speed of light
 
 SYSTEM = Relations(
     (
@@ -51,10 +51,10 @@ SHAPE = dict.fromkeys(name for names in GEOMETRIES.values() for name in names)
 
 
 class ElectricalLine(LineParameters):
-    """A lossless, non-magnetic cable or pair of conductors: what is given, and all that follows from it.
+    """Lossless, non-magnetic cable or pair of conductors: the quantities given, and all that follow from them.
 
     Every argument is a number in SI or a text with a unit; each must be positive and finite. Any sufficient
-    set will do. What does not follow from it is None.
+    set is allowed. Quantities left undetermined are ``None``.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ class ElectricalLine(LineParameters):
     ------
     InputError
         A bad value, an incomplete, mixed or impossible geometry, a wave faster than light, quantities that
-        contradict each other by more than a relative 1e-6 and by more than the digits typed in
-        a text tell, or too few of them: z0 and one of wave_speed and delay must follow.
+        contradict each other by more than a relative 1e-6 and by more than the precision of the digits typed in
+        a text, or too few of them: z0 and one of wave_speed and delay must follow.
 
     Notes
     -----
@@ -140,7 +140,7 @@ class ElectricalLine(LineParameters):
         given.remarks += unusual(CABLES, given)
         shape = {name: given.values.pop(name) for name in SHAPE if name in given.values}
         if shape:
-            # first in line, so that a contradiction is told of a quantity the user knows
+            # first in line, so that a contradiction names a quantity the user knows
             given.values = {"geometry_factor": _geometry_factor(shape), **given.values}
             given.sources["geometry_factor"] = tuple(shape)
         offered = [quantity.name for quantity in QUANTITIES if quantity.name not in SHAPE]
@@ -150,7 +150,7 @@ class ElectricalLine(LineParameters):
 
 
 def in_air(given: Iterable[str]) -> dict[str, float]:
-    """The velocity factor of a wire over earth in air, unless what is given has the speed of its waves."""
+    """Velocity factor of a wire over earth in air, unless the speed of its waves is given."""
     given = set(given)
     if SPEEDS & given:
         return {}
@@ -162,7 +162,7 @@ def in_air(given: Iterable[str]) -> dict[str, float]:
 
 
 def _geometry_factor(shape: Mapping[str, float]) -> float:
-    """g in inductance = µ0/(2π)·g."""
+    """Geometry factor g in inductance = µ0/(2π)·g."""
     kind = next((kind for kind, names in GEOMETRIES.items() if set(names) == set(shape)), None)
     if kind is None:
         choices = [f"{listed(names)} ({kind})" for kind, names in GEOMETRIES.items()]

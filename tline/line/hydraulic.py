@@ -44,7 +44,7 @@ TARGETS = (("z0",), ("wave_speed", "delay"))
 
 
 def _wall_softens(name: str, known: Mapping[str, float]) -> float:
-    """1/β = 1/K + w, with w = ψ·d/(E·e) (Korteweg 1878)."""
+    """Compute 1/β = 1/K + w, with w = ψ·d/(E·e) (Korteweg 1878)."""
     if name == "effective_bulk_modulus":
         return 1 / (1 / known["bulk_modulus"] + known["wall_compliance"])
     if name == "bulk_modulus":
@@ -73,10 +73,10 @@ ELASTIC = Relations(
 
 
 class HydraulicLine(LineParameters):
-    """A lossless pipe or hose: what is given, and all that follows from it.
+    """Lossless pipe or hose: the quantities given, and all that follow from them.
 
     Every argument is a number in SI or a text with a unit; each must be positive and finite. Any sufficient
-    set will do. What does not follow from it is None.
+    set is allowed. Quantities left undetermined are ``None``.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ class HydraulicLine(LineParameters):
         all along, 1-ν/2 held at one end only. The wall is rigid if neither e nor E is given.
     fluid : str, optional
         ``"water"`` or ``"hydraulic oil"``: gives density and bulk modulus, unless these are given. A
-        wave speed given beside it may be lower than the fluid's own: the wall then yields by as much as that takes.
+        wave speed given too may be lower than the fluid's own: the wall then yields accordingly.
     temperature : float or str, optional
         Of water: K, or ``"20 degC"``, which is the default.
     wall : str, optional
@@ -114,8 +114,8 @@ class HydraulicLine(LineParameters):
     Raises
     ------
     InputError
-        A bad value, an unknown name, quantities that contradict each other by more than a relative 1e-6 and by
-        more than the digits typed in a text tell, or too few of them: z0 and one of wave_speed and delay must follow.
+        A bad value, an unknown name, quantities that contradict each other by more than a relative 1e-6 and more than
+        the precision of the digits typed in a text, or too few: z0 and one of wave_speed and delay must follow.
 
     References
     ----------
@@ -186,7 +186,7 @@ class HydraulicLine(LineParameters):
 
 
 def _slow(given: Given) -> None:
-    """A wave slower than in the fluid itself: the wall yields."""
+    """Set the effective bulk modulus from a wave speed below that of the fluid itself: the wall yields."""
     values = given.values
     effective = values["density"] * values.get("wave_speed", math.inf) ** 2
     if effective < values["bulk_modulus"] * (1 - AGREE) and "effective_bulk_modulus" not in values:
@@ -201,7 +201,7 @@ def _is_elastic(given: Mapping[str, float]) -> bool:
 
 
 def _system(given: Given) -> Relations:
-    """The ties for a rigid or an elastic wall; the latter gets its restraint, 1 unless given."""
+    """Relations for a rigid or an elastic wall; the latter gets its restraint, 1 unless given."""
     values = given.values
     if _is_elastic(values):
         if "restraint" not in values and not WALL.isdisjoint(values):

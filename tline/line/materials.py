@@ -46,7 +46,7 @@ WALLS = {
 
 
 class Fluid(NamedTuple):
-    """A fluid at rest."""
+    """Fluid at rest."""
 
     density: float  # kg/m^3
     bulk_modulus: float  # Pa
@@ -80,7 +80,7 @@ def water(temperature: float = ROOM) -> Fluid:
 
 
 def fluid(name: str, temperature: float | str | None = None) -> Fluid:
-    """The fluid of that name, water at a temperature, K or a text; 20 degC without one."""
+    """Look up a fluid by name, water at a temperature, K or a text; 20 degC without one."""
     found = choose(FLUIDS, name, "fluid")
     if found is None:
         return water(ROOM if temperature is None else to_si(temperature, "K", "temperature"))
@@ -90,7 +90,7 @@ def fluid(name: str, temperature: float | str | None = None) -> Fluid:
 
 
 def metastable(temperature: float | str | None) -> list[str]:
-    """A sentence on water that boils or freezes at 0.1 MPa; none on water that does not.
+    """Remark on water that boils or freezes at 0.1 MPa; empty if it does not.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Modes of coupled conductors: waves that do not see each other, each with an impedance and a delay of its own."""
+"""Modes of coupled conductors: independent waves, each with an impedance and a delay of its own."""
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -9,17 +9,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 
-ALIKE = 1e-9  # relative; entries that differ by less are the same
-SMALLEST_LOSS = 1e-13  # of the largest loss of a mode; less is none
+ALIKE = 1e-9  # relative; smaller differences between entries are rounding
+SMALLEST_LOSS = 1e-13  # relative to the largest loss of a mode; smaller ones are zero
 NONE: Mapping[str, NDArray] = MappingProxyType({})
 
 
 class MixedModesError(InputError):
-    """A loss makes modes see each other: they are no lines of their own."""
+    """Losses couple the modes, which are therefore no separate lines."""
 
 
 class Modes(NamedTuple):
-    """k modes of k conductors; voltages v = T u and currents i = T^-T y, so that v·i = u·y."""
+    """Modes of k conductors; voltages v = T u and currents i = T^-T y, so that v·i = u·y."""
 
     T: NDArray  # (k, k) column by column the voltages of a mode, of unit length, the largest positive
     z0: NDArray  # (k,) u over y of a wave of the mode, ohm
@@ -40,10 +40,10 @@ def modes(
     resistances: Mapping[str, ArrayLike] = NONE,
     conductances: Mapping[str, ArrayLike] = NONE,
 ) -> Modes:
-    """Modes of a uniform line, fastest first, by L in H/m, Maxwell's C in F/m, R in ohm/m and Maxwell's G in S/m.
+    """Solve for modes of a uniform line, fastest first, from L, H/m, Maxwell's C, F/m, R, ohm/m and Maxwell's G, S/m.
 
-    Losses must not make modes see each other: then each is a lossy line of its own, exactly. So it is for conductors
-    alike in a symmetric arrangement, and in a homogeneous insulation (L C = 1/v²) whatever the resistances.
+    Losses must not couple the modes: then each is a lossy line of its own, exactly. This holds for equal conductors
+    in a symmetric arrangement, and in a homogeneous insulation (L C = 1/v²) for any resistances.
 
     References
     ----------
@@ -79,7 +79,7 @@ def modes(
 
 
 def even_and_odd(even: tuple[float, float], odd: tuple[float, float]) -> Modes:
-    """Modes of two conductors alike, from z0 in ohm and delay in s of each."""
+    """Modes of two equal conductors, from z0 in ohm and delay in s of each."""
     T = np.array([[1.0, 1.0], [1.0, -1.0]]) / np.sqrt(2)
     z0, delay = np.array([even, odd]).T
     return Modes(T, z0, delay, {})
@@ -100,7 +100,7 @@ def _shared_axes(matrices: Sequence[NDArray]) -> NDArray:
 
 
 def _apart(matrix: NDArray, name: str) -> NDArray:
-    """The diagonal of a loss, in units in which L is 1; there must be nothing beside it."""
+    """Diagonal of a loss, in units in which L is 1; its other entries must be zero."""
     diagonal = np.diag(matrix)
     largest, beside = np.abs(matrix).max(), np.abs(matrix - np.diag(diagonal)).max()
     if beside > ALIKE * largest:

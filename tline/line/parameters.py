@@ -1,4 +1,4 @@
-"""What pipes and cables have in common: quantities by name, read from what a user gives, and immutable once settled."""
+"""Base of pipes and cables: quantities by name, read from a user's input, and immutable once determined."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
@@ -13,21 +13,21 @@ Entry = TypeVar("Entry")
 
 
 class LineQuantity(NamedTuple):
-    """One quantity of a line, as its constructor, the command line and the printed table know it."""
+    """Quantity of a line, as in its constructor, the command line and the printed table."""
 
     name: str
     symbol: str
     unit: str
-    handy: str  # the unit people print it in, "" for none
+    handy: str  # the usual unit for display, "" for none
     help: str
 
 
 class LineParameters(Presentation):
-    """Base of the lines: immutable, equal by value, printed as a table; its repr is what was given."""
+    """Base of the lines: immutable, equal by value, printed as a table; its repr shows the arguments."""
 
     quantities: ClassVar[tuple[LineQuantity, ...]]
     shown: ClassVar[tuple[str, ...]]  # names of quantities, in the repr
-    remarks: tuple[str, ...]  # sentences on what is odd in what was given
+    remarks: tuple[str, ...]  # remarks on implausible arguments
     _given: dict[str, object]
 
     def _settle(
@@ -36,7 +36,7 @@ class LineParameters(Presentation):
         arguments: Mapping[str, object],
         remarks: Iterable[str],
     ) -> None:
-        """Set the attributes, once; a quantity that did not follow is None."""
+        """Set the attributes, once, to None for a quantity that did not follow."""
         self.__dict__.update((quantity.name, values.get(quantity.name)) for quantity in self.quantities)
         given = {name: value for name, value in arguments.items() if value is not None}
         self.__dict__.update(_given=given, remarks=tuple(remarks))
@@ -56,7 +56,7 @@ class LineParameters(Presentation):
         return hash((type(self), *self._values()))
 
     def _values(self) -> list[float | None]:
-        """Of all quantities, in their order."""
+        """Values of all quantities, in their order."""
         return [value for name, value in vars(self).items() if name not in ("_given", "remarks")]
 
     def __repr__(self) -> str:
@@ -67,7 +67,7 @@ class LineParameters(Presentation):
         return f"{type(self).__name__}({given})  # {follows}"
 
     def text_lines(self) -> Iterator[str]:
-        """All that is known: name, symbol, value in SI, and in a handy unit."""
+        """Format all known quantities: name, symbol, value in SI, and in a handy unit."""
         rows = [("quantity", "symbol", "SI", "handy")]
         for item in self.quantities:
             value = getattr(self, item.name)
@@ -80,11 +80,11 @@ class LineParameters(Presentation):
             yield "  ".join(map(str.ljust, row, widths)).rstrip()
 
     def to_dict(self) -> dict[str, Any]:
-        """All quantities in SI, None where one does not follow, and ``notes`` on what is odd."""
+        """All quantities in SI, None where one does not follow, and ``notes`` on implausible ones."""
         return {item.name: getattr(self, item.name) for item in self.quantities} | {"notes": list(self.remarks)}
 
     def passivity_model(self, kind: str) -> object:
-        """For `passivity.is_positive_real` the verdict on both ends, for `is_bounded_real` what a wave becomes."""
+        """Verdict on both ends for `passivity.is_positive_real`, transfer of a wave for `is_bounded_real`."""
         from passivity import check_line_two_port
 
         z0, delay = (vars(self).get(name) for name in ("z0", "delay"))
@@ -96,7 +96,7 @@ class LineParameters(Presentation):
 
 
 def read(quantities: Iterable[LineQuantity], arguments: Mapping[str, float | str | None]) -> Given:
-    """The quantities given among `arguments` (None is not given), each positive and finite."""
+    """Read the quantities given among `arguments` (None is not given), each positive and finite."""
     values, typed, units = {}, {}, {}
     for name, _, unit, _, _ in quantities:
         given, units[name] = arguments[name], unit
@@ -108,7 +108,7 @@ def read(quantities: Iterable[LineQuantity], arguments: Mapping[str, float | str
 
 
 def choose(table: Mapping[str, Entry], name: object, where: str) -> Entry:
-    """The entry of that name; the error lists the names there are."""
+    """Look up an entry by name; the error lists the known names."""
     key = name.strip().lower() if isinstance(name, str) else ""
     if key in table:
         return table[key]

@@ -1,6 +1,6 @@
-"""What pipes and cables are built with: remarks on quantities that are valid and yet hardly meant.
+"""Ranges of the quantities of real pipes and cables: remarks on values that are valid and yet implausible.
 
-For each quantity two ranges, in SI: what exists, by which every value is judged, and what is usual, by which a number
+For each quantity two ranges, in SI: that of existing lines, for every value, and the usual one, by which a number
 without a unit is judged more strictly, as it may have been typed in another unit than SI. Where the number would be
 usual in another unit, the remark proposes it.
 
@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"[+-]?[0-9.]+(?:e[+-]?[0-9]+)?", re.IGNORECASE)
 
 
 class Range(NamedTuple):
-    """What exists, what is usual and what is typical, in SI, and units in which people also give it."""
+    """Existing range, usual range and typical value, in SI, and other common units."""
 
     least: float
     most: float
@@ -62,7 +62,7 @@ CABLES: Mapping[str, Range] = {
 
 
 def unusual(ranges: Mapping[str, Range], given: Given) -> Iterator[str]:
-    """Remarks on what is given of a line, once read and before anything follows from it.
+    """Remark on implausible quantities as given, before any is derived.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def unusual(ranges: Mapping[str, Range], given: Given) -> Iterator[str]:
 
 
 def _meant(typed: object, known: Range, unit: str) -> str:
-    """The number in the unit that makes it the most usual, as a question."""
+    """Suggest the number in the unit that makes it the most usual, as a question."""
     number = _NUMBER.match(str(typed).strip())
     sizes = {other: to_si(f"{number[0]} {other}", unit) for other in known.units} if number else {}
     likely = {other: size for other, size in sizes.items() if known.usual_least <= size <= known.usual_most}

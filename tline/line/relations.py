@@ -2,7 +2,7 @@
 
 The quantities of a line are tied by monomial relations, prod(quantity**power) = 1. These are linear in the
 powers, so Gauss-Jordan elimination over exact fractions finds each quantity that follows from the given ones
-as a product of their powers, each one that is given twice over, and what is missing. A tie that is no
+as a product of their powers, each redundant one, and the missing ones. A relation that is not
 monomial (the elastic wall) takes part as a `Relation`, in turns with the elimination.
 """
 
@@ -17,32 +17,32 @@ from typing import NamedTuple
 from tline.errors import InputError
 from tline.units import half_digit
 
-AGREE = 1e-6  # relative; quantities given twice over may differ by the digits that tables drop
-COARSEST = 0.01  # relative; digits typed excuse no larger difference
+AGREE = 1e-6  # relative; redundant quantities may differ by rounding in tables
+COARSEST = 0.01  # relative; largest difference explained by the digits typed
 LISTED = 6  # suggestions shown when something is missing
 
 
 @dataclass
 class Given:
-    """What is given of a line, and what is to be said of it."""
+    """Quantities given of a line, and remarks on them."""
 
     values: dict[str, float]  # positive, SI
-    sources: dict[str, tuple[str, ...]] = field(default_factory=dict)  # other names by which the user knows a quantity
-    typed: Mapping[str, object] = field(default_factory=dict)  # as the user gave them
+    sources: dict[str, tuple[str, ...]] = field(default_factory=dict)  # arguments that a quantity comes from
+    typed: Mapping[str, object] = field(default_factory=dict)  # as typed by the user
     units: Mapping[str, str] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
     def rounding(self, name: str) -> float:
-        """Half a unit in the last digit typed of a quantity, relative to it; 0 where it is no text."""
+        """Half a unit in the last digit typed of a quantity, relative to it; 0 if it is not a text."""
         text = self.typed.get(name)
         return half_digit(text) if isinstance(text, str) else 0.0
 
     def shown(self, name: str, value: float, digits: int = 6) -> str:
-        """A value of that quantity, with its unit."""
+        """Format a value of that quantity, with its unit."""
         return f"{value:.{digits}g} {self.units.get(name, '')}".rstrip()
 
     def include(self, what: str, values: Mapping[str, float]) -> None:
-        """Add the quantities that a named fluid or wall stands for; one that is given as well counts instead."""
+        """Add the quantities of a named fluid or wall; values given explicitly have priority."""
         for name, value in values.items():
             there = self.values.setdefault(name, value)
             if abs(there / value - 1) <= AGREE:
@@ -53,12 +53,12 @@ class Given:
 
 
 class Relation(NamedTuple):
-    """A tie that is no monomial: each of `names` follows from the others, by `solve`."""
+    """Relation that is not monomial: each of `names` follows from the others, by `solve`."""
 
     names: tuple[str, ...]
     solve: Callable[[str, Mapping[str, float]], float]
     formula: str  # of the first name, for messages
-    impossible: str  # what is wrong when the solution is not positive
+    impossible: str  # problem if the solution is not positive
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,23 +68,23 @@ class Relations:
     relations: tuple[Mapping[str, int], ...]  # quantity or constant -> power; the product is 1
     constants: Mapping[str, float]
     law: Relation | None = None
-    remedies: Mapping[str, str] = field(default_factory=dict)  # quantity -> what to do when it clashes
+    remedies: Mapping[str, str] = field(default_factory=dict)  # quantity -> remedy for a contradiction
 
 
 class Product(NamedTuple):
-    """A root of a product of integer powers, evaluated without logarithms: a few roundings in all."""
+    """Root of a product of integer powers, evaluated without logarithms: a few roundings in all."""
 
     powers: Mapping[str, int]
     root: int
 
     @classmethod
     def solved(cls, row: Mapping[str, Fraction], pivot: str) -> "Product":
-        """What the quantity `pivot` of this relation, there with power 1, is equal to."""
+        """Solve this relation for the quantity `pivot`, which has power 1 there."""
         root = math.lcm(*(power.denominator for power in row.values()))
         return cls({name: int(-power * root) for name, power in row.items() if name != pivot}, root)
 
     def of(self, known: Mapping[str, float]) -> float:
-        """The value; 0 or inf if it leaves the range of floats."""
+        """Value of the product; 0 or inf if it leaves the range of floats."""
         above = below = 1.0
         try:
             for name, power in self.powers.items():
@@ -97,7 +97,7 @@ class Product(NamedTuple):
             return math.inf
 
     def text(self) -> str:
-        """The formula: ``density*wave_speed/area``."""
+        """Formula as text: ``density*wave_speed/area``."""
         raised = {name: Fraction(power, self.root) for name, power in self.powers.items()}
         above = "*".join(_raised(name, power) for name, power in raised.items() if power > 0) or "1"
         below = "*".join(_raised(name, -power) for name, power in raised.items() if power < 0)
@@ -109,7 +109,7 @@ def _raised(name: str, power: Fraction) -> str:
 
 
 def solve(system: Relations, given: Given) -> dict[str, float]:
-    """Every quantity that follows from the given ones, with these themselves."""
+    """Compute every quantity that follows from the given ones, including these."""
     solution = _Solution(system, given)
     values, law = solution.values, system.law
     while True:
@@ -131,7 +131,7 @@ def solve(system: Relations, given: Given) -> dict[str, float]:
 def determine(
     system: Relations, given: Given, targets: tuple[tuple[str, ...], ...], offered: Iterable[str]
 ) -> dict[str, float]:
-    """As `solve`, but of each tuple in `targets` at least one quantity must follow.
+    """Solve as `solve`, with the condition that of each tuple in `targets` at least one quantity follows.
 
     If not, the InputError names the shortest sets out of `offered` that would do, up to two quantities more.
     """
@@ -153,18 +153,18 @@ def determine(
 
 
 def listed(names: Iterable[str], conjunction: str = "and") -> str:
-    """Names in a sentence: ``a, b and c``."""
+    """Join names in a sentence: ``a, b and c``."""
     *first, last = names
     return f"{', '.join(first)} {conjunction} {last}" if first else last
 
 
 @lru_cache(1024)
 def _reduced(system: Relations, known: tuple[str, ...]) -> dict[str, Product]:
-    """Relations solved for one quantity each.
+    """Solve the relations for one quantity each.
 
     The reduced row echelon form, unknown quantities first, then the known ones, the earliest of them last. A
-    row solved for an unknown that has only known ones beside it determines it; a row solved for a known
-    quantity says that this one also follows from earlier ones.
+    row solved for an unknown with only known ones otherwise determines it; a row solved for a known
+    quantity means that it also follows from earlier ones.
     """
     rank = {name: position for position, name in enumerate(known)}
     rows: dict[str, dict[str, Fraction]] = {}
@@ -187,7 +187,7 @@ def _reduced(system: Relations, known: tuple[str, ...]) -> dict[str, Product]:
 
 @lru_cache(1024)
 def _following(system: Relations, known: tuple[str, ...]) -> list[tuple[str, Product, Set[str]]]:
-    """What follows from the known quantities alone, how, and from which of them."""
+    """Quantities that follow from the known ones alone, with their products and the known ones used."""
     there = {*system.constants, *known}
     products = _reduced(system, known).items()
     return [(name, each, each.powers.keys() & {*known}) for name, each in products if each.powers.keys() <= there]
@@ -201,7 +201,7 @@ def _subtract(row: dict[str, Fraction], factor: Fraction, other: Mapping[str, Fr
 
 
 def _reaches(system: Relations, names: set[str], targets: Iterable[tuple[str, ...]]) -> bool:
-    """Whether these quantities would settle one of each target, whatever their values."""
+    """Whether these quantities would determine one of each target, for any values."""
     while True:
         for name, product in _reduced(system, tuple(sorted(names))).items():
             if product.powers.keys() <= names | system.constants.keys():
@@ -220,20 +220,20 @@ def _by_law(law: Relation, name: str, values: Mapping[str, float]) -> float:
 
 
 class _Solution:
-    """The values known so far and the given quantities that each rests on."""
+    """Values known at this point and the given quantities that each depends on."""
 
     def __init__(self, system: Relations, given: Given):
         self.system, self.given, self.values = system, given, dict(given.values)
-        self.parts: dict[str, Set[str]] = {}  # of each value that followed, those that it followed from
+        self.parts: dict[str, Set[str]] = {}  # for each derived value, those that it followed from
 
     def givens(self, parts: Set[str]) -> tuple[str, ...]:
-        """What was given that these rest on, in the order given."""
+        """Arguments that these depend on, in the order given."""
         named = {source for part in parts for source in self._sources(part)}
         order = dict.fromkeys(source for name in self.given.values for source in self._sources(name))
         return tuple(name for name in order if name in named)
 
     def _sources(self, name: str) -> tuple[str, ...]:
-        """What was given that a value rests on."""
+        """Arguments that a value depends on."""
         if name in self.parts:
             return self.givens(self.parts[name])
         return self.given.sources.get(name, (name,))

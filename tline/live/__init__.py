@@ -1,1 +1,1 @@
-"""A scene as a page on this machine: its numbers are sliders, and all that is seen follows."""
+"""Scene as a page on this machine: its numbers are sliders, and all pictures follow."""

@@ -1,4 +1,4 @@
-"""A prepared scene whose numbers are moved: which there are, and what is seen of a run with others."""
+"""Prepared scene with variable numbers: its sliders, and the contents of its page for other values."""
 
 import json
 import math
@@ -30,7 +30,7 @@ INSTANTS, PLACES, ROWS, LEVELS = 800, 72, 150, 255  # of a trace, and of the pic
 
 
 def sliders(scene: Scene) -> dict[str, Quantity]:
-    """The end of the run, and all numbers of lines, sources, loads and links that are neither 0 nor infinite.
+    """End of the run, and all numbers of lines, sources, loads and links that are neither 0 nor infinite.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def _inside(path: str, table: Mapping[str, Any], found: Any) -> Iterator[tuple[s
 
 
 def _thinned(t: NDArray, values: NDArray) -> list[NDArray]:
-    """The lowest and the highest of all points that fall on one place of the screen."""
+    """Lowest and highest of all points that fall on one place of the screen."""
     place = (t * INSTANTS).astype(int)
     order = np.lexsort((values, place))
     ends = np.flatnonzero(np.diff(place[order], prepend=-1, append=INSTANTS + 1))
@@ -66,7 +66,7 @@ def _thinned(t: NDArray, values: NDArray) -> list[NDArray]:
 
 
 class Desk:
-    """A scene and what is seen of it; refuses numbers that do not fit by `InputError`."""
+    """Scene and contents of its page; raises `InputError` for invalid numbers."""
 
     def __init__(self, scene: Scene, source: str):  # how Python reads it, such as tl.read("cable.toml")
         self.scene, self.source, self.prepared, self.sliders = scene, source, prepare(scene), sliders(scene)
@@ -75,10 +75,10 @@ class Desk:
         except InputError:  # no chain, which has no picture over place and time
             self.way = None
         lines = self.way.lines if self.way else ()
-        self.record = [*{*lines} - {*self.prepared.description.probed}]  # what has a probe is recorded: plans know it
+        self.record = [*{*lines} - {*self.prepared.description.probed}]  # lines with probes are recorded anyway
 
     def first(self) -> dict[str, Any]:
-        """What the page begins with: title, sliders, drawing of the network, and the run as it was given."""
+        """Initial contents of the page: title, sliders, drawing of the network, and the run as it was given."""
         network = self.scene._repr_html_().partition("<pre>")[0]  # none of too many nodes
         told = {"title": self.scene.title or "scene", "sliders": self.sliders, "network": network}
         return told | self.seen({})
@@ -99,12 +99,12 @@ class Desk:
         return told | {"panels": self._panels(result), "map": self._map(result)}
 
     def waves(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """A page on which the waves of such a run travel along the chain of lines; None without one."""
+        """Page with the waves of a run along the chain of lines; None without a chain."""
         return {"page": animated(self._run(values), self.way).html if self.way else None}
 
     def _run(self, values: Mapping[str, Any]) -> Result:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UnresolvedWarning)  # the text tells
+            warnings.simplefilter("ignore", UnresolvedWarning)  # the text reports them
             return self.prepared.run(self._checked(values), record=self.record)
 
     def _panels(self, result: Result) -> list[dict[str, Any]]:
@@ -121,7 +121,7 @@ class Desk:
         return panels
 
     def _map(self, result: Result) -> dict[str, Any] | None:
-        """The effort along the chain, as bytes in base 64, row by row from t = 0 on."""
+        """Effort along the chain, as bytes in base 64, row by row from t = 0 on."""
         if self.way is None:
             return None
         x, t = np.linspace(0.0, self.way.marks[-1], PLACES), np.linspace(0.0, result.t[-1], ROWS)
@@ -134,7 +134,7 @@ class Desk:
         return {"levels": levels, "rows": ROWS, "told": told, "place": label, "end": self.way.marks[-1] / metre}
 
     def copied(self, values: Mapping[str, Any]) -> dict[str, str]:
-        """The scene with these values as a file, and as Python."""
+        """Export the scene with these values as a file, and as Python."""
         moved = self._checked(values)
         given = ",\n".join(f"    {json.dumps(path)}: {value!r}" for path, value in moved.items())
         run = f"tl.prepare(scene).run({{\n{given},\n}})" if moved else "tl.simulate(scene)"

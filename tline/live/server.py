@@ -1,4 +1,4 @@
-"""The page of a desk over HTTP: on the loopback interface alone, behind a token in the address."""
+"""Page of a desk over HTTP: on the loopback interface alone, behind a token in the address."""
 
 import json
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -14,7 +14,7 @@ LONGEST, IDLE = 100_000, 3600.0  # bytes of a question, and seconds without one 
 
 
 class Server(ThreadingHTTPServer):
-    """A server of one desk at a free port; `address` is what to open: nothing is told without its token and host."""
+    """Server of one desk at a free port; `address` is the one to open: others than its token and host are refused."""
 
     daemon_threads = True
 
@@ -26,24 +26,24 @@ class Server(ThreadingHTTPServer):
         self.answers = {"first": lambda _: desk.first(), "seen": desk.seen, "waves": desk.waves, "copied": desk.copied}
 
     def serve(self) -> None:
-        """Answer, until nobody asks any more."""
+        """Answer requests until a long time passes without any."""
         self.timeout = IDLE
         while not self.ended:
             self.handle_request()
 
     def handle_timeout(self) -> None:
-        """Nobody asks."""
+        """End the server after a time without requests."""
         self.ended = True
 
 
 class _Handler(BaseHTTPRequestHandler):
     def do_GET(self) -> None:
-        """The page."""
+        """Send the page."""
         if self._may([""]):
             self._say(200, "text/html; charset=utf-8", files("tline.live").joinpath("page.html").read_bytes())
 
     def do_POST(self) -> None:
-        """What is seen of a run with some values, or the scene with these."""
+        """Send the contents of the page for some values, or the scene with these."""
         answers, length = vars(self.server)["answers"], self.headers.get("Content-Length", "")
         if not self._may(answers):
             return
@@ -72,4 +72,4 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Nothing: the page tells."""
+        """Log nothing, as the page shows all."""

@@ -1,4 +1,4 @@
-"""What a lossy line is: exact laws of its impedance and admittance per metre, and passive circuits that come close.
+"""Lossy lines: exact laws of their impedance and admittance per metre, and passive circuits that approximate them.
 
 The laws are functions of the Laplace variable that are analytic off the negative real axis. A line is made of two of
 them (`LossyLine`), and `realise` turns a law into a circuit of resistors and inductors (or conductors and capacitors).

@@ -9,10 +9,10 @@ from tline.loss.law import Arithmetic, Law, not_negative, positive
 
 
 class SkinEffect(Law):
-    """Z(s) = sqrt(R² + k² s): right at steady flow and far above the corner R²/k², a classical guess between.
+    """Skin effect sqrt(R² + k² s): right at steady flow and far above the corner R²/k², a classical guess between.
 
-    With R = 0 it is k sqrt(s), the surface impedance of a flat thick conductor; `ConstantLoss` + that is what the W
-    element of SPICE programs takes for R0 and Rs.
+    With R = 0 it is k sqrt(s), the surface impedance of a flat thick conductor; `ConstantLoss` + that is the model of
+    the W element of SPICE programs with R0 and Rs.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ class SkinEffect(Law):
         self.surface = float(surface)
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """sqrt(R² + k² s)."""
+        """Return sqrt(R² + k² s)."""
         return arithmetic.sqrt(s * self.surface**2 + (0 * s + self.loss) ** 2)  # so that loss is exact in balls
 
 
 class RoundWire(Law):
     """Internal impedance of a straight round wire alone: R/2 · z I0(z)/I1(z), z = a·sqrt(s µ σ).
 
-    R = 1/(π a² σ) at steady flow; there the internal inductance is µ/(8π). What the field outside holds is added as
-    `ConstantLoss` (0, external inductance).
+    R = 1/(π a² σ) at steady flow; there the internal inductance is µ/(8π). The inductance of the field outside is added
+    as `ConstantLoss` (0, external inductance).
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class RoundWire(Law):
 
     @classmethod
     def of_resistance(cls, radius: float, resistance: float) -> "RoundWire":
-        """The wire of that radius, m, and resistance to steady current, ohm/m; not magnetic.
+        """Create the wire of that radius, m, and resistance to steady current, ohm/m; not magnetic.
 
         Examples
         --------
@@ -100,12 +100,12 @@ class RoundWire(Law):
         return cls(radius, 1 / (math.pi * radius**2 * resistance))
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """R/2 · z I0(z)/I1(z)."""
+        """Return R/2 · z I0(z)/I1(z)."""
         return arithmetic.quotient(0, arithmetic.sqrt(s * self.diffusion_time)) * (self.loss / 2)
 
 
 class DielectricLoss(Law):
-    """Y(s) = s (C∞ + K ln((ω2 + s)/(ω1 + s))): a loss tangent nearly constant between two frequencies, and causal.
+    """Dielectric loss Y(s) = s (C∞ + K ln((ω2 + s)/(ω1 + s))): a nearly constant, causal loss tangent within a band.
 
     Constant tan δ for all frequencies is not causal: where tan δ stays, the capacitance falls, by K ln(10) per
     decade. Near the ends of the band tan δ falls to half.
@@ -161,11 +161,11 @@ class DielectricLoss(Law):
     def before_front(
         cls, front: float, loss_tangent: float, frequency: float, band: tuple[float, float]
     ) -> "DielectricLoss":
-        """The law with that capacitance, F/m, for a front; at lower frequencies it is larger."""
+        """Create the law by its capacitance at infinite frequency, F/m; at lower frequencies it is larger."""
         return cls(front / cls(1.0, loss_tangent, frequency, band).storage, loss_tangent, frequency, band)
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """s K ln(1 + (ω2 - ω1)/(ω1 + s))."""
+        """Return s K ln(1 + (ω2 - ω1)/(ω1 + s))."""
         return s * arithmetic.log1p((self.fast - self.slow) / (s + self.slow)) * self.spread
 
 
@@ -215,6 +215,6 @@ class EarthReturn(Law):
         self.diffusion_time = height**2 * MU0 / resistivity
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """µ0/(2π τ) · z² ln(1 + 1/z), z = h/p = sqrt(s τ)."""
+        """Return µ0/(2π τ) · z² ln(1 + 1/z), z = h/p = sqrt(s τ)."""
         z = arithmetic.sqrt(s * self.diffusion_time)
         return z * arithmetic.log_ratio(z) * (MU0 / (2 * math.pi) / self.diffusion_time)

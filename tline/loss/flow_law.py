@@ -1,6 +1,6 @@
-"""Effort lost per metre of a line as a function of the flow: odd laws that rise, whatever the line is made of.
+"""Effort lost per metre of a line as a function of the flow: odd, increasing laws for any kind of line.
 
-A law knows nothing of how its line is computed. Its parameters are numbers, or arrays of as many laws side by side.
+A law is independent of the method that computes its line. Its parameters are numbers, or arrays for several laws.
 """
 
 from abc import ABC, abstractmethod
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LAMINAR = 2040.0  # Reynolds number up to which flow counts as laminar, as in fluids.friction
-FASTEST = 1e9  # Reynolds number beyond which the friction factor stays
+FASTEST = 1e9  # Reynolds number beyond which the friction factor is constant
 SLOWEST = 1e-200
 PER_OCTAVE = 64
 STOKES, DUNLOP = 2000.0, 4000.0  # Reynolds numbers between which the flow counts as transitional in EPANET
@@ -37,13 +37,13 @@ class FlowLaw(ABC):
         return drop + self.square * flow**2, slope + 2 * self.square * flow
 
     def scaled(self, by: float) -> Self:
-        """The law that loses so many times as much."""
+        """Return the law multiplied by a factor."""
         return replace(self, strength=self.strength * by, square=self.square * by)
 
 
 @dataclass(frozen=True)
 class PowerLaw(FlowLaw):
-    """strength · |y|^(exponent - 1) · y, with an exponent above 1."""
+    """Power law strength · |y|^(exponent - 1) · y, with an exponent above 1."""
 
     exponent: float
 
@@ -53,13 +53,13 @@ class PowerLaw(FlowLaw):
 
 
 def quadratic(strength: float) -> PowerLaw:
-    """strength · |y| · y."""
+    """Create the law strength · |y| · y."""
     return PowerLaw(strength, 0.0, 2.0)
 
 
 @dataclass(frozen=True)
 class RoughPipe(FlowLaw):
-    """strength · f(Re) · |y| · y, with Darcy's friction factor f of a rough pipe."""
+    """Law strength · f(Re) · |y| · y, with Darcy's friction factor f of a rough pipe."""
 
     reynolds: float  # Reynolds number of a flow of 1 m³/s
     roughness: float  # relative to the diameter
@@ -67,7 +67,7 @@ class RoughPipe(FlowLaw):
     @staticmethod
     @abstractmethod
     def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:
-        """f and d ln f/d ln Re, for Re above 0."""
+        """Friction factor f and d ln f/d ln Re, for Re above 0."""
 
     def _own(self, flow: NDArray) -> tuple[NDArray, NDArray]:
         factor, exponent = self.factor(np.asarray(self.roughness), np.maximum(self.reynolds * flow, SLOWEST))
@@ -101,7 +101,7 @@ class Colebrook(RoughPipe):
 
 @lru_cache
 def colebrook_table(roughness: float) -> tuple[float, float, NDArray]:
-    """ln f over evenly spaced ln Re: the first, their distance, and the values."""
+    """Tabulate ln f over evenly spaced ln Re: the first, their distance, and the values."""
     from fluids.friction import friction_factor
 
     x = np.linspace(log(LAMINAR), log(FASTEST), int(PER_OCTAVE * log(FASTEST / LAMINAR) / log(2)))
@@ -136,7 +136,7 @@ class SwameeJain(RoughPipe):
 
 
 def side_by_side(laws: Iterable[FlowLaw | None]) -> list[tuple[NDArray, FlowLaw]]:
-    """Laws of each kind as one with arrays of parameters, after their places; None has no law."""
+    """Merge laws of each kind into one with arrays of parameters, after their indices; None stands for no law."""
     kinds: dict[type[FlowLaw], list[tuple[int, FlowLaw]]] = {}
     for k, law in enumerate(laws):
         if law is not None:

@@ -1,4 +1,4 @@
-"""Circuits of resistors and one kind of store: laws that are rational; and such a law by a table over frequency."""
+"""Circuits of resistors and one kind of store, which are rational laws; and such a law by a table over frequency."""
 
 import math
 from fractions import Fraction
@@ -19,10 +19,10 @@ MOST_ROWS = 5_000
 
 
 class Foster(Law):
-    """loss + s·storage + Σ r_k s/(s + p_k), all coefficients positive.
+    """Rational law loss + s·storage + Σ r_k s/(s + p_k), all coefficients positive.
 
-    As an impedance: resistors r_k, each with an inductor r_k/p_k beside it, in series. As an admittance: conductors
-    r_k, each in series with a capacitor r_k/p_k, side by side.
+    As an impedance: resistors r_k, each with an inductor r_k/p_k in parallel, in series. As an admittance: conductors
+    r_k, each in series with a capacitor r_k/p_k, in parallel.
 
     Parameters
     ----------
@@ -59,13 +59,13 @@ class Foster(Law):
             positive(**{f"strengths[{k}]": r, f"rates[{k}]": p})
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """The sum without s·storage."""
+        """Sum without s·storage."""
         pairs = zip(self.strengths.tolist(), self.rates.tolist(), strict=True)
         return sum((s / (s + p) * r for r, p in pairs), start=0 * s + self.loss)
 
     @cached_property
     def rational(self) -> "RationalFunction":
-        """The law as an exact quotient of polynomials, its doubles taken as the binary numbers they are."""
+        """Convert the law to an exact quotient of polynomials, its doubles taken as the binary numbers they are."""
         from passivity import RationalFunction
 
         of = RationalFunction.from_coefficients
@@ -76,17 +76,17 @@ class Foster(Law):
 
     @cached_property
     def verdict(self) -> "Verdict":
-        """The proof by `passivity` that the law is positive real."""
+        """Proof by `passivity` that the law is positive real."""
         from passivity import check_positive_real
 
         return check_positive_real(self.rational)
 
 
 def tabulated(frequencies: ArrayLike, loss: ArrayLike, storage: ArrayLike, tolerance: float) -> Foster:
-    """The law closest to a table of R(f) and L(f), or G(f) and C(f); refused if no causal and passive law is close.
+    """Fit the law closest to a table of R(f) and L(f), or G(f) and C(f); refused if no causal and passive law is close.
 
-    Loss and storage of a passive line determine each other: a table that holds them as they are at all frequencies is
-    met by a sum of positive relaxations. What is measured or computed badly is not, and no interpolation makes it so.
+    Loss and storage of a passive line determine each other: a table that is consistent at all
+    frequencies is fitted by a sum of positive relaxations. Bad data are not, and no interpolation corrects them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A law: the series impedance or the shunt admittance of a metre of line, exactly."""
+"""Law of a line: the series impedance or the shunt admittance per metre, exactly."""
 
 import math
 from abc import ABC, abstractmethod
@@ -22,14 +22,14 @@ MOST_BITS = 20_000
 
 
 def positive(**parameters: float) -> None:
-    """Refuse a parameter that is not a finite number above zero."""
+    """Raise an error for a parameter that is not a finite number above zero."""
     for name, value in parameters.items():
         if not (_finite(value) and value > 0):
             raise InputError(name, "not positive", "a finite number above 0", repr(value))
 
 
 def not_negative(**parameters: float) -> None:
-    """Refuse a parameter that is not a finite number from zero on."""
+    """Raise an error for a parameter that is not a finite number from zero on."""
     for name, value in parameters.items():
         if not (_finite(value) and value >= 0):
             raise InputError(name, "negative or no number", "a finite number from 0 on", repr(value))
@@ -83,7 +83,7 @@ BALLS = Arithmetic(lambda z: z.sqrt(), lambda z: z.log1p(), _ball_quotient, _bal
 
 
 class ByValue:
-    """Equality and hash by the attributes, arrays by their entries; what is cached beside them does not count."""
+    """Equality and hash by the attributes, arrays by their entries; cached values are ignored."""
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and _content(self) == _content(other)
@@ -102,7 +102,7 @@ def _content(part: Any) -> tuple[Any, ...]:
 
 
 class Law(ByValue, ABC):
-    """F(s) = s·storage + beyond(s): a passive immittance per metre that never resonates.
+    """Law F(s) = s·storage + beyond(s): a passive immittance per metre that never resonates.
 
     All laws are complete Bernstein functions: analytic off the negative real axis, with arg F between 0 and arg s. So
     they are positive real, roots of products of two are analytic there too, and each is the limit of circuits as in
@@ -113,7 +113,7 @@ class Law(ByValue, ABC):
     loss : float
         F(0): resistance or conductance to steady flow, ohm/m or S/m (Pa s/m⁴ or m²/(Pa s)).
     storage : float
-        What a front meets: lim F(s)/s for s to infinity, H/m or F/m (kg/m⁵ or m²/Pa).
+        Limit of F(s)/s for s to infinity, which a front meets, H/m or F/m (kg/m⁵ or m²/Pa).
 
     Notes
     -----
@@ -130,14 +130,14 @@ class Law(ByValue, ABC):
 
     @abstractmethod
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """F(s) - s·storage, without cancellation, in the arithmetic of s."""
+        """Compute F(s) - s·storage, without cancellation, in the arithmetic of s."""
 
     def value(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """F(s) in the arithmetic of s."""
+        """Compute F(s) in the arithmetic of s."""
         return s * self.storage + self.beyond(s, arithmetic)
 
     def at(self, s: ArrayLike) -> NDArray[np.complex128]:
-        """F(s) in doubles.
+        """Compute F(s) in doubles.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Law(ByValue, ABC):
         return self.value(points(s), DOUBLES)
 
     def at_precision(self, s: "complex | acb", digits: int) -> "acb":
-        """F(s) as a ball whose radius is below 10^-digits of it: a proved value.
+        """Compute F(s) as a ball whose radius is below 10^-digits of it: a proved value.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class Law(ByValue, ABC):
 
 
 class Sum(Law):
-    """The sum of laws.
+    """Sum of laws.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ class Sum(Law):
         self.laws = laws
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """All of theirs."""
+        """Sum of all parts."""
         return sum((law.beyond(s, arithmetic) for law in self.laws), start=0 * s)
 
 
@@ -221,7 +221,7 @@ def points(s: ArrayLike) -> NDArray[np.complex128]:
 
 
 class ConstantLoss(Law):
-    """R + s L as an impedance, G + s C as an admittance, per metre.
+    """Constant law R + s L as an impedance, G + s C as an admittance, per metre.
 
     Parameters
     ----------
@@ -250,5 +250,5 @@ class ConstantLoss(Law):
         super().__init__(loss, storage)
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """R."""
+        """Return R."""
         return 0 * s + self.loss

@@ -1,4 +1,4 @@
-"""A uniform line made of two laws, its exact answers over frequency, and all that it loses."""
+"""Uniform line of two laws, its exact response over frequency, and all its losses."""
 
 import math
 from dataclasses import dataclass
@@ -12,11 +12,11 @@ from tline.errors import InputError
 from tline.loss.flow_law import FlowLaw, PowerLaw
 from tline.loss.law import Arithmetic, ByValue, ConstantLoss, Law, points, positive
 
-DISTORTIONLESS = 1e-12  # relative difference of R C and G L that comes from typing decimals
+DISTORTIONLESS = 1e-12  # relative difference of R C and G L from rounding of typed decimals
 
 
 class LossyLine(ByValue):
-    """A length of line with series impedance Z'(s) and shunt admittance Y'(s) per metre.
+    """Length of line with series impedance Z'(s) and shunt admittance Y'(s) per metre.
 
     Parameters
     ----------
@@ -52,43 +52,43 @@ class LossyLine(ByValue):
 
     @property
     def z0(self) -> float:
-        """sqrt(L/C), which a front sees: the limit of Zc for s to infinity; 0 for a series impedance without
+        """Impedance sqrt(L/C), the limit of Zc for s to infinity, which a front meets; 0 for a series impedance without
         storage."""
         return math.sqrt(self.series.storage / self.shunt.storage)
 
     @property
     def delay(self) -> float:
-        """l sqrt(L C), s: when a front arrives; 0 for a series impedance without storage."""
+        """Delay l sqrt(L C) of a front, s; 0 for a series impedance without storage."""
         return self.length * math.sqrt(self.series.storage * self.shunt.storage)
 
     @property
     def constant(self) -> bool:
-        """Whether R and G are the same at all frequencies."""
+        """Whether R and G are constant over frequency."""
         return isinstance(self.series, ConstantLoss) and isinstance(self.shunt, ConstantLoss)
 
     @property
     def distortionless(self) -> bool:
-        """R/L = G/C, to rounding: the line only delays and attenuates by exp(-l sqrt(R G)), and Zc = z0."""
+        """Whether R/L = G/C, to rounding: the line only delays and attenuates by exp(-l sqrt(R G)), and Zc = z0."""
         return self.constant and math.isclose(
             self.series.loss * self.shunt.storage, self.shunt.loss * self.series.storage, rel_tol=DISTORTIONLESS
         )
 
     def waves(self, s: Any, arithmetic: Arithmetic) -> tuple[Any, Any]:
-        """Γ(s), 1/m, and Zc(s), ohm or Pa s/m³, in the arithmetic of s."""
+        """Propagation Γ(s), 1/m, and Zc(s), ohm or Pa s/m³, in the arithmetic of s."""
         z, y = (arithmetic.sqrt(law.value(s, arithmetic)) for law in (self.series, self.shunt))
         return z * y, z / y
 
     def gamma(self, s: ArrayLike) -> NDArray[np.complex128]:
-        """Γ(s), 1/m; shape of s, 1/s, off the negative real axis."""
+        """Propagation Γ(s), 1/m; shape of s, 1/s, off the negative real axis."""
         return np.sqrt(self.series.at(s)) * np.sqrt(self.shunt.at(s))
 
     def beyond_delay(self, s: NDArray, total: NDArray) -> NDArray:
-        """Γl - sT, of Γl, where R and G are constant, without cancellation at high frequencies."""
+        """Difference Γl - sT, from Γl, for constant R and G, without cancellation at high frequencies."""
         (r, g), L, C = (self.series.loss, self.shunt.loss), self.series.storage, self.shunt.storage
         return self.length**2 * ((r * C + g * L) * s + r * g) / (total + s * self.delay)
 
     def zc(self, s: ArrayLike) -> NDArray[np.complex128]:
-        """Zc(s), ohm or Pa s/m³; shape of s. Infinite at s = 0 if the shunt does not leak."""
+        """Characteristic impedance Zc(s), ohm or Pa s/m³; shape of s. Infinite at s = 0 if the shunt does not leak."""
         y = self.shunt.at(s)
         return np.where(y == 0, np.inf, np.sqrt(self.series.at(s)) / np.sqrt(np.where(y == 0, 1, y)))
 
@@ -115,7 +115,7 @@ class LossyLine(ByValue):
         return np.stack(entries, axis=-1).reshape(*total.shape, 2, 2)
 
     def input_impedance(self, s: ArrayLike, load: ArrayLike) -> NDArray[np.complex128]:
-        """u1/y1 with a load at end 2.
+        """Input impedance u1/y1 with a load at end 2.
 
         Parameters
         ----------
@@ -143,42 +143,42 @@ class LossyLine(ByValue):
 
 
 def sinhc(z: NDArray) -> NDArray:
-    """sinh(z)/z."""
+    """Compute sinh(z)/z."""
     return np.where(z == 0, 1, np.sinh(z) / np.where(z == 0, 1, z))
 
 
 def tanhc(z: NDArray) -> NDArray:
-    """tanh(z)/z."""
+    """Compute tanh(z)/z."""
     return np.where(z == 0, 1, np.tanh(z) / np.where(z == 0, 1, z))
 
 
 @dataclass(frozen=True)
 class Losses:
-    """Of one line."""
+    """Losses of one line."""
 
-    exact: LossyLine  # all that is linear; its storages are those of the lossless line, which a front meets
-    # what is added to the drop of pressure per metre and depends on the size of the flow
+    exact: LossyLine  # the linear part; its storages are those of the lossless line, which a front meets
+    # non-linear addition to the drop of pressure per metre, a function of the flow
     flow_law: FlowLaw | None = None
 
     @property
     def linear(self) -> bool:
-        """Whether nothing depends on the size of the flow."""
+        """Whether the losses are independent of the amplitude."""
         return self.flow_law is None
 
     @property
     def quadratic(self) -> float:
-        """K, Pa s²/m⁷, if the law of flow is K |y| y; else 0."""
+        """Coefficient K, Pa s²/m⁷, if the law of flow is K |y| y; else 0."""
         law = self.flow_law
         return law.strength if isinstance(law, PowerLaw) and law.exponent == 2 else 0.0
 
     @property
     def constant(self) -> tuple[float, float] | None:
-        """Resistance and conductance per metre, if that is all."""
+        """Resistance and conductance per metre, if there are no other losses."""
         return (self.exact.series.loss, self.exact.shunt.loss) if self.linear and self.exact.constant else None
 
     @property
     def only_quadratic(self) -> bool:
-        """Whether K |y| y is all that is lost."""
+        """Whether K |y| y is the only loss."""
         plain = self.exact.constant and not (self.exact.series.loss or self.exact.shunt.loss)
         return self.quadratic > 0 and plain
 
@@ -189,18 +189,18 @@ class Losses:
 
     @property
     def attenuation(self) -> float:
-        """l sqrt(R G): what a distortionless line takes from the logarithm of a wave."""
+        """Attenuation l sqrt(R G) of a distortionless line, in nepers."""
         return self.exact.length * sqrt(self.exact.series.loss * self.exact.shunt.loss)
 
     def friction(self, y: NDArray) -> tuple[NDArray, NDArray]:
-        """Drop over the whole line that depends on the size of the flow y, and its slope."""
+        """Non-linear drop over the whole line at the flow y, and its slope."""
         if self.flow_law is None:
             return np.zeros_like(y), np.zeros_like(y)
         drop, slope = self.flow_law(np.abs(y))
         return np.sign(y) * drop * self.exact.length, slope * self.exact.length
 
     def steady_drop(self, y: float) -> tuple[float, float]:
-        """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y; leakage is not in it."""
+        """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y; without leakage."""
         drop, slope = self.friction(np.array(float(y)))
         resistance = self.exact.series.loss * self.exact.length
         return float(drop) + resistance * y, float(slope) + resistance

@@ -1,4 +1,4 @@
-"""Losses of pipes: friction of laminar and of turbulent flow, and a wall that creeps."""
+"""Losses of pipes: friction of laminar and of turbulent flow, and viscoelastic walls."""
 
 import math
 from collections.abc import Sequence
@@ -80,12 +80,12 @@ class LaminarFriction(Law):
         self.diffusion_time = radius**2 * density / viscosity
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """2µ/(π R⁴) · z I1(z)/I2(z)."""
+        """Return 2µ/(π R⁴) · z I1(z)/I2(z)."""
         return arithmetic.quotient(1, arithmetic.sqrt(s * self.diffusion_time)) * (self.loss / 4)
 
 
 class TurbulentFriction(Law):
-    """What friction adds while the flow changes: s ρ/A · (1 + 2/sqrt(B + s R² ρ/µ)), B = Re^κ/12.86.
+    """Unsteady part of turbulent friction: s ρ/A · (1 + 2/sqrt(B + s R² ρ/µ)), B = Re^κ/12.86.
 
     κ = log10(15.29/Re^0.0567). Its friction vanishes in steady flow: add `ConstantLoss` with `smooth_pipe_resistance`,
     or a friction law of another kind.
@@ -130,7 +130,7 @@ class TurbulentFriction(Law):
         self.damping = reynolds ** math.log10(15.29 / reynolds**0.0567) / 12.86  # B
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """2 s ρ/A / sqrt(B + s R² ρ/µ)."""
+        """Return 2 s ρ/A / sqrt(B + s R² ρ/µ)."""
         return s / arithmetic.sqrt(s * self.diffusion_time + self.damping) * (2 * self.storage)
 
 

@@ -1,4 +1,4 @@
-"""A law as a passive circuit, with as few elements as a tolerance allows."""
+"""Passive circuit of a law, with as few elements as a tolerance allows."""
 
 import math
 from dataclasses import dataclass
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from passivity import Verdict
 
 
-BITS = 320  # the pencil loses as many digits as the interpolation gains, twice
+BITS = 320  # the matrix pencil loses twice as many digits as the interpolation gains
 FINEST = 1e-10  # least tolerance: errors are measured in doubles
 MOST_TERMS = 40
 SAMPLES = 2_000
 ROUNDS, LEVEL = 8, 1.2  # of moving points; largest over smallest peak where that ends
-STEEPEST = 1e-3  # a peak counts as no smaller than this part of the largest
+STEEPEST = 1e-3  # smallest peak, relative to the largest
 
 
 def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
-    """Strengths r_k and rates p_k of loss + s·storage + Σ r_k s/(s + p_k) = F(s) at s = ±j w.
+    """Solve for strengths r_k and rates p_k of loss + s·storage + Σ r_k s/(s + p_k) = F(s) at s = ±j w.
 
     Examples
     --------
@@ -54,16 +54,16 @@ def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:
 
 @dataclass(frozen=True)
 class Realisation:
-    """A circuit and how far it is from the law it stands for.
+    """Circuit and its distance from the law that it replaces.
 
     Parameters
     ----------
     law : Law
-        Exactly.
+        Exact law.
     circuit : Foster
-        In its place; same loss (at s = 0 they agree) and same storage (a front has the same speed).
+        Circuit with equal loss (at s = 0 they agree) and equal storage (a front has the same speed).
     band : pair of float
-        Hz.
+        From low to high, Hz.
     error : float
         Largest |circuit - law|/|law| over the band, from 2000 frequencies evenly spread on a logarithmic scale.
     """
@@ -75,18 +75,18 @@ class Realisation:
 
     @property
     def verdict(self) -> "Verdict":
-        """The proof by `passivity` that the circuit is positive real."""
+        """Proof by `passivity` that the circuit is positive real."""
         return self.circuit.verdict
 
     def errors(self, frequencies: ArrayLike) -> NDArray:
-        """|circuit - law|/|law| at frequencies, Hz, inside the band or not."""
+        """Relative error |circuit - law|/|law| at frequencies, Hz, inside the band or not."""
         s = 2j * math.pi * np.asarray(frequencies, float)
         exact = self.law.at(s)
         return np.abs(self.circuit.at(s) - exact) / np.abs(exact)
 
 
 def realise(law: Law, band: tuple[float, float], tolerance: float) -> Realisation:
-    """The circuit with fewest elements found that is within the tolerance of a law over a band.
+    """Find the circuit with fewest elements that is within the tolerance of a law over a band.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Pictures of runs, scenes and what is measured on them."""
+"""Pictures of runs, of scenes and of measured channels."""
 
 from tline.lazy import lazy
 

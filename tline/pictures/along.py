@@ -1,4 +1,4 @@
-"""What happens along a route: waves and effort at any places and instants, and its extremes."""
+"""Waves and effort along a route, at any places and instants, and the extremes of the effort."""
 
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ class RouteExtremes(NamedTuple):
 
 
 def waves_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
-    """The waves that travel along a route and against it, at places x (in its unit) and instants t.
+    """Waves that travel along a route and against it, at places x (in its unit) and instants t.
 
     Shape (2, len(t), len(x)). Half of their sum is the effort.
     """
@@ -38,7 +38,7 @@ def waves_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
 
 
 def _waves(seen: Inside | InStretches, t: NDArray, shares: NDArray) -> NDArray:
-    """The waves a and b at places of one line, shape (2, len(t), len(shares))."""
+    """Waves a and b at places of one line, shape (2, len(t), len(shares))."""
     if isinstance(seen, InStretches) or seen.lost is not None:
         return np.stack([seen.waves(t, share) for share in shares.tolist()], axis=-1)
     (a, _), (_, b), late = seen.record.at_end1, seen.record.at_end2, shares * seen.record.delay
@@ -51,7 +51,7 @@ def effort_along(result: Result, way: Route, x: NDArray, t: NDArray) -> NDArray:
 
 
 def extremes_along(result: Result, way: Route) -> RouteExtremes:
-    """Effort before t = 0, and the lowest and highest of the run, line after line."""
+    """Effort before t = 0, and lowest and highest effort of the run, line after line."""
     places, efforts = [], []
     for leg, seen in zip(way.legs, _insides(result, way), strict=True):
         share, forward = seen.places, leg.forward

@@ -1,4 +1,4 @@
-"""Waves and effort along a route, moving in time: as a web page of its own, or as a film."""
+"""Animation of waves and effort along a route: as a web page, or as a film."""
 
 from math import ceil, log10
 from pathlib import Path
@@ -23,7 +23,7 @@ NOTE = (
 
 
 class MovingQuantities(NamedTuple):
-    """Quantities that move, in handy units."""
+    """Animated quantities, in handy units."""
 
     title: str
     waves: NDArray  # (2, instants, places): half of the wave along the route, and of that against it; their sum is u
@@ -34,12 +34,12 @@ class MovingQuantities(NamedTuple):
     x: NDArray
     labels: dict[float, str]  # names of nodes by place
     bounds: list[Bound]
-    place: str  # what stands below the axis
+    place: str  # text below the axis
     effort: str  # and beside it
 
     @property
     def frames(self) -> NDArray:
-        """The effort, (instants, places)."""
+        """Effort, shape (instants, places)."""
         return self.waves.sum(axis=0)
 
     @property
@@ -55,7 +55,7 @@ class MovingQuantities(NamedTuple):
 
     @property
     def decimals(self) -> int:
-        """Decimals of the clock, so that every frame shows another time."""
+        """Number of decimals of the clock at which all frames differ."""
         return max(ceil(-log10(self.t[1])), 0) + 1
 
 
@@ -69,7 +69,7 @@ class Waves(Animation):
         self.motion = motion
 
     def write(self, path: Path) -> None:
-        """Write page or film to a file, by its suffix."""
+        """Write a page or a film to a file, by its suffix."""
         suffix = path.suffix.lower()
         if suffix == ".html":
             super().write(path)
@@ -80,7 +80,7 @@ class Waves(Animation):
 
 
 def animated(result: Result, path: Route) -> Animation:
-    """Waves and effort along a route, moving.
+    """Animate waves and effort along a route.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def _points(bound: Bound) -> list:
 
 
 def _page(motion: MovingQuantities) -> str:
-    """The page, with the efforts as whole numbers from 0 to STEPS."""
+    """Compose the page, with the efforts as whole numbers from 0 to STEPS."""
     low, high = motion.range
 
     def counts(values: NDArray, low: float = low, high: float = high) -> list:

@@ -1,4 +1,4 @@
-"""Pictures over frequency: Bode plots, and a model beside the samples it was fitted to."""
+"""Pictures over frequency: Bode plots, and a model compared with the samples of its fit."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 8.0, 5.6  # inches
 ENTRY = 0.09  # inches per letter in the legend
-ALIKE = 1e-9  # of the largest value; curves nearer to each other than this are one
+ALIKE = 1e-9  # relative to the largest value; curves that differ by less are drawn once
 
 
 @styled
 def plot_curves(found: "Curves", ax: Axes | None = None) -> Figure | Axes:
-    """Magnitude (alone on `ax`) and phase modulo 360° over frequency; curves that are alike are drawn once.
+    """Plot magnitude (alone on `ax`) and phase modulo 360° over frequency; equal curves are drawn once.
 
     Natural oscillations are marked at the upper edge.
     """
@@ -61,7 +61,7 @@ def plot_curves(found: "Curves", ax: Axes | None = None) -> Figure | Axes:
 
 
 def _distinct(curves: Mapping[str, NDArray]) -> dict[str, NDArray]:
-    """Curves that are alike under their names together, such as S(a,b) and S(b,a)."""
+    """Merge equal curves under their joined names, such as S(a,b) and S(b,a)."""
     found: dict[str, NDArray] = {}
     for name, values in curves.items():
         nearby = ALIKE * np.abs(values[np.isfinite(values)]).max(initial=0.0)
@@ -73,13 +73,13 @@ def _distinct(curves: Mapping[str, NDArray]) -> dict[str, NDArray]:
 
 
 def _broken(x: NDArray, phase: NDArray) -> tuple[NDArray, NDArray]:
-    """A curve that is broken where its phase jumps from one edge to the other."""
+    """Break a curve where its phase jumps from one edge to the other."""
     jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180) + 1
     return np.insert(x, jumps, np.nan), np.insert(phase, jumps, np.nan)
 
 
 def _mark(axes: Axes, modes: Sequence[Resonance], hertz: float) -> None:
-    """Triangles at the upper edge."""
+    """Mark frequencies by triangles at the upper edge."""
     for growing, label, colour, marker in ((False, "natural oscillation", DOWN, "v"), (True, "grows", UP, "^")):
         x = [mode.frequency / hertz for mode in modes if (mode.decay_time < 0) == growing]
         if x:
@@ -87,18 +87,18 @@ def _mark(axes: Axes, modes: Sequence[Resonance], hertz: float) -> None:
             axes.plot(x, np.ones(len(x)), transform=axes.get_xaxis_transform(), label=label, zorder=4, **look)
 
 
-DRAWN_BAND = 1.5  # times the highest frequency: how far the model is drawn
+DRAWN_BAND = 1.5  # times the highest frequency; end of the model's curve
 POINTS = 1500
-SMALLEST_MISFIT = 1e-17  # of the misfits that are drawn: a logarithm knows no 0
-TOLD_APART = 4  # ports whose waves back are curves of their own; of more all look alike
+SMALLEST_MISFIT = 1e-17  # smallest misfit drawn: a logarithmic axis has no 0
+TOLD_APART = 4  # largest number of ports with distinct colours for their reflections
 
 
 @styled
 def plot_misfit(found: "DelayedModel", title: str = "") -> Figure:
-    """|S| of samples and model, which no delay changes, and the distance between both S, over frequency.
+    """Plot |S| of samples and model, independent of any delay, and the distance of both S, over frequency.
 
-    Of several ports all entries of S are drawn, those into one port in one colour, with the largest singular value,
-    which tells whether the model is passive.
+    With several ports all entries of S are drawn, those into one port in one colour, with the largest singular value,
+    which shows whether the model is passive.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""In what people read efforts along a route or on a map, and what bounds them: the ground, the rating, a vacuum."""
+"""Units of efforts along a route or on a map, and their bounds: the ground, the rating, a vacuum."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -15,15 +15,15 @@ from tline.units import engineering, handy
 
 
 class Scale(NamedTuple):
-    """How efforts are shown."""
+    """Name and unit in which efforts are displayed."""
 
-    word: str  # what they are called
+    word: str  # name of the effort
     size: float  # of the unit in Pa or V
     unit: str
 
 
 class Bound(NamedTuple):
-    """What bounds the effort along a route."""
+    """Bound of the effort along a route."""
 
     kind: str  # ground, rating or vacuum
     name: str
@@ -31,12 +31,12 @@ class Bound(NamedTuple):
     effort: NDArray  # (places,) Pa or V; NaN where the height is not known
 
     def in_units(self, place: float, effort: float) -> "Bound":
-        """The same in units of these sizes."""
+        """Convert to units of these sizes."""
         return self._replace(x=self.x / place, effort=self.effort / effort)
 
 
 def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
-    """Head where nodes have heights and those lines hold the same liquid; else a handy unit.
+    """Choose head where nodes have heights and the lines hold one liquid; else a handy unit.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def scale(scene: Scene, lines: Iterable[str], largest: float) -> Scale:
 
 
 def spread(low: float, high: float) -> tuple[float, float]:
-    """Limits of an axis for values from low to high: apart, even if only rounding tells these from each other."""
+    """Limits of an axis for values from low to high, kept apart where these are equal within rounding."""
     largest = max(abs(low), abs(high))
     apart = 0.0 if high - low > 1e-9 * largest else 0.05 * largest or 1.0
     return float(low) - apart, float(high) + apart
@@ -68,7 +68,7 @@ def one_liquid(scene: Scene, lines: Iterable[str]) -> float | None:
 
 
 def bounds(scene: Scene, way: Route, x: NDArray, lowest: NDArray) -> list[Bound]:
-    """Ground, rating, and a vacuum where the lowest pressures, given at places x, fall below those of the air."""
+    """Ground, rating, and a vacuum where the lowest pressures, given at places x, fall below that of the air."""
     medium, weight = readable(scene), weight_at(scene)
     unit, liquid = medium.shown["effort"], medium.hydraulic
     places = np.array([place for leg in way.legs for place in leg.span])

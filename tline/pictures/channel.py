@@ -28,7 +28,7 @@ WORDS = {
 
 @styled
 def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
-    """What passes and what comes back, dB over frequency, samples and model; below crosstalk and conversion, if any."""
+    """Plot transmission and reflection over frequency, dB, of samples and model; below, crosstalk and conversion."""
     hertz, unit = handy(float(seen.measured.f[-1]), "Hz")
     f, curves = seen.measured.f / hertz, seen.curves
     below = [what for what in ("crosstalk", "conversion") if what in curves]
@@ -54,7 +54,7 @@ def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
 
 
 def report(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inputs: Mapping[str, str]) -> str:
-    """The whole report, as HTML."""
+    """Compose the whole report as HTML."""
     return page(f"Channel {seen.title}".rstrip(), _parts(seen, profile, eye, inputs))
 
 
@@ -79,7 +79,7 @@ def _parts(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inpu
 
 
 def _losses(seen: Channel, nyquist: float | None) -> tuple[list[str], list[list[str]]]:
-    """Heading and rows: each curve at its worst, and at half the rate of bits."""
+    """Heading and rows of the table of losses: each curve at its worst, and at half the bit rate."""
     f, head, rows = seen.measured.f, ["what", "between", "worst [dB]", "at [GHz]"], []
     rate = [nyquist] if nyquist is not None and f[0] <= nyquist <= f[-1] else []
     for what, name, value, at in seen.worst:

@@ -1,4 +1,4 @@
-"""The animation as GIF or MP4: what stands still is drawn once, curve and clock over it for each frame."""
+"""Animation as GIF or MP4: the background is drawn once, curve and clock over it for each frame."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,7 +19,7 @@ LABELS = ("u = a/2 + b/2", "a/2, to the right", "b/2, to the left")
 
 @styled
 def write_mp4(motion: MovingQuantities, path: Path) -> None:
-    """Write a film."""
+    """Write an MP4 film."""
     ffmpeg = import_extra("imageio_ffmpeg", "ffmpeg", "video", ".mp4")
     frames = list(_frames(motion))
     film = ffmpeg.write_frames(str(path), frames[0].size, fps=FRAMES_PER_SECOND, macro_block_size=2)
@@ -31,7 +31,7 @@ def write_mp4(motion: MovingQuantities, path: Path) -> None:
 
 @styled
 def write_gif(motion: MovingQuantities, path: Path) -> None:
-    """Write all frames, to be played for ever."""
+    """Write all frames as a GIF that loops for ever."""
     frames = list(_frames(motion))
     palette = frames[-1].quantize(PALETTE, method=Image.Quantize.MAXCOVERAGE)
     first, *rest = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)

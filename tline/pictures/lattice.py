@@ -1,4 +1,4 @@
-"""The bounce diagram of a scene with one line: fronts that run to and fro, what each carries, levels between them."""
+"""Bounce diagram of a scene with one line: travelling fronts, the jump of each, and the levels between them."""
 
 import heapq
 from itertools import pairwise
@@ -19,19 +19,19 @@ from tline.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.units import handy
 
 MOST_LEGS = 12
-FEEBLE = 1e-3  # of the range of the waves; what jumps by less, and bends by less within a delay, is no front
-DISTINCT_SLABS = 2.0  # slabs between fronts that can be told apart
+FEEBLE = 1e-3  # relative to the range of the waves; smaller jumps, and smaller bends within a delay, are not fronts
+DISTINCT_SLABS = 2.0  # slabs; fronts closer than this cannot be resolved
 NEARBY = 1e-4  # of a slab, for slopes
-SAME_INSTANT = 1e-9  # of the run; fronts that start nearer than this to each other are one
-FLAT = 1e-6  # of the largest effort; a smaller one is zero
+SAME_INSTANT = 1e-9  # relative to the run; fronts that start closer than this are one
+FLAT = 1e-6  # relative to the largest effort; smaller ones are zero
 ROOM = 0.03  # of the diagram's height, for a number
 LETTER = 0.028  # of the line's length, for a letter of a number
-SHARES = (0.42, 0.3, 0.54, 0.22, 0.62, 0.14)  # of a leg, where its number may stand, the best first
-ENOUGH = 0.65  # of a leg, to carry a number
+SHARES = (0.42, 0.3, 0.54, 0.22, 0.62, 0.14)  # positions of its number along a leg, the best first
+ENOUGH = 0.65  # of a leg, length that can carry a number
 
 
 class Front(NamedTuple):
-    """A front that leaves an end of the line."""
+    """Front that leaves an end of the line."""
 
     end: int  # 0: end 1, 1: end 2
     t: float
@@ -39,7 +39,7 @@ class Front(NamedTuple):
 
 
 class Stay(NamedTuple):
-    """An interval in which no front leaves or reaches an end."""
+    """Interval in which no front leaves or reaches an end."""
 
     end: int
     start: float
@@ -49,22 +49,22 @@ class Stay(NamedTuple):
 
 
 class Bounces(NamedTuple):
-    """All of a bounce diagram, in SI unless scaled."""
+    """Contents of a bounce diagram, in SI unless scaled."""
 
     delay: float
-    until: float  # the instant up to which the diagram goes
+    until: float  # last instant of the diagram
     fronts: list[Front]
     stays: list[Stay]
 
     def scaled(self, second: float, effort: float) -> "Bounces":
-        """The same in other units of time and effort."""
+        """Convert to other units of time and effort."""
         fronts = [Front(end, t / second, jump / effort) for end, t, jump in self.fronts]
         stays = [Stay(end, p / second, q / second, u / effort, v / effort) for end, p, q, u, v in self.stays]
         return Bounces(self.delay / second, self.until / second, fronts, stays)
 
 
 def only_line(scene: Scene) -> str:
-    """The scene's one line."""
+    """Name of the scene's only line."""
     refuse_losses(scene, "no bounce diagram")
     if len(scene.lines) != 1:
         expected = "a scene with one line"
@@ -93,7 +93,7 @@ def bounces(result: Result) -> Bounces:
 
 
 def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: float) -> list[Front]:
-    """The first legs, in the order of their starts."""
+    """First legs, in the order of their starts."""
     sources = [(float(t), source.terminals) for source in scene.sources.values() for t in source.value.breaks(t_end)]
     moving = [element for _, element in scene.placed if isinstance(element, Switch)]
     starts = sources + [(float(switch.time), switch.terminals) for switch in moving]
@@ -110,7 +110,7 @@ def _fronts(scene: Scene, record: LineRecord, nodes: tuple[str, str], t_end: flo
         bend = abs(slope_after - slope_before) * record.delay
         if max(abs(after - before), bend) <= FEEBLE * largest:
             continue  # absorbed: it carries nothing on
-        # the other wave does not jump along this leg, so u = (a + b)/2 takes half
+        # the other wave does not jump along this leg, so u = (a + b)/2 jumps by half
         fronts.append(Front(end, t, (after - before) / 2 if abs(after - before) > FEEBLE * largest else 0.0))
         arrival = t + record.delay
         if arrival < t_end:
@@ -143,12 +143,12 @@ def _beside(wave: Wave, t: float, after: bool) -> tuple[float, float]:
 
 @styled
 def plot_lattice(result: Result) -> Figure:
-    """Bounce diagram of a scene with one line: place across, time running down.
+    """Plot the bounce diagram of a scene with one line: place across, time running down.
 
-    Each leg is a jump or corner of a source or switch on its way from end to end. On it stands what it adds to the
-    effort: half the jump of the wave a or b that carries it, as recorded. Beside the ends stands the effort between
-    arrivals; two numbers if it changes meanwhile. Legs that carry a corner and no jump are dotted; grey ones have
-    another front so near that the slabs do not tell what each carries. At most twelve legs are drawn.
+    Each leg is a jump or corner of a source or switch on its way from end to end. Its number is its contribution to the
+    effort: half the jump of the wave a or b that carries it, as recorded. Numbers next to the ends are the effort
+    between arrivals; two numbers if it changes meanwhile. Legs with a corner but no jump are dotted; grey ones are too
+    close to another front for the slabs to resolve their jumps. At most twelve legs are drawn.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def plot_lattice(result: Result) -> Figure:
 
 
 def _draw_leg(axes: Axes, front: Front, shown: Bounces) -> None:
-    """A leg from end to end, or as far as it comes."""
+    """Draw a leg from end to end, or as far as it travels."""
     forth = 1 - 2 * front.end
     share = min((shown.until - front.t) / shown.delay, 1.0)
     corner = front.jump == 0
@@ -215,7 +215,7 @@ def _draw_leg(axes: Axes, front: Front, shown: Bounces) -> None:
 
 
 class _Number(NamedTuple):
-    """What a front carries, written on its leg."""
+    """Jump of a front, written on its leg."""
 
     x: float
     t: float
@@ -227,7 +227,7 @@ class _Number(NamedTuple):
 
 
 def _numbers(shown: Bounces) -> list[_Number]:
-    """Where the numbers stand: off each other, and if possible off other legs."""
+    """Place the numbers without overlap, and if possible off other legs."""
     placed: list[_Number] = []
     for front in shown.fronts:
         if abs(front.jump) > 0 and shown.until - front.t > ENOUGH * shown.delay:
@@ -238,7 +238,7 @@ def _numbers(shown: Bounces) -> list[_Number]:
 
 
 def _covers(number: _Number, own: Front, placed: list[_Number], shown: Bounces) -> tuple[int, int]:
-    """How many numbers and how many other legs it would cover."""
+    """Count the numbers and the other legs that a number would cover."""
     x, t, _ = number
     height, width = ROOM * shown.until, number.half_width
     numbers = sum(abs(t - other.t) < height and abs(x - other.x) < width + other.half_width for other in placed)
@@ -258,7 +258,7 @@ def _colour(jump: float) -> str:
 
 
 def _draw_level(axes: Axes, stay: Stay, zero: float) -> None:
-    """The effort at an end, beside it."""
+    """Write the effort at an end, next to it."""
     place, side = (1.03, "left") if stay.end else (-0.03, "right")
     first, last = (_text(u if abs(u) > zero else 0.0) for u in (stay.first, stay.last))
     text = first if first == last else f"{first} → {last}"
@@ -268,7 +268,7 @@ def _draw_level(axes: Axes, stay: Stay, zero: float) -> None:
 
 
 def _text(value: float, sign: str = "") -> str:
-    """Four digits, with a true minus."""
+    """Format four digits, with a true minus."""
     return f"{value:{sign}.4g}".replace("-", "\N{MINUS SIGN}")
 
 

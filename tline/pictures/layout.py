@@ -1,4 +1,4 @@
-"""Where nodes stand on a map: as the scene says, or so that distances tell delays."""
+"""Layout of nodes on a map: at their given positions, or with distances in proportion to delays."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -14,19 +14,19 @@ from tline.scene.scene import Scene
 
 Places = Mapping[str, tuple[float, float]]  # of nodes, in any unit
 
-MOST_PLACED = 1500  # nodes without positions; what follows takes their square in memory
-ROUNDS = 100  # of the search; what is left then nobody sees
+MOST_PLACED = 1500  # nodes without positions; the layout takes memory in proportion to their square
+ROUNDS = 100  # of the search; later ones would change nothing visible
 SHORTEST, LONGEST = 0.2, 5.0  # of an edge, in medians
-APART = 1.2  # parts that nothing joins, in the largest distance within one
+APART = 1.2  # distance between unconnected parts, relative to the largest within one
 
 
 def has_positions(scene: Scene) -> bool:
-    """Whether the scene says where all its nodes stand."""
+    """Whether the scene gives positions for all its nodes."""
     return all(node in scene.nodes and scene.nodes[node].position for node in _nodes(scene))
 
 
 def refuse_too_many(scene: Scene) -> None:
-    """Refuse a scene with too many nodes if not all have positions."""
+    """Raise an error for a scene with too many nodes if not all have positions."""
     nodes = _nodes(scene)
     missing = [node for node in nodes if node not in scene.nodes or not scene.nodes[node].position]
     if missing and len(nodes) > MOST_PLACED:
@@ -35,7 +35,7 @@ def refuse_too_many(scene: Scene) -> None:
 
 
 def layout(scene: Scene) -> Places:
-    """Places of all nodes; where not all are given, those of least stress between distances and delays.
+    """Places of all nodes; if not all are given, those of least stress between distances and delays.
 
     References
     ----------
@@ -86,7 +86,7 @@ def _nodes(scene: Scene) -> list[str]:
 
 
 def _distances(scene: Scene, nodes: list[str]) -> NDArray:
-    """Delays of the shortest ways, in median delays of a line."""
+    """Delays of the shortest paths, in median delays of a line."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import shortest_path
 
@@ -109,7 +109,7 @@ def _distances(scene: Scene, nodes: list[str]) -> NDArray:
 
 
 def _least_stress(distance: NDArray) -> NDArray:
-    """Places (n, 2) of least Σ (|x_i - x_j|/d_ij - 1)², from those of classical scaling on."""
+    """Minimise the stress Σ (|x_i - x_j|/d_ij - 1)² of places (n, 2), from those of classical scaling on."""
     from scipy.optimize import minimize
     from scipy.spatial.distance import cdist
 

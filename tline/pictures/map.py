@@ -1,4 +1,4 @@
-"""A map of the network, coloured by how far the effort rose and fell at nodes and along lines."""
+"""Map of the network, coloured by the rise and the fall of the effort at nodes and along lines."""
 
 from itertools import pairwise
 from math import inf, nan
@@ -29,19 +29,19 @@ from tline.solver.result.surge import VACUUM
 from tline.style import FAINT, HALO, INK, add_bar, cells_of, short, styled, write_name
 
 STRETCHES = 12  # of each line
-SEEN = 0.01  # of the longest delay; what is inside shorter lines nobody sees on a map
+SEEN = 0.01  # of the longest delay; the interior of shorter lines is too small for a map
 
 
 class Surge(NamedTuple):
-    """Of the effort, in one direction from where it was before t = 0."""
+    """Change of the effort in one direction, relative to its value before t = 0."""
 
     nodes: dict[str, float]  # Pa or V, from 0
-    lines: dict[str, NDArray]  # the same at places apart by equal delays along each recorded line
-    beyond: dict[str, float]  # of lines on which a limit is exceeded the share of the delay where it is worst
+    lines: dict[str, NDArray]  # Pa or V, at places apart by equal delays along each recorded line
+    beyond: dict[str, float]  # lines on which a limit is exceeded, with the share of the delay where that is worst
 
 
 def lines_to_map(scene: Scene) -> list[str]:
-    """The lines that a map shows the inside of, for `simulate(scene, record=lines_to_map(scene), envelope=True)`.
+    """Lines whose interior a map shows, for `simulate(scene, record=lines_to_map(scene), envelope=True)`.
 
     Raises
     ------
@@ -61,10 +61,10 @@ def lines_to_map(scene: Scene) -> list[str]:
 
 
 def surges(result: Result) -> tuple[Surge, Surge]:
-    """How far the effort rose, and how far it fell.
+    """Rise and fall of the effort at nodes and along lines.
 
-    A limit is exceeded where the effort rises above the scene's rating, or falls below what a liquid can have at a
-    wall; a voltage also where it falls below the negative rating.
+    A limit is exceeded where the effort rises above the scene's rating, or falls below a vacuum at
+    the wall; a voltage also where it falls below the negative rating.
 
     Parameters
     ----------
@@ -99,20 +99,20 @@ def surges(result: Result) -> tuple[Surge, Surge]:
     return rise, fall
 
 
-SCALE = ListedColormap(colormaps["viridis_r"](np.linspace(0.06, 1.0, 256)))  # what is large is dark
-WIDE = 1.3  # width over height from which one map stands above the other
-NAMED = 60  # nodes that have their names written
-MARK = 8  # half the room of a node's mark, pixels
-CORNERS = ((6, 4), (-6, 4), (6, -4), (-6, -4))  # of a mark, where its name may stand, points
+SCALE = ListedColormap(colormaps["viridis_r"](np.linspace(0.06, 1.0, 256)))  # large values are dark
+WIDE = 1.3  # width over height above which the maps are stacked
+NAMED = 60  # largest number of nodes with names
+MARK = 8  # half the size of a node's mark, pixels
+CORNERS = ((6, 4), (-6, 4), (6, -4), (-6, -4))  # positions of a name relative to its mark, points
 
 
 @styled
 def plot_map(result: Result) -> Figure:
-    """Two maps of the network: how far the effort rose above what it was before t = 0, and how far it fell below it.
+    """Plot two maps of the network: the rise of the effort above its value before t = 0, and the fall below it.
 
-    Squares are nodes at which a source or a reservoir holds the effort, dots are links, and a cross stands where the
-    rating is exceeded or the gauge pressure falls below a vacuum. Where not all nodes have positions, they are
-    laid out so that distances tell delays.
+    Squares are nodes at which a source or a reservoir holds the effort, dots are links, and a cross marks where the
+    rating is exceeded or the gauge pressure falls below a vacuum. If not all nodes have positions, the
+    layout makes distances proportional to delays.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def plot_map(result: Result) -> Figure:
 
 @styled
 def draw_surges(scene: Scene, *both: Surge, ax: Axes | None = None) -> Any:
-    """Draw the two maps of how far the effort rose and how far it fell; on `ax` the first alone."""
+    """Draw the two maps of rise and fall of the effort; on `ax` the first alone."""
     places = layout(scene)
     wide, high = np.ptp([*places.values()], axis=0)
     rows = 2 if wide > WIDE * high else 1
@@ -198,7 +198,7 @@ def _draw(axes: Axes, scene: Scene, places: Places, surge: Surge, colours: Scala
 
 
 def _explain(picture: Figure, scene: Scene, held: bool, beyond: bool) -> None:
-    """What the marks mean, of those that there are."""
+    """Add a legend of the marks present."""
     square = Line2D([], [], color="white", markeredgecolor=INK, marker="s", label="held by a source or reservoir")
     dots = Line2D([], [], color=INK, linestyle=":", label="link")
     cross = Line2D([], [], color="white", markeredgecolor=INK, marker="x", label="worst place beyond rating or vacuum")

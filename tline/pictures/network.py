@@ -1,4 +1,4 @@
-"""A drawing of a scene: lines, what stands at and between nodes, and where probes look."""
+"""Drawing of a scene: lines, elements at and between nodes, and probes."""
 
 from collections.abc import Iterator, Mapping
 from itertools import groupby
@@ -19,19 +19,19 @@ from tline.scene.scene import Scene
 from tline.style import COLOURS, FAINT, INK, figure, short, styled, write_name
 from tline.units import handy
 
-NAMED = 40  # nodes that have their names written, and what stands there
+NAMED = 40  # largest number of nodes with names, and names of their elements
 WIDTH, FLATTEST, TALLEST = 8.0, 2.6, 6.0  # inches
 MARKS = {"source": (">", COLOURS[1]), "load": ("s", COLOURS[0]), "probe": ("o", COLOURS[2])}
 LETTER = 0.16  # inches, a line of text
-BEND = 0.25  # of their length, between lines that join the same nodes
-SHARES = np.linspace(0.0, 1.0, 101)  # of a line, at which it is drawn
+BEND = 0.25  # of their length, between lines with the same nodes
+SHARES = np.linspace(0.0, 1.0, 101)  # of a line, its points in the drawing
 
 
 @styled
 def plot_network(scene: Scene) -> Figure:
-    """A drawing of a scene: lines with their delays, links, sources, loads and probes by name.
+    """Draw a scene: lines with their delays, links, sources, loads and probes by name.
 
-    Nodes stand where the scene says; where not all have positions, so that distances tell delays. In a large network
+    Nodes are at their given positions; if not all have one, distances are in proportion to delays. In a large network
     only lines and marks are drawn, and where names would overlap only the first.
 
     Parameters
@@ -88,7 +88,7 @@ def plot_network(scene: Scene) -> Figure:
 
 
 def _from_left(scene: Scene, places: Places) -> Places:
-    """Places of nodes, mirrored if the first line would run from right to left on a drawing without positions."""
+    """Mirror places of nodes if the first line would run from right to left on a drawing without positions."""
     near, far = conductors(scene, next(iter(scene.lines)))[0]
     if has_positions(scene) or places[near][0] <= places[far][0]:
         return places
@@ -96,7 +96,7 @@ def _from_left(scene: Scene, places: Places) -> Places:
 
 
 def _ways(scene: Scene, places: Places) -> dict[tuple[str, int], NDArray]:
-    """Course of each conductor by line and number; bent where several lines join the same nodes."""
+    """Course of each conductor by line and number; bent where several lines have the same nodes."""
     found: dict[tuple[str, int], NDArray] = {}
     pairs = [(tuple(sorted(pair)), name, k) for name in scene.lines for k, pair in enumerate(conductors(scene, name))]
     for ends, group in groupby(sorted(pairs), key=lambda each: each[0]):
@@ -116,7 +116,7 @@ def _ways(scene: Scene, places: Places) -> dict[tuple[str, int], NDArray]:
 
 
 def _standing(scene: Scene) -> Iterator[tuple[str, list[tuple[str, str]]]]:
-    """By node kind and name of what stands there, and of the probes that look at it."""
+    """Kind and name of the elements and probes at each node."""
     found = [(source.terminals[0], "source", name) for name, source in scene.sources.items()]
     found += [(load.at, "load", name) for name, load in scene.loads.items()]
     found += [(probe.at, "probe", name) for name, probe in scene.probes.items() if probe.at]
@@ -133,7 +133,7 @@ def _inner_probes(scene: Scene, ways: Mapping[tuple[str, int], NDArray]) -> Iter
 
 
 def _lines_named(scene: Scene, ways: Mapping[tuple[str, int], NDArray]) -> Iterator[tuple[str, tuple[float, float]]]:
-    """Name and delay of each line, above its middle; of measured elements' delays none."""
+    """Name and delay of each line, with the middle of its course; delay lines of measured elements are left out."""
     for name, line in scene.lines.items():
         size, unit = handy(delay_of(line), "s")
         x, y = ways[name, 0][len(SHARES) // 2]

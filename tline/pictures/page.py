@@ -1,4 +1,4 @@
-"""Reports as pages of HTML that stand alone: headings, tables and pictures; they print well."""
+"""Reports as self-contained HTML pages of headings, tables and pictures; they print well."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -16,21 +16,21 @@ tr,figure,img{break-inside:avoid}h2{break-after:avoid}}"""
 
 
 def page(title: str, parts: Iterable[str]) -> str:
-    """All of a page from its parts, HTML already."""
+    """Compose a page from its parts, which are HTML already."""
     title = escape(title)
     head = f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
     return "\n".join([head, f"<h1>{title}</h1>", *parts, "</html>"])
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], marks: Sequence[str] = ()) -> str:
-    """Cells of text below their headings; marks are attributes of the rows."""
+    """Format cells of text below their headings; marks are attributes of the rows."""
     cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
     lines = [f"<tr{mark}>{row}</tr>" for mark, row in zip(marks or [""] * len(cells), cells, strict=True)]
     return f"<table><tr>{''.join(f'<th>{escape(cell)}</th>' for cell in head)}</tr>{''.join(lines)}</table>"
 
 
 def drawn(draw: Any, *given: Any) -> str:
-    """A picture, or why there is none."""
+    """Return a picture, or the reason why there is none."""
     try:
         return f"<figure>{as_image(draw(*given))}</figure>"
     except InputError as error:  # such as a network too large to be laid out without positions

@@ -1,4 +1,4 @@
-"""A way through the network, over lines and links from node to node."""
+"""Routes through the network, over lines and links from node to node."""
 
 import heapq
 from collections import defaultdict
@@ -27,11 +27,11 @@ class Leg(NamedTuple):
 
 
 class PathStep(NamedTuple):
-    """One step of a path: a way out of a node."""
+    """One step of a path: an edge out of a node."""
 
     line: str  # empty for a link
     forward: bool
-    node: str  # to which it leads
+    node: str  # node at its other end
 
 
 Steps = Mapping[str, Sequence[PathStep]]
@@ -52,7 +52,7 @@ class Route(NamedTuple):
 
     @property
     def labels(self) -> dict[float, str]:
-        """Names by place; nodes that a link joins share one."""
+        """Names by place; nodes connected by a link share one."""
         names: dict[float, str] = {}
         for mark, node in zip(self.marks, self.nodes, strict=True):
             names[mark] = f"{names[mark]}–{node}" if mark in names else node
@@ -60,7 +60,7 @@ class Route(NamedTuple):
 
 
 def route(scene: Scene, *nodes: str) -> Route:
-    """The way of least delay through some nodes; without them the whole chain, if the scene is one.
+    """Find the route of least delay through some nodes; without them the whole chain, if the scene is one.
 
     Links, such as pumps and valves, are passed without a delay.
 
@@ -111,7 +111,7 @@ def route(scene: Scene, *nodes: str) -> Route:
 
 
 def axis(way: Route, scene: Scene) -> tuple[float, str]:
-    """Size of the unit in which people read places of a route, and the label of its axis."""
+    """Size of the unit for places of a route, and the label of its axis."""
     size, unit = handy(way.marks[-1], readable(scene).shown.get(way.unit, way.unit))
     return size, f"{'distance' if way.unit == 'm' else 'delay'} from {way.nodes[0]} [{unit}]"
 
@@ -129,7 +129,7 @@ def _steps(pairs: Iterable[tuple[str, tuple[str, str]]]) -> Steps:
 
 
 def _chain_ends(steps: Steps) -> tuple[str, ...]:
-    """The two ends of a chain; none if the steps are none."""
+    """Ends of a chain; empty if the steps are not a chain."""
     outer = [node for node, here in steps.items() if len(here) == 1]
     connected, grown = set(outer[:1]), set(outer[:1])
     while grown:
@@ -147,7 +147,7 @@ def _no_chain(steps: Steps) -> tuple[str, ...]:
 
 
 def _least_delay(scene: Scene, steps: Steps, start: str, end: str) -> list[PathStep]:
-    """Dijkstra's algorithm."""
+    """Find the path of least delay by Dijkstra's algorithm."""
     came: dict[str, tuple[str, PathStep]] = {}
     waiting, done = [(0.0, start, "", PathStep("", True, start))], set()
     while waiting and end not in done:

@@ -1,4 +1,4 @@
-"""Pages that play: what a script draws of each frame, with play, pause, a slider and keys."""
+"""Animated pages: frames drawn by a script, with play, pause, a slider and keys."""
 
 import html
 import json
@@ -14,7 +14,7 @@ FRAME = 480  # pixels, height in a notebook
 
 
 class Animation:
-    """Something that moves; notebooks play it.
+    """Animation that notebooks play.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class Animation:
         return f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{FRAME}" style="border: 0"></iframe>'
 
     def save(self, filename: str | Path) -> None:
-        """Write it.
+        """Write the animation to a file.
 
         Parameters
         ----------
@@ -57,17 +57,17 @@ class Animation:
 
 
 def player(package: str, script: str, shown: str, data: Mapping[str, Any]) -> str:
-    """The page that plays data.
+    """Compose the page that plays data.
 
     Parameters
     ----------
     package, script : str
-        Where the file is that draws: JavaScript with ``draw(frame, width, height)``.
+        Location of the script: JavaScript with ``draw(frame, width, height)``.
     shown : str
-        What the drawing is of, for those who cannot see it.
+        Description of the drawing, for readers who cannot see it.
     data : mapping of str to Any
         Its ``title``, ``note``, ``keys`` (a sentence's end), ``frames``, and of the clock ``step``, ``decimals`` and
-        ``time``, the unit; and what else the script reads.
+        ``time``, the unit; and further data of the script.
     """
     text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     template = files("tline.pictures").joinpath("player.html").read_text(encoding="utf-8")

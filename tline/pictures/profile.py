@@ -1,4 +1,4 @@
-"""Along a route: extremes of the effort with what bounds them, and images of effort and waves over place and time."""
+"""Effort along a route: extremes with their bounds, and images of effort and waves over place and time."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ PIXELS, WAVE_PIXELS = (700, 900), (300, 600)  # places, instants
 
 @styled
 def plot_profile(result: Result, path: Route) -> Figure:
-    """Envelope of the effort along a route with the state before t = 0, ground, rating and vacuum.
+    """Plot the envelope of the effort along a route with the state before t = 0, ground, rating and vacuum.
 
     Parameters
     ----------
@@ -88,19 +88,19 @@ def plot_profile(result: Result, path: Route) -> Figure:
 
 
 def draw_bounds(axes: Axes, limits: list[Bound]) -> None:
-    """Ground, rating and vacuum, within the limits that the axes have."""
+    """Draw ground, rating and vacuum, within the limits that the axes have."""
     for bound in limits:
         axes.plot(bound.x, bound.effort, label=bound.name, **LOOKS[bound.kind])
         if bound.kind == "ground":
             axes.fill_between(bound.x, bound.effort, axes.get_ylim()[0], color=GROUND, alpha=0.15, linewidth=0)
 
 
-ONE_SIDED = 0.1  # of the range; less than this below or above the start is no reason for two colours
+ONE_SIDED = 0.1  # of the range; below this on either side of the start one colour scale is enough
 
 
 @styled
 def plot_space_time(result: Result, path: Route) -> Figure:
-    """Effort along a route, time running down; white is the state before t = 0 if the effort goes both ways.
+    """Plot the effort along a route, time running down; white is the state before t = 0 if the effort goes both ways.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def plot_space_time(result: Result, path: Route) -> Figure:
 
 
 def _colours(low: float, high: float, start: float) -> tuple[Colormap, Normalize]:
-    """Two colours that part at the state before t = 0, if there is enough on either side of it; else one scale."""
+    """Choose two colours that meet at the state before t = 0, if both sides are wide enough; else one scale."""
     if min(high - start, start - low) > ONE_SIDED * (high - low):
         reach = max(high - start, start - low)
         return LinearSegmentedColormap.from_list("", DIVERGING, N=512), Normalize(start - reach, start + reach)
@@ -138,7 +138,7 @@ def _colours(low: float, high: float, start: float) -> tuple[Colormap, Normalize
 
 
 def plot_line_waves(result: Result, line: str) -> Picture:
-    """Both waves on a line over place and time, which runs down: a leans one way, b the other.
+    """Plot both waves on a line over place and time, which runs down: a leans one way, b the other.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def plot_line_waves(result: Result, line: str) -> Picture:
 
 @styled
 def plot_path_waves(result: Result, way: Route) -> Picture:
-    """Both waves along a route over place and time, which runs down.
+    """Plot both waves along a route over place and time, which runs down.
 
     Parameters
     ----------
@@ -185,14 +185,14 @@ def plot_path_waves(result: Result, way: Route) -> Picture:
 
 
 def _grid(result: Result, way: Route, across: int, down: int) -> tuple[NDArray, NDArray]:
-    """Middles of pixels: places and instants."""
+    """Centres of pixels: places and instants."""
     return (np.arange(across) + 0.5) / across * way.marks[-1], (np.arange(down) + 0.5) / down * float(result.t[-1])
 
 
 def _draw_image(
     axes: Axes, values: NDArray, result: Result, way: Route, colours: Colormap, norm: Normalize
 ) -> AxesImage:
-    """Values over place and time, which runs down, with the names of nodes above."""
+    """Draw values over place and time, which runs down, with the names of nodes above."""
     t_end = float(result.t[-1])
     (second, time_unit), (length, place) = handy(t_end, "s"), axis(way, result.scene)
     look: Any = {"aspect": "auto", "interpolation": "antialiased", "cmap": colours, "norm": norm}

@@ -1,4 +1,4 @@
-"""Pictures of signals on cables: eyes, what a reflectometer sees, crosstalk, Bergeron's diagram."""
+"""Pictures of signals on cables: eyes, time-domain reflectometry, crosstalk, Bergeron's diagram."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,12 +14,12 @@ from tline.signal.tdr import Reflections
 from tline.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, styled
 from tline.units import handy
 
-STEEP = 20.0  # times z0; a higher impedance is off the picture
+STEEP = 20.0  # times z0; higher impedances are outside of the picture
 
 
 @styled
 def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Figure | Axes:
-    """All bits laid upon each other, two wide, the sampling instant in the middle, with height and width of the eye."""
+    """Plot all bits over each other, two wide, the sampling instant in the middle, with height and width of the eye."""
     medium = seen.medium
     n, fine = seen.u.shape
     shift = round((seen.instant / seen.period % 1.0) * fine) - fine  # one bit in front of the sampling instant
@@ -52,7 +52,7 @@ def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Fig
 
 @styled
 def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None, mask: Mask | None = None) -> Figure | Axes:
-    """The contours of an eye at an error rate, and in a figure of its own the bathtubs over time and over thresholds.
+    """Plot the contours of an eye at an error rate, and in a figure of its own the bathtubs over time and thresholds.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None, mask: Mas
     Returns
     -------
     Figure or Axes
-        What was drawn on.
+        Target of the drawing.
     """
     medium = seen.medium
     size, unit = handy(float(np.abs([seen.ones, seen.zeros]).max()), medium.shown["effort"])
@@ -100,7 +100,7 @@ def plot_statistical_eye(seen: StatisticalEye, ax: Axes | None = None, mask: Mas
 
 
 def _fill(axes: Axes, mask: Mask, second: float, size: float, threshold: float) -> None:
-    """A mask around the sampling instant."""
+    """Draw a mask around the sampling instant."""
     corners = mask.corners
     outline = (corners[:, 0] / second, (corners[:, 1] + threshold) / size)
     axes.fill(*outline, facecolor="#888888", edgecolor="#333333", alpha=0.5, zorder=3)
@@ -108,7 +108,7 @@ def _fill(axes: Axes, mask: Mask, second: float, size: float, threshold: float) 
 
 @styled
 def plot_reflections(seen: Reflections, ax: Axes | None = None) -> Figure | Axes:
-    """Waves in units of the step above, impedance below, not on `ax`; high impedances leave the picture."""
+    """Plot waves in units of the step above, impedance below, not on `ax`; high impedances leave the picture."""
     second, time_unit = handy(float(seen.t[-1]), "s")
     drawn, (upper, *rest) = cells_of(ax, 8.0, 5.4, 2, title=seen.title, sharex=True)
     for k, (name, wave) in enumerate((("incident", seen.incident), ("reflected", seen.reflected))):
@@ -134,7 +134,7 @@ def _draw_impedance(lower: Axes, seen: Reflections, second: float) -> None:
 
 @styled
 def plot_crosstalk(seen: Crosstalk, ax: Axes | None = None) -> Figure | Axes:
-    """Voltages of the driven conductor, of the quiet ones (alone on `ax`), and modes of a single pair, over time."""
+    """Plot the driven conductor's voltages, the quiet ones' (alone on `ax`), and modes of a single pair, over time."""
     second, unit = handy(float(seen.t[-1]), "s")
     quiet = {**seen.near, **seen.far}
     modes = seen.pairs if len(seen.pairs) == 2 else ()
@@ -167,13 +167,13 @@ def _draw(axes: Axes, seen: Crosstalk, second: float, waves: dict) -> None:
     axes.margins(x=0)
 
 
-ROOM = 0.15  # of what the states span, on every side
-NUMBERED = 5  # states that are told apart by a number
+ROOM = 0.15  # of the span of the states, on every side
+NUMBERED = 5  # number of states with numbers
 
 
 @styled
 def plot_load_lines(found: Bergeron, ax: Axes | None = None) -> Figure | Axes:
-    """Effort over flow: where a characteristic meets the load line of the end it arrives at is the next state."""
+    """Plot effort over flow: the next state is where a characteristic meets the load line of the end it arrives at."""
     medium = found.medium
     size_u, unit_u = handy(float(np.abs(found.u).max()) or 1.0, medium.shown["effort"])
     size_y, unit_y = handy(float(np.abs(found.y).max()) or 1.0, medium.shown["flow"])
@@ -204,7 +204,7 @@ def _around(values: NDArray) -> tuple[float, float]:
 
 
 def _draw_load_line(axes: Axes, line: LoadLine, colour: str, end: int) -> None:
-    """One load line p u + q y = r across the picture."""
+    """Draw one load line p u + q y = r across the picture."""
     look = {"color": colour, "linestyle": DASHES[end], "label": f"end {end + 1}"}
     if line.p == 0:
         axes.axvline(line.r / line.q, **look)

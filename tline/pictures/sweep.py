@@ -44,7 +44,7 @@ def plot_sweep(found: Sweep, ax: Axes | None = None) -> Figure | Axes:
 
 
 def _cells(found: Sweep, height: float, ax: Axes | None) -> tuple[Figure | Axes, list[Axes]]:
-    """A row of the highest and the lowest effort for each probe."""
+    """Create a row of cells for the highest and the lowest effort of each probe."""
     rows = len(found.probes)
     return cells_of(ax, 8.0, 0.9 + height * rows, rows, 2, found.scene.title)
 
@@ -82,14 +82,14 @@ def _maps(found: Sweep, ax: Axes | None) -> Figure | Axes:
 
 
 def _along(found: Sweep, path: str, values: NDArray) -> tuple[NDArray, str]:
-    """Values of a path in the unit in which they are read, and what to write beside them."""
+    """Values of a path in the unit for display, and the label of their axis."""
     unit = unit_of(found.scene, path)
     size, name = handy(float(np.abs(values).max()), unit) if unit else (1.0, "")
     return values / size, f"{path} [{name}]" if name else path
 
 
 def _efforts(found: Sweep, cell: int) -> tuple[NDArray, str, float]:
-    """Extremes of a cell in the unit in which they are read, what to write beside them, and their estimated error."""
+    """Extremes of a cell in the unit for display, label of their axis, and their estimated error."""
     probe, word = cell // 2, WORDS[cell % 2]
     medium = words(found.scene, "gauge pressure")
     values = found[word][:, probe]
@@ -101,7 +101,7 @@ def _efforts(found: Sweep, cell: int) -> tuple[NDArray, str, float]:
 
 
 def draw_histogram(axes: Axes, values: NDArray, error: float, colour: str) -> None:
-    """Draw a histogram with quantiles; a word where values differ by no more than their error."""
+    """Draw a histogram with quantiles; a text where values differ by no more than their error."""
     if np.ptp(values) <= error:
         middle = float(np.median(values))
         text = f"{middle if abs(middle) > error else 0:.4g} in all runs"

@@ -1,4 +1,4 @@
-"""What the probes of one or several results saw, over time."""
+"""Records of the probes of one or several results, over time."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ from tline.units import handy, to_si
 from tline.words.wording import nearest, shown
 
 WIDTH, HEIGHT, MORE = 8.0, 5.2, 2.2  # inches; more for a third panel
-ONE = 3.6  # for a single panel
+ONE = 3.6  # height of a single panel
 MARGIN = 0.08  # of the range, above and below
 ENTRY = 0.11  # inches per letter in the legend
 LABELS = ("a = u + z0·y, toward end 2", "b = u - z0·y, toward end 1")
@@ -27,7 +27,7 @@ UNIT = re.compile(r"\[(.+)\]$")  # of an axis, in its label
 
 
 class Panel(NamedTuple):
-    """What a panel shows."""
+    """Quantity of a panel."""
 
     of: Quantity
     word: str
@@ -35,7 +35,7 @@ class Panel(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """What one probe of one result saw."""
+    """Record of one probe of one result."""
 
     name: str
     where: str  # the probe
@@ -50,14 +50,14 @@ def plot(
     quantity: str | None = None,
     t: ArrayLike | None = None,
 ) -> Picture:
-    """Effort above, or gauge pressure and head in a scene with elevations, flow below; one curve for each probe.
+    """Plot effort above, or gauge pressure and head in a scene with elevations, flow below; one curve for each probe.
 
     Probes at nodes where no line ends have no flow.
 
     Parameters
     ----------
     results : Result, or mapping of str to Result
-        A finished run; or several of one medium, by the names that stand in the legend.
+        A finished run; or several of one medium, by their names in the legend.
     probes : iterable of str, optional
         Some of the probes.
     quantity : str, optional
@@ -110,7 +110,7 @@ def plot(
 
 @styled
 def plot_waves(result: Result, probe: str | None = None) -> Picture:
-    """Both waves at a probe over time, and the effort, which is half their sum.
+    """Plot both waves at a probe over time, and the effort, which is half their sum.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def plot_waves(result: Result, probe: str | None = None) -> Picture:
     Raises
     ------
     InputError
-        There is no such probe, several and none is named, or no line ends where it stands.
+        There is no such probe, several and none is named, or no line ends at its node.
     """
     if probe is None and len(result.probes) > 1:
         raise InputError("probe", "several, and none is named", nearest("", [*result.probes]))
@@ -154,7 +154,7 @@ def plot_waves(result: Result, probe: str | None = None) -> Picture:
 def draw_probes(
     axes: Axes, result: Result, probes: Iterable[str] | None = None, quantity: str | None = None, label: str = ""
 ) -> Axes:
-    """Draw one quantity of a result on axes, beside what is there and in its units.
+    """Draw one quantity of a result on axes, in addition to their curves and in their units.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def _traces(
 
 
 def _draw(axes: Axes, panel: Panel, traces: list[Trace]) -> dict[str, Line2D]:
-    """Curves of one quantity; in the units of axes that have some."""
+    """Draw the curves of one quantity, in the units of the axes if these have any."""
     numbered = [(k, trace) for k, trace in enumerate(traces, len(axes.lines)) if panel.of.key in trace.values]
     traces, there = [trace for _, trace in numbered], (axes.get_xlabel(), axes.get_ylabel())
     second, time_unit = _unit(there[0]) or handy(max((trace.t[-1] for trace in traces), default=1.0), "s")

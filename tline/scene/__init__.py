@@ -1,4 +1,4 @@
-"""What a user describes: lines, and what stands at and between the nodes where they meet."""
+"""Scenes as a user describes them: lines, and the elements at nodes and between nodes."""
 
 from tline.lazy import lazy
 

@@ -1,4 +1,4 @@
-"""Air valves: they let air in where the pressure falls below the atmosphere's, and out again."""
+"""Air valves: they admit air below atmospheric pressure and release it above."""
 
 from math import inf, pi, sqrt
 from typing import Annotated, Literal
@@ -18,9 +18,9 @@ Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
 
 
 class Air(LawKind):
-    """Constants: effort beyond, pressure outside, areas of inlet, outlet and smaller outlet times speed, pressure over
-    that outside from which the smaller one is open, rate at which the outlet shuts, and its capacity for liquid. States
-    are two volumes, of the air that is there and that it would have outside, and how far a slow outlet is open."""
+    """Law of an air valve; constants: effort outside, pressure outside, areas of inlet, outlet and smaller outlet times
+    speed, excess pressure from which the smaller one is open, closing rate of the outlet, and its capacity for liquid.
+    States: the volume of the air, the volume it would have outside, and the opening of a slow outlet."""
 
     name, unit = "air", "stores.air.air"
     states = 3

@@ -1,4 +1,4 @@
-"""Cables by attenuation, as data sheets have it, and the line that is nearest to such a table."""
+"""Cables by the attenuation of a data sheet, and the line nearest to such a table."""
 
 import re
 from functools import lru_cache
@@ -15,26 +15,26 @@ from tline.scene.element import Element, pair
 from tline.scene.quantity import Frequency, Quantity, Role
 from tline.words.wording import nearest, shown
 
-BAND = 1e3  # by which the loss tangent stays beyond the frequencies of the table
-FINEST = 1e-4  # of a value; a difference that small is none, whatever digits are given
+BAND = 1e3  # factor by which the band of the loss tangent exceeds the table's frequencies at both ends
+FINEST = 1e-4  # relative; smaller differences count as none, whatever the number of digits given
 ROUNDS, DONE, MOST_CHANGE = 60, 1e-9, 0.75  # of linear programs, their last gain, and of a parameter in one of them
-FARTHEST = 0.5  # of a value; a line that far off is none
+FARTHEST = 0.5  # relative; a line farther from the table is refused
 Laws = tuple[tuple[Law, ...], Law]
 TIA = "limits of ANSI/TIA-568-C.2 for horizontal cable at 20 degC"
 
 
 class Sheet(NamedTuple):
-    """A table of attenuation, and what is known of the line: hashable, for lines of one kind are fitted once."""
+    """Table of attenuation and the known quantities of the line; hashable, so that lines of a kind are fitted once."""
 
     frequencies: tuple[float, ...]  # Hz
     nepers: tuple[float, ...]  # per metre
     halves: tuple[float, ...]  # of the last digit, Np/m
     z0: float  # ohm
     speed: float  # m/s
-    resistance: float  # to steady current, ohm/m; 0 if it is not known
+    resistance: float  # for steady current, ohm/m; 0 if it is not known
 
     def attenuation(self, laws: Laws) -> NDArray:
-        """Real part of the propagation constant, Np/m; laws hold what is beside L and C of the lossless line."""
+        """Real part of the propagation constant, Np/m; the laws exclude L and C of the lossless line."""
         series, shunt = laws
         s = 2j * pi * np.array(self.frequencies)
         Z = sum((law.at(s) - s * law.storage for law in series), s * self.z0 / self.speed)
@@ -42,7 +42,7 @@ class Sheet(NamedTuple):
         return np.real(np.sqrt(Z * Y))
 
     def laws(self, p: NDArray) -> Laws:
-        """Surface impedance, loss tangent, square of the resistance that becomes skin effect, resistance beside it."""
+        """Laws of parameters p: surface resistance, loss tangent, square of R at low frequency, series resistance."""
         surface, tangent, square, beside = (*p.tolist(), 0.0, 0.0)[:4]
         f, whole = self.frequencies, 1 / (self.z0 * self.speed)
         middle, band = sqrt(f[0] * f[-1]), (f[0] / BAND, f[-1] * BAND)
@@ -57,7 +57,7 @@ class Sheet(NamedTuple):
         return series[: 2 if beside else 1], shunt
 
     def misses(self, p: NDArray) -> NDArray:
-        """Differences of a line from the table, in halves of a digit."""
+        """Differences between line and table, in halves of the last digit."""
         return (self.attenuation(self.laws(p)) - np.array(self.nepers)) / self._units
 
     @property
@@ -66,7 +66,7 @@ class Sheet(NamedTuple):
 
     @property
     def start(self) -> NDArray:
-        """Parameters of a line of low losses."""
+        """Initial parameters: those of a line with low losses."""
         f, a = np.array(self.frequencies), np.array(self.nepers)
         surface, tangent = np.min(a / np.sqrt(pi * f)) * self.z0, np.min(a / (pi * f)) * self.speed / 2
         return np.array([surface, tangent, surface**2 * f[0], surface * sqrt(f[0]) / 10])
@@ -74,10 +74,10 @@ class Sheet(NamedTuple):
 
 @lru_cache(256)
 def fitted(sheet: Sheet) -> Laws:
-    """Laws of R and L, and of G and C, with as few parameters as reproduce all digits, or nearest to these.
+    """Fit the laws of R, L and of G, C with the fewest parameters that reproduce all digits, or else the nearest ones.
 
-    R goes with √f and G with f; if that is not enough, R begins at a resistance to steady current, and if that is not
-    either, another one is beside it. Their largest difference is the least, by linear programs.
+    R rises with √f and G with f; if that is not enough, R begins at a resistance to steady current, and if that is not
+    either, a constant resistance is added to it. Linear programs minimise the largest difference from the table.
     """
     most = 2 if sheet.resistance else min(4, len(sheet.nepers))
     found = []
@@ -95,7 +95,7 @@ def fitted(sheet: Sheet) -> Laws:
 
 
 def _nearest(sheet: Sheet, p: NDArray) -> NDArray:
-    """Parameters, above zero, whose largest miss is the least, nearly."""
+    """Minimise the largest difference from the table, approximately, over parameters above zero."""
     from scipy.optimize import linprog
 
     for _ in range(ROUNDS):
@@ -118,7 +118,7 @@ def _nearest(sheet: Sheet, p: NDArray) -> NDArray:
     return p
 
 
-DECIBEL = 20 / np.log(10)  # in a neper
+DECIBEL = 20 / np.log(10)  # per neper
 UNITS = "dB/m, dB/100m, dB/km, dB/ft, dB/100ft, dB/kft or dB/mi"
 PER = re.compile(r"dB\s*/\s*(\d{0,4})\s*(m|km|ft|kft|mi)", re.IGNORECASE)
 METRES = {"m": 1.0, "km": 1000.0, "ft": 0.3048, "kft": 304.8, "mi": 1609.344}
@@ -138,9 +138,9 @@ Point = Annotated[tuple[Frequency, Loss], BeforeValidator(_in_decibels), pair("f
 
 
 class Attenuation(Element):
-    """Attenuation at some frequencies, as data sheets have it: R goes with √f, and G with f.
+    """Attenuation at some frequencies, as on a data sheet: R rises with √f, and G with f.
 
-    A third and a fourth parameter, resistances to steady current, are there if all digits cannot be reproduced without.
+    A third and a fourth parameter, resistances to steady current, are added if needed to reproduce all digits.
 
     Examples
     --------
@@ -169,7 +169,7 @@ class Attenuation(Element):
 
     @property
     def frequencies(self) -> NDArray:
-        """In Hz."""
+        """Frequencies, Hz."""
         return np.array([float(f) for f, _ in self.points])
 
     @property
@@ -178,16 +178,16 @@ class Attenuation(Element):
         return np.array([float(a) for _, a in self.points]) / self._metres / DECIBEL
 
     def decibels(self, z0: float, speed: float, resistance: float = 0.0) -> NDArray:
-        """Attenuation of the line, at the frequencies, in the unit of the points; arguments as of `laws`."""
+        """Attenuation of the line at the frequencies, in the unit of the points; arguments as in `laws`."""
         sheet = self._sheet(z0, speed, resistance)
         return sheet.attenuation(fitted(sheet)) * DECIBEL * self._metres
 
     def laws(self, z0: float, speed: float, resistance: float = 0.0) -> Laws:
-        """R and L, and G and C of what the line loses."""
+        """Loss laws of the line: of R and L, and of G and C."""
         return fitted(self._sheet(z0, speed, resistance))
 
     def residual(self, z0: float, speed: float, resistance: float = 0.0) -> float:
-        """Largest relative difference of the line from the points."""
+        """Largest relative difference between the line and the points."""
         return float(np.abs(self.decibels(z0, speed, resistance) / [float(a) for _, a in self.points] - 1).max())
 
     def _sheet(self, *line: float) -> Sheet:
@@ -196,14 +196,14 @@ class Attenuation(Element):
 
 
 def _decimals(typed: float | str) -> int:
-    """Digits behind the point of a number as it was typed."""
+    """Number of digits after the decimal point, as typed."""
     digits, _, power = str(typed).lower().strip().partition("e")
     power = int(power) if power.lstrip("+-").isdigit() else 0
     return len(digits.partition(".")[2]) - power
 
 
 class CableType(NamedTuple):
-    """A cable as its data sheet or standard has it."""
+    """Cable as described by its data sheet or standard."""
 
     z0: str  # characteristic impedance
     velocity_factor: str  # of a front
@@ -246,7 +246,7 @@ TYPES = {
 
 
 def cable_type(name: str) -> CableType:
-    """A cable by its name."""
+    """Look up a cable by its name."""
     if name not in TYPES:
         raise InputError("cable", "not known here", nearest(name, list(TYPES)), shown(name))
     return TYPES[name]

@@ -1,4 +1,4 @@
-"""Losses of cables beside constant resistance and conductance, or by tables of R, L, G and C over frequency."""
+"""Losses of cables in addition to constant resistance and conductance, or tables of R, L, G and C over frequency."""
 
 from functools import lru_cache
 from math import pi, sqrt
@@ -14,7 +14,7 @@ from tline.scene.text_file import beside, read_rows
 
 
 class Skin(Element):
-    """Skin effect by the resistance at one high frequency: above its corner resistance goes like √f."""
+    """Skin effect from the resistance at one high frequency: above its corner the resistance rises with √f."""
 
     resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", above=0)] = Field(
         description="per metre, at that frequency"
@@ -25,13 +25,13 @@ class Skin(Element):
     )
 
     def laws(self, resistance: float) -> list[Law]:
-        """With the resistance to steady current, ohm/m: what goes from one to the other, or both."""
+        """Laws for a resistance to steady current, ohm/m: a transition to the skin effect, or the sum of both."""
         surface = self.resistance / sqrt(pi * self.frequency)
         return [ConstantLoss(resistance), SkinEffect(0.0, surface)] if self.added else [SkinEffect(resistance, surface)]
 
 
 class Wire(Element):
-    """A round wire alone; the other conductor counts as perfect."""
+    """Round wire alone; the other conductor is taken as perfect."""
 
     radius: Annotated[Quantity, Role("radius", "m", above=0)] | None = Field(
         default=None, description="of the wire; half the line's wire_diameter or inner_diameter if not given"
@@ -44,7 +44,7 @@ class Wire(Element):
     )
 
     def law(self, diameter: float | None) -> Law:
-        """Its internal impedance; the diameter of the line's conductor, m, where it is known, tells the radius."""
+        """Internal impedance of the wire; its radius may follow from the diameter of the line's conductor, m."""
         radius = self.radius or (diameter or 0.0) / 2
         if not radius:
             raise InputError("wire", "its radius does not follow", "radius, or wire_diameter of the line")
@@ -56,7 +56,7 @@ class Wire(Element):
 
 
 class LossTangent(Element):
-    """Insulation whose loss tangent hardly depends on frequency between two limits."""
+    """Insulation whose loss tangent hardly depends on frequency within a band."""
 
     value: Annotated[Quantity, Role("loss tangent", "", above=0, at_most=1)] = Field(description="at the frequency")
     frequency: Frequency = Field(description="between the limits")
@@ -64,7 +64,7 @@ class LossTangent(Element):
     high: Frequency = Field(description="above it there is less loss")
 
     def law(self, capacitance: float) -> Law:
-        """With the capacitance that a front meets, F/m; at lower frequencies it is larger."""
+        """Law of the insulation for the capacitance at infinite frequency, F/m; at lower frequencies it is larger."""
         band = float(self.low), float(self.high)
         try:
             return DielectricLoss.before_front(capacitance, float(self.value), float(self.frequency), band)
@@ -78,7 +78,7 @@ Rows = tuple[tuple[float, ...], ...]
 
 
 class CableTable(Element):
-    """Frequencies in ascending order, Hz, R in ohm/m and L in H/m, perhaps G in S/m and C in F/m, in a CSV file.
+    """Table of frequency (ascending, Hz), R in ohm/m, L in H/m, and optionally G in S/m and C in F/m, in a CSV file.
 
     The line is the causal and passive one that is nearest to the table; one that is not within the tolerance of it is
     refused. z0 and delay, which a front meets, are those at infinite frequency.
@@ -92,12 +92,12 @@ class CableTable(Element):
 
     @property
     def series(self) -> Foster:
-        """R and L as a law."""
+        """Law of R and L."""
         return self._laws[0]
 
     @property
     def shunt(self) -> Foster | None:
-        """G and C, if the table has them."""
+        """Law of G and C, if the table has them."""
         return self._laws[1] if len(self._laws) > 1 else None
 
     @model_validator(mode="after")
@@ -111,7 +111,7 @@ class CableTable(Element):
 
 @lru_cache
 def _fitted(rows: Rows, first: int, tolerance: float) -> Foster:
-    """The law of two columns; its errors name them."""
+    """Fit the law of two columns; errors name the columns."""
     names = COLUMNS[5].split(", ")
     try:
         frequencies, loss, storage = ([row[k] for row in rows] for k in (0, first, first + 1))

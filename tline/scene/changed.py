@@ -1,4 +1,4 @@
-"""A scene with other values at dotted paths: only the elements that change are read and checked anew."""
+"""Scenes with other values at dotted paths: only the elements that change are read and checked again."""
 
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -21,15 +21,15 @@ from tline.scene.user_defined import UserElement
 from tline.words.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
-ALONE = "sources", "loads", "links"  # whose elements take their numbers as they are
-NOT_ALONE = Touchstone | MeasuredMultiport | Ibis | UserElement  # made of others by a file, or a user's own
-PLACES = "at", "nodes", "line"  # keys of an element
-SINGLE = 2  # parts of the path of an element
-DERIVED = "heights", "single_lines"  # what a scene has found of itself
+ALONE = "sources", "loads", "links"  # sections whose elements take a changed number on their own
+NOT_ALONE = Touchstone | MeasuredMultiport | Ibis | UserElement  # composed from a file, or defined by a user
+PLACES = "at", "nodes", "line"  # keys that place an element
+SINGLE = 2  # number of parts in the path of an element
+DERIVED = "heights", "single_lines"  # what a scene derives from its elements
 
 
 def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
-    """The element with another number at a path within; None where none stands, or more than it says what is valid."""
+    """Copy an element with another number at a path within; None if there is none, or a check needs the context."""
     first, *rest = keys
     place = _places_of_numbers(type(element)).get(first) if isinstance(element, Element) else None
     if place is None:
@@ -65,7 +65,7 @@ def _places_of_numbers(kind: type[Element]) -> dict[str, tuple[str, Role | None]
 
 @cache
 def _checks(kind: type[Element]) -> tuple[Callable[[Any], Any], ...] | None:
-    """What an element checks of itself once it is read; None if that needs to know where it stands."""
+    """Checks that an element makes of itself after it is read; None if they need to know its place in the scene."""
     known = kind.__pydantic_decorators__
     checks = tuple(each.func for each in known.model_validators.values())
     alone = all(len(signature(check).parameters) == 1 for check in checks)
@@ -77,7 +77,7 @@ Found = dict[str, dict[str, Any]]
 
 
 def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The scene with other values."""
+    """Return the scene with other values."""
     if not isinstance(values, Mapping):
         raise InputError("", "not values by path", "a dict such as {'lines.cable.z0': 60}", shown(values))
     if not values:
@@ -94,7 +94,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
         numbers = _numbers(scene, places, values)
         found = numbers or _elements(scene, places, values)
     except (ValidationError, InputError):
-        return _read_anew(scene, values)  # which tells what is wrong
+        return _read_anew(scene, values)  # which names the mistake
     pairs = [(getattr(scene, part)[name], new) for part, each in found.items() for name, new in each.items()]
     if not numbers and any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
         return _read_anew(scene, values)
@@ -110,7 +110,7 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
 
 def _numbers(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[str, Any]) -> Found | None:
-    """Elements with other numbers in them, by section and name; None if a value is no number in place of another."""
+    """Elements with other numbers, by section and name; None if a value is not a number in place of a number."""
     found: Found = {}
     for path, section, name, *keys in places:
         here = found.setdefault(section, {})
@@ -123,7 +123,7 @@ def _numbers(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[st
 
 
 def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[str, Any]) -> Found:
-    """Elements read anew from their tables with other values in them, by section and name."""
+    """Read elements again from their tables with other values, by section and name."""
     tables: Found = {}
     for path, section, name, *keys in places:
         here = tables.setdefault(section, {})
@@ -134,7 +134,7 @@ def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[s
 
 @lru_cache(maxsize=1024)
 def parts_of(path: str) -> tuple[str, ...]:
-    """The keys of a dotted path, by the rules of TOML.
+    """Split a dotted path into its keys, by the rules of TOML.
 
     Examples
     --------
@@ -155,7 +155,7 @@ def parts_of(path: str) -> tuple[str, ...]:
 
 
 def _read_anew(scene: Scene, values: Mapping[str, Any]) -> Scene:
-    """The same by reading the whole scene again."""
+    """Return the scene with other values by reading the whole scene again."""
     table = deepcopy(scene.table())
     for path, value in values.items():
         section, *names = parts_of(path)
@@ -206,7 +206,7 @@ def _put_element(table: dict[str, Any], path: str, section: str, name: str, valu
 
 
 def _at(mistake: InputError, values: Mapping[str, Any]) -> InputError:
-    """A mistake, told at the path of the value that makes it if it is told elsewhere."""
+    """Report a mistake at the path of the value that causes it."""
     if mistake.where in values or len(values) > 1:
         return mistake
     (path,) = values

@@ -19,12 +19,12 @@ Saturation = Annotated[Quantity, Role("flow", at_least=1e-30, at_most=1e3)]
 Emission = Annotated[Quantity, Role("emission", "", at_least=0.1, at_most=100)]
 MOST_POINTS = 1000  # points of a curve
 COLDEST, HOTTEST = 1.0, 5000.0  # K
-HOTTEST_JUNCTION = 700.0  # times the thermal voltage, beyond which nothing conducts so much
-CURVED = 16  # points from which on a table is taken as a curve: narrower slabs cost less than fronts at all corners
+HOTTEST_JUNCTION = 700.0  # relative to the thermal voltage: largest exponent of the diode law
+CURVED = 16  # number of points from which a table is a curve: narrower slabs cost less than fronts at all corners
 
 
 class Shockley(LawKind):
-    """Constants: effort beyond the element, saturation current, thermal voltage."""
+    """Law of a diode; constants: effort beyond the element, saturation current, thermal voltage."""
 
     name, unit = "diode", "laws.diode.diode"
 
@@ -34,7 +34,7 @@ class Shockley(LawKind):
 
 
 class Reversible(AtNode):
-    """What may point either way."""
+    """Element at a node that may point either way."""
 
     reverse: bool = Field(default=False, description="whether it points from the reference to the node")
 
@@ -66,7 +66,7 @@ Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity,
 
 
 class Tabled(LawKind):
-    """Constants: effort beyond the element, number n, n efforts, n flows."""
+    """Law of a table; constants: effort beyond the element, number n, n efforts, n flows."""
 
     name, unit = "table", "laws.table.table"
     control = "scale"
@@ -101,12 +101,12 @@ class Tabled(LawKind):
 
 
 def _columns(c: Constants) -> NDArray:
-    """Efforts and flows of a table's constants."""
+    """Efforts and flows among the constants of a table."""
     return np.reshape(c[2 : 2 + 2 * int(c[1])], (2, -1))
 
 
 def through_origin(efforts: NDArray, flows: NDArray) -> bool:
-    """Whether straight lines between points, the outer ones continued, meet the origin; neither effort nor flow falls.
+    """Whether the polyline through the points, its ends extended, meets the origin; effort and flow must not fall.
 
     Examples
     --------
@@ -153,7 +153,7 @@ class Curve(NonLinear, Placed):
 
 
 def _read(file: str, info: ValidationInfo) -> tuple[tuple[float, ...], ...]:
-    """Points of a CSV file."""
+    """Read the points of a CSV file."""
     rows = read_rows(beside(file, info), "file", "a point", {2: "two finite numbers with a comma between"})
     if not 2 <= len(rows) <= MOST_POINTS:
         raise InputError("file", f"not the points of a curve in '{file}'", f"2 to {MOST_POINTS} lines", str(len(rows)))

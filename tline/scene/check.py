@@ -1,4 +1,4 @@
-"""What no element can see alone: names that lead nowhere, and elements that exclude each other."""
+"""Checks across elements: names without a target, and elements that exclude each other."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from tline.scene.measure import Probe
     from tline.scene.scene import Scene
 
-SAME_DELAY = 1 + 1e-12  # a slab longer than a delay by less than this is as long
+SAME_DELAY = 1 + 1e-12  # tolerance: a slab that exceeds a delay by less counts as equal
 Ends = Mapping[str, list[str]]  # node -> lines that end there, twice if with both ends
 
 
 def misplaced(data: Mapping[str, Any]) -> list[InputError]:
-    """Elements at nodes where no line ends; works on tables as read, so that other mistakes do not hide these."""
+    """Find elements at nodes where no line ends, in tables as read, so that other mistakes do not hide these."""
     lines, found = _tables(data, "lines"), []
     for section in ("lines", "probes"):
         if section in data and not data[section]:
@@ -64,7 +64,7 @@ def misplaced(data: Mapping[str, Any]) -> list[InputError]:
 
 
 def _ends(line: Mapping[str, Any]) -> list[str]:
-    """The nodes that a line's table names; none if they are no names."""
+    """Nodes named in a line's table; none if they are not names."""
     parts = [line.get("nodes1"), line.get("nodes2")] if "nodes1" in line else [line.get("nodes")]
     if all(isinstance(p, list | tuple) and (len(p) == 2 or "nodes1" in line) and all(map(is_name, p)) for p in parts):
         return [node for part in parts for node in part or ()]
@@ -72,13 +72,13 @@ def _ends(line: Mapping[str, Any]) -> list[str]:
 
 
 def _named(table: Mapping[str, Any]) -> list[str]:
-    """The nodes that a table of a link or a source names; none if they are no names."""
+    """Nodes named in the table of a link or a source; none if they are not names."""
     nodes = table.get("nodes")
     return [*nodes] if isinstance(nodes, list | tuple) and all(map(is_name, nodes)) else []
 
 
 def _joined(data: Mapping[str, Any]) -> list[tuple[str, str, int, str]]:
-    """Nodes that links and sources between nodes name: section, name, place among their nodes, node."""
+    """Nodes named by links and by sources between nodes: section, name, index among their nodes, node."""
     return [
         (section, name, k, node)
         for section in ("links", "sources")
@@ -88,7 +88,7 @@ def _joined(data: Mapping[str, Any]) -> list[tuple[str, str, int, str]]:
 
 
 def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: Counter[str]) -> Iterator[InputError]:
-    """Ends of links, and of sources between nodes, at nodes where nothing else is."""
+    """Find ends of links, and of sources between nodes, at nodes without any other element."""
     there = {*nodes} | {str(table.get("at")) for part in ("sources", "loads") for table in _tables(data, part).values()}
     for section, name, k, node in _joined(data):
         if node not in there and linked[node] == 1:
@@ -97,7 +97,7 @@ def _loose_ends(data: Mapping[str, Any], nodes: list[str], linked: Counter[str])
 
 
 def _dies(data: Mapping[str, Any]) -> set[str]:
-    """Nodes of the dies of IBIS models, which packages part from their pins."""
+    """Nodes of the dies of IBIS models, which packages separate from their pins."""
     return {die_of(name) for name, table in _tables(data, "loads").items() if table.get("kind") == "ibis"}
 
 
@@ -111,10 +111,10 @@ def _tables(data: Mapping[str, Any], section: str) -> dict[str, dict[str, Any]]:
 
 
 def conflict_alike(one: Any, other: Any) -> bool:
-    """Whether of two elements at the same place, each valid alone, either conflicts if both do.
+    """Whether two elements at the same place, each valid alone, exclude the same other elements.
 
-    Of linear ones that depends on what kind they are, and on whether they are shorts or capacitors to a jump; of
-    sources on whether they are ideal; of others on waveforms alone.
+    For linear ones that depends on their kind, and on whether they are shorts or capacitors to a jump; for
+    sources on whether they are ideal; for others on waveforms alone.
     """
     if type(one) is not type(other):
         return False
@@ -130,7 +130,7 @@ def conflict_alike(one: Any, other: Any) -> bool:
 
 
 def conflicts(scene: Scene) -> Iterator[InputError]:
-    """Elements of a scene, each valid alone, that exclude each other; those that are misplaced do not count."""
+    """Find elements, each valid alone, that exclude each other; misplaced ones do not count."""
     ends: dict[str, list[str]] = defaultdict(list)
     for name, line in scene.lines.items():
         for node in line.nodes:
@@ -180,7 +180,7 @@ def _slab(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
 
 
 def _coupled(scene: Scene) -> Iterator[InputError]:
-    """Elements at coupled conductors that are not linear, or that a single line's z0 would make."""
+    """Find matched loads at coupled conductors, and names that their modes need."""
     coupled = {node for line in scene.lines.values() if isinstance(line, Coupled) for node in line.nodes}
     modal = {node for end in ends_of(scene.lines) for node in end.modal}
     modal |= {node.rpartition(",")[0] for node in modal}
@@ -193,7 +193,7 @@ def _coupled(scene: Scene) -> Iterator[InputError]:
 
 
 def _cavities(scene: Scene) -> Iterator[InputError]:
-    """Lines with cavities at places whose height is not known."""
+    """Find lines with cavities at places of unknown height."""
     high = {name for name, site in scene.nodes.items() if site.elevation is not None}
     for name, line in with_cavities(scene.lines).items():
         missing = [node for node in line.nodes if high and node not in high]
@@ -203,7 +203,7 @@ def _cavities(scene: Scene) -> Iterator[InputError]:
 
 
 def _names(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
-    """Names that the parts of lines in stretches have."""
+    """Find names that the parts of lines in stretches need."""
     joining = [*scene.lines.values(), *scene.links.values()] if cut else []
     known = {*scene.lines, *scene.loads, *(node for each in joining for node in each.nodes)}
     for name, stretches in cut.items():
@@ -223,7 +223,7 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
 
 
 def _steady(scene: Scene) -> Iterator[InputError]:
-    """What only a steady start tells."""
+    """Find values that only a steady start determines or allows."""
     for name, load in scene.loads.items():
         if isinstance(load, SurgeTank) and load.level is not None and scene.start != "steady":
             yield InputError(place("loads", name, "level"), "is that of a steady start", "start = 'steady'")
@@ -234,7 +234,7 @@ def _steady(scene: Scene) -> Iterator[InputError]:
 
 
 def _measured(scene: Scene) -> Iterator[InputError]:
-    """Measured one-ports beside loads with states: only alone they are as well conditioned as their fits."""
+    """Find measured one-ports beside rational impedances: only alone are they as well conditioned as their fits."""
     at: dict[str, list[str]] = defaultdict(list)
     for name, load in scene.loads.items():
         if isinstance(load, RationalImpedance):
@@ -282,7 +282,7 @@ def _probe(scene: Scene, where: str, probe: Probe, ends: Ends) -> Iterator[Input
 
 
 def _pair(scene: Scene, where: str, probe: Probe, here: list[str]) -> Iterator[InputError]:
-    """A mode of two coupled conductors needs both, at one end of the only line there or that which is named."""
+    """Check a mode of two coupled conductors: it needs both, at one end of the only line there or of the named one."""
     if probe.beside is None or probe.mode is None:
         missing = "beside" if probe.beside is None else "mode"
         yield InputError(f"{where}.{missing}", "is missing", "beside and mode")

@@ -1,4 +1,4 @@
-"""Coupled conductors: one line with a node for each conductor at either end; and which line a scene's medium takes."""
+"""Coupled conductors: one line with a node per conductor at either end; and the choice of a line model by medium."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
@@ -25,7 +25,7 @@ Nodes = Annotated[tuple[Name, ...], nodes_of(MOST_CONDUCTORS, "one for each cond
 
 
 class OneMode(Element):
-    """What a wave of one mode meets: each conductor's impedance, the delay, and what it loses."""
+    """One mode of a pair of conductors: impedance of each conductor, delay, and losses."""
 
     z0: Annotated[Quantity, Role("z0", "ohm", above=0)] = Field(description="of each conductor against the reference")
     delay: Annotated[Quantity, Role("delay", "s", above=0)] = Field(description="time from end to end")
@@ -39,7 +39,7 @@ class OneMode(Element):
 
 
 class SkinMatrix(Element):
-    """Skin effect by the resistances at one high frequency."""
+    """Skin effect from the resistances at one high frequency."""
 
     resistance: list[RowOfR] = Field(description="matrix, its rows, at that frequency")
     frequency: Frequency = Field(description="far above the corner")
@@ -85,17 +85,17 @@ class Coupled(Element):
 
     @property
     def modes(self) -> Modes:
-        """The modes it carries."""
+        """Modes of the line."""
         return self._modes
 
     @property
     def lines(self) -> list[dict[str, Any]]:
-        """Each mode as a single line's table, without nodes."""
+        """Tables of the modes as single lines, without nodes."""
         return self._lines
 
     @property
     def mixing(self) -> bool:
-        """Whether its losses make modes see each other; then these are those without losses."""
+        """Whether losses couple the modes; the modes are then those of the lossless line."""
         return self._mixing
 
     @property
@@ -105,26 +105,26 @@ class Coupled(Element):
 
     @property
     def shortest(self) -> float:
-        """The delay of its fastest mode, s."""
+        """Delay of the fastest mode, s."""
         return float(self._modes.delay.min())
 
     @property
     def faster_than_light(self) -> bool:
-        """Whether its length is known and too long for its fastest mode."""
+        """Whether the length is known and too long for the fastest mode."""
         return self.length is not None and self.length > self.shortest * LIGHT * (1 + LIGHT_ROUNDING)
 
     @property
     def losses(self) -> None:
-        """None of its own: they are those of its modes."""
+        """No losses of the line as a whole: its modes have them."""
 
     @property
     def parameters(self):
-        """What a single line has.
+        """Parameters of a single line, which coupled conductors do not have.
 
         Raises
         ------
         InputError
-            Always: what asks for it does not know coupled conductors.
+            Always: the caller does not know coupled conductors.
         """
         raise InputError("lines", "coupled conductors are simulated over time, and not known here", "single lines")
 
@@ -153,7 +153,7 @@ class Coupled(Element):
         return self
 
     def _check_modes(self) -> None:
-        """Let each mode be a line of its own, so that what is wrong with one is said at the door."""
+        """Validate each mode as a line of its own, so that its mistakes are reported on input."""
         for k, table in enumerate(self._lines, 1):
             try:
                 Cable.model_validate({"nodes": ("end 1", "end 2")} | table)
@@ -197,7 +197,7 @@ class End(NamedTuple):
 
 
 def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
-    """The ends of all coupled lines, end 1 and end 2 of each in turn."""
+    """Ends of all coupled lines, end 1 and end 2 of each in turn."""
     return [
         End(nodes, tuple(f"{name}, mode {m + 1}, end {end}" for m in range(len(nodes))), line.modes, line.lines)
         for name, line in lines.items()
@@ -207,7 +207,7 @@ def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
 
 
 def single_lines(lines: Mapping[str, SceneLine]) -> Mapping[str, SceneLine]:
-    """The lines, with one for each mode, between nodes of its own, in place of coupled ones."""
+    """Lines, with one for each mode, between nodes of its own, in place of coupled ones."""
     ends = ends_of(lines)
     if not ends:
         return lines
@@ -224,7 +224,7 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
     if "bar" in context:
         context["bar"].update()
     if medium is None:
-        return value  # a mistake of its own; no word on the lines before it is known what they are
+        return value  # a mistake in itself; lines cannot be judged before the medium is known
     kind = Pipe if medium == "hydraulic" else Cable
     if medium == "electrical" and (isinstance(value, Coupled) or (isinstance(value, dict) and "nodes1" in value)):
         kind = Coupled
@@ -236,5 +236,5 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
     return validator(kind).validate_python(value, context=info.context)
 
 
-# Coupled stands in for a line: it has nodes and a shortest delay, and its parameters refuse
+# Coupled takes the place of a line: it has nodes and a shortest delay, and its parameters refuse
 Line = Annotated[SceneLine, Read(_line_of_medium, Pipe | Cable | Coupled)]

@@ -1,4 +1,4 @@
-"""How a scene shows itself: in a few lines of text, and as a drawing."""
+"""Display of a scene: in a few lines of text, and as a drawing."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ if TYPE_CHECKING:
 
     from tline.scene.scene import Scene
 
-WIDTH = 100  # letters of a line of text
+WIDTH = 100  # characters of a line of text
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures"
 
 
 def as_text(scene: Scene) -> str:
-    """A scene in at most six lines: what it is, and the names of its elements."""
+    """Summarise a scene in at most six lines: medium, end time, and names of its elements."""
     title = f" {scene.title!r}" if scene.title else ""
     head = f"<Scene{title}: {scene.medium}, {engineering(float(scene.t_end), 's')}"
     rows = [f"  {section:9}{_names([*getattr(scene, section)])}" for section in SECTIONS if getattr(scene, section)]
@@ -24,7 +24,7 @@ def as_text(scene: Scene) -> str:
 
 
 def as_html(scene: Scene) -> str:
-    """The same below a drawing, which a scene with too many nodes does not have."""
+    """Return the summary as HTML below a drawing, which is left out if the scene has too many nodes."""
     from base64 import b64encode
     from html import escape
 
@@ -39,14 +39,14 @@ def as_html(scene: Scene) -> str:
 
 
 def drawn(scene: Scene) -> Figure:
-    """A drawing of its network: scenes know of no pictures, but the package does."""
+    """Draw the network of a scene; imported here, as scenes do not depend on pictures."""
     import tline as tl
 
     return tl.pictures.plot_network(scene)
 
 
 def _names(names: list[str]) -> str:
-    """Names as far as they fit in a line, and how many there are beside."""
+    """Join names as far as they fit in a line, and the number of those left out."""
     room = WIDTH - 30
     kept: list[str] = []
     for name in names:

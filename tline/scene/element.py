@@ -1,4 +1,4 @@
-"""What all elements of a scene share, and where they stand: at a node, between two, or either."""
+"""Base classes of the elements of a scene, and their placement: at a node, between two, or either."""
 
 from collections.abc import Container, Iterable
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
@@ -25,7 +25,7 @@ from tline.words.wording import shown
 
 
 def is_name(name: Any) -> bool:
-    """Whether this can name an element or a node."""
+    """Whether a value can name an element or a node."""
     return isinstance(name, str) and bool(name.strip()) and name.isprintable()
 
 
@@ -36,7 +36,7 @@ def _readable(name: str) -> str:
 
 
 def words_are_required(schema: dict[str, Any]) -> None:
-    """Kind and shape have defaults in Python, but a file must name them."""
+    """Require kind and shape in a file, although they have defaults in Python."""
     required, properties = schema.setdefault("required", []), schema.get("properties", {})
     for word in sorted(WORDS & properties.keys()):
         properties[word].setdefault("description", f"the {word}")
@@ -47,7 +47,7 @@ Name = Annotated[str, AfterValidator(_readable)]
 
 
 class Element(BaseModel):
-    """A table of a scene file.
+    """Table of a scene file.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class Element(BaseModel):
             found = mistakes(error, type(self), within=self._title())
             raise SceneError(limited(found, error.error_count() - MOST_MISTAKES)) from None
 
-    # elements inside a scene are built without the wrapper above, so that their mistakes are told together
+    # elements inside a scene are built without the wrapper above, so that their mistakes are reported together
     __init__.__pydantic_base_init__ = True  # pyright: ignore[reportFunctionMemberAccess]
 
     @classmethod
@@ -81,11 +81,11 @@ class Element(BaseModel):
         register(cls)
 
     def model_post_init(self, context: Any) -> None:
-        """Count the word that tells kinds apart as given, so that it is always written to a file."""
+        """Count the key that distinguishes kinds as given, so that it is always written to a file."""
         self.model_fields_set.update(type(self).model_fields.keys() & WORDS)
 
     def __eq__(self, other: object) -> bool:
-        """Whether the same was given: all else follows from that."""
+        """Whether both are of one class and were given the same values: all else follows from these."""
         fields = type(self).model_fields
         return type(self) is type(other) and all(getattr(self, name) == getattr(other, name) for name in fields)
 
@@ -103,34 +103,34 @@ class Element(BaseModel):
 
     @classmethod
     def _title(cls) -> str:
-        """Name of the class as it is written."""
+        """Name of the class as written in a scene."""
         return cls.__name__
 
     def __str__(self) -> str:
         return repr(self)
 
     def __dir__(self) -> list[str]:
-        """What belongs to scenes: without what all of pydantic's models have."""
+        """Names of attributes, without those of every pydantic model."""
         return [name for name in super().__dir__() if name.startswith("_") or not hasattr(BaseModel, name)]
 
     def table(self) -> dict[str, Any]:
-        """The element as it stands in a scene file: what was given, as it was typed."""
+        """Table of the element as in a scene file: the values given, as typed."""
         return self.model_dump(by_alias=True, exclude_unset=True)
 
 
 class AtNode(Element):
-    """An element between a node and the reference (earth, or the open air at the node's height)."""
+    """Element between a node and the reference (earth, or the open air at the node's height)."""
 
     at: Name = Field(description="node")
 
     @property
     def terminals(self) -> tuple[str, None]:
-        """Its node, and the reference."""
+        """Node of the element, and the reference."""
         return self.at, None
 
 
 def sequence_of(sizes: Container[int], problem: str, expected: str) -> BeforeValidator:
-    """Refuse what is no list of so many."""
+    """Raise an error unless the value is a list of an allowed length."""
 
     def checked(given: Any) -> Any:
         if not isinstance(given, list | tuple) or len(given) not in sizes:
@@ -141,17 +141,17 @@ def sequence_of(sizes: Container[int], problem: str, expected: str) -> BeforeVal
 
 
 def nodes_of(most: int, words: str) -> BeforeValidator:
-    """Refuse what is no list of nodes, of two or more."""
+    """Raise an error unless the value is a list of at least two nodes."""
     return sequence_of(range(2, most + 1), "not a list of nodes", f"{words}, 2 to {most}")
 
 
 def pair(words: str) -> BeforeValidator:
-    """Refuse what is no pair, in these words."""
+    """Raise an error unless the value is a pair; the words describe its parts."""
     return sequence_of((2,), "not a point", f"a pair [{words}]")
 
 
 def named(what: str, names: Iterable[str], shown_as: Any) -> WrapValidator:
-    """Take one of some names in place of a list, and refuse other texts; the schema shows what may be given."""
+    """Accept one of some names in place of a list, and refuse other texts; the schema shows both."""
 
     def known(value: Any, points: ValidatorFunctionWrapHandler) -> Any:
         if isinstance(value, str) and value not in names:
@@ -165,14 +165,14 @@ def _as_typed(value: Any, points: SerializerFunctionWrapHandler) -> Any:
     return value if isinstance(value, str) else points(value)
 
 
-NAMED = WrapSerializer(_as_typed)  # of what may be such a name
+NAMED = WrapSerializer(_as_typed)  # of values that may be such a name
 
 
 class OneMedium(Element):
-    """An element that only pipes or only cables have."""
+    """Element for pipes only, or for cables only."""
 
     medium: ClassVar[str]
-    instead: ClassVar[str]  # what the other medium has
+    instead: ClassVar[str]  # corresponding elements of the other medium
 
     @field_validator("kind", check_fields=False)
     @classmethod
@@ -187,14 +187,14 @@ TwoNodes = Annotated[tuple[Name, Name], sequence_of((2,), "not two nodes", 'two 
 
 
 class Between(Element):
-    """An element between two different nodes; flow counts positive from the first to the second."""
+    """Element between two different nodes; flow counts positive from the first to the second."""
 
     section: ClassVar[str] = "links"
     nodes: TwoNodes = Field(description="first node, second node")
 
     @property
     def terminals(self) -> tuple[str, str]:
-        """Its nodes."""
+        """Nodes of the element."""
         return self.nodes
 
     @model_validator(mode="after")
@@ -205,10 +205,10 @@ class Between(Element):
 
 
 class Placed(Element):
-    """An element that is a load if it is given `at`, and a link if it is given `nodes`.
+    """Element that is a load if given `at`, and a link if given `nodes`.
 
-    A subclass has the keys that both have. Those that only one has are in a class of their own, given as keyword:
-    ``class Diode(Placed, load=Reversible)``. What is made is a `Diode` of either place.
+    A subclass has the keys of both. The keys of only one are in a class of their own, given as keyword:
+    ``class Diode(Placed, load=Reversible)``. Its instances are `Diode` in either place.
     """
 
     if TYPE_CHECKING:  # of one that is a load, and of one that is a link
@@ -217,14 +217,14 @@ class Placed(Element):
 
         @property
         def terminals(self) -> tuple[str, Any]:
-            """Its nodes, or its node and the reference."""
+            """Nodes of the element, or its node and the reference."""
             return self.nodes
 
     load: ClassVar[type["Placed"]]
     link: ClassVar[type["Placed"]]
 
     def __new__(cls, *args: Any, **data: Any) -> Self:
-        """A load or a link."""
+        """Create a load or a link."""
         if issubclass(cls, AtNode | Between):
             return super().__new__(cls)
         return super().__new__(cls.link if "nodes" in data else cls.load)  # pyright: ignore[reportReturnType, reportArgumentType]
@@ -241,7 +241,7 @@ class Placed(Element):
 
     @classmethod
     def _standing(cls, place: type, name: str) -> Any:
-        """The class of those at such a place."""
+        """Create the subclass for one kind of place."""
         home = {"__module__": cls.__module__, "__qualname__": f"{cls.__qualname__}.{name}", "__doc__": cls.__doc__}
         made = type(cls)(name, (cls, place), home)
         setattr(cls, name, made)  # where it is found again when it has been sent to another process

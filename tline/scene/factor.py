@@ -1,4 +1,4 @@
-"""What scales an element over time: the opening of a valve, the speed of a pump."""
+"""Control signals that scale an element over time: the opening of a valve, the speed of a pump."""
 
 from functools import lru_cache
 from itertools import pairwise
@@ -13,7 +13,7 @@ from tline.scene.quantity import LEVEL
 from tline.scene.shape import Constant, Floats, Shape
 from tline.scene.waveform import Waveform, read_waveform
 
-LOOKS = 1000  # instants at which a curved waveform is looked at
+LOOKS = 1000  # instants at which a curved waveform is sampled
 STROKE_ROUNDING = 1e-9
 PARTS, HALVINGS = 64, 60  # of a smooth piece, and of each part in which a level is passed
 
@@ -23,7 +23,7 @@ ALWAYS = Constant(level=LEVEL.parse(1, ""))
 
 
 def check_range(factor: Shape, t_end: float, most: float) -> None:
-    """Refuse a factor that leaves 0 to `most` before t_end."""
+    """Raise an error if a control signal leaves the range 0 to `most` before t_end."""
     edges = np.unique(np.concatenate([[0.0, t_end], factor.breaks(t_end)]))
     edges = edges[edges <= t_end]
     inside = (edges[:-1] + edges[1:]) / 2 if len(edges) > 1 else edges
@@ -38,7 +38,7 @@ def check_range(factor: Shape, t_end: float, most: float) -> None:
 
 
 class Characterised(Shape):
-    """The share of its capacity that a valve has, by a table of openings and shares; made, not read from files."""
+    """Share of its capacity that a valve has over time, by a table of openings and shares; not read from files."""
 
     opening: SerializeAsAny[Shape]
     shares: tuple[tuple[float, float], ...]
@@ -71,7 +71,7 @@ def _columns(shares: tuple[tuple[float, float], ...]) -> Floats:
 
 
 def _on_straight_pieces(opening: Shape, edges: Floats, levels: Floats) -> Floats:
-    """Instants at which an opening that is straight between edges passes levels."""
+    """Instants at which an opening that is linear between edges crosses levels."""
     ends = np.stack([edges[:-1], edges[1:]], axis=1)
     first, last = opening.value(ends, ends.mean(axis=1, keepdims=True)).T
     piece, k = np.nonzero((first[:, None] > levels) != (last[:, None] > levels))
@@ -80,7 +80,7 @@ def _on_straight_pieces(opening: Shape, edges: Floats, levels: Floats) -> Floats
 
 
 def _on_curves(opening: Shape, edges: Floats, levels: Floats) -> Floats:
-    """Instants at which an opening that is smooth between edges passes levels, by bisection of 64 parts each."""
+    """Instants at which an opening that is smooth between edges crosses levels, by bisection of 64 parts each."""
     found = [np.empty(0)]
     for low, high in pairwise(edges.tolist()):
         inside, parts = np.array((low + high) / 2), np.linspace(low, high, PARTS + 1)

@@ -11,7 +11,7 @@ from tline.scene.user_defined import user_elements
 from tline.words.wording import shown
 
 SPICE, EPANET = (".cir", ".ckt", ".net", ".sp", ".spi"), (".inp",)  # suffixes of files that are imported
-PLAIN = bool, int, float, str, list, tuple, dict  # what TOML knows
+PLAIN = bool, int, float, str, list, tuple, dict  # types that TOML can represent
 
 
 def read_scene(path: str | Path, progress: bool = False, *, confined: bool = False) -> Scene:
@@ -36,7 +36,7 @@ def read_scene(path: str | Path, progress: bool = False, *, confined: bool = Fal
 
 
 def as_scene(given: Scene | str | Path | Mapping[str, Any]) -> Scene:
-    """A scene as it is, what `tline.read` reads, or its tables."""
+    """Convert a path, tables, or a scene to a scene."""
     match given:
         case Scene():
             return given
@@ -50,12 +50,12 @@ def as_scene(given: Scene | str | Path | Mapping[str, Any]) -> Scene:
 
 
 def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:
-    """A scene from tables, as a TOML file holds them; `folder` is where the files it names are looked for."""
+    """Build a scene from tables as in a TOML file; files named in it are relative to `folder`."""
     return Scene(folder, **data)
 
 
 def scene_text(scene: Scene) -> str:
-    """The scene as TOML text, with every value as it was typed; reading it gives an equal scene.
+    """Format a scene as TOML text, with every value as it was typed; reading it gives an equal scene.
 
     User-defined elements appear under the names of their classes, which a file cannot give back.
     """

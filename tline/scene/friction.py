@@ -1,4 +1,4 @@
-"""Friction in pipes, by kinds."""
+"""Friction models of pipes."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,26 +18,26 @@ from tline.scene.quantity import Quantity, Role
 from tline.scene.site import GRAVITY
 from tline.words.wording import nearest, shown
 
-FOOT = 0.3048  # m; Hazen's and Williams' law as EPANET has it is made for feet
+FOOT = 0.3048  # m; the Hazen-Williams law of EPANET is in feet
 
 Viscosity = Annotated[Quantity, Role("dynamic viscosity", "Pa s", above=0)]
 Roughness = Annotated[Quantity, Role("roughness", "m", at_least=0)]
 
 
 class Friction(Element):
-    """What the flow loses at the wall of a pipe."""
+    """Friction at the wall of a pipe."""
 
     def law(self, density: float, area: float) -> Law | None:
-        """What is linear of it, an impedance per metre."""
+        """Linear part of the friction, an impedance per metre."""
         return None
 
     def flow_law(self, density: float, area: float, length: float) -> FlowLaw | None:
-        """What is not linear of it, a drop of pressure per metre of a pipe of that length."""
+        """Non-linear part of the friction, a pressure drop per metre of a pipe of that length."""
         return None
 
 
 class Linear(Friction):
-    """A drop of pressure proportional to the flow."""
+    """Pressure drop proportional to the flow."""
 
     kind: Literal["linear"] = "linear"
     resistance: Annotated[Quantity, Role("resistance per metre", "Pa s/m^4", at_least=0)] = Field(
@@ -59,7 +59,7 @@ class Laminar(Friction):
 
 
 class Zielke(Friction):
-    """Laminar friction, right for changes of any speed (Zielke)."""
+    """Laminar friction with the frequency dependence of unsteady flow (Zielke)."""
 
     kind: Literal["zielke"] = "zielke"
     viscosity: Viscosity = Field(description="dynamic viscosity")
@@ -87,7 +87,7 @@ class ByFlow(Friction):
         return replace(law, square=minor)
 
     def along(self, density: float, area: float) -> FlowLaw:
-        """The drop of pressure per metre by friction."""
+        """Pressure drop per metre by friction."""
         raise NotImplementedError
 
 
@@ -130,7 +130,7 @@ class Manning(ByFlow):
 
 
 class WaterworksDarcy(ByFlow):
-    """Friction as in steady flow, laminar, transitional or turbulent, as EPANET has it (Swamee, Jain, Dunlop)."""
+    """Friction as in steady flow, laminar, transitional or turbulent, as in EPANET (Swamee, Jain, Dunlop)."""
 
     kind: Literal["swamee-jain"] = "swamee-jain"
     viscosity: Viscosity = Field(description="dynamic viscosity")
@@ -152,7 +152,7 @@ class QuasiSteady(Friction):
 
 
 class VardyBrown(QuasiSteady):
-    """The same, and what turbulent friction adds while the flow changes (Vardy, Brown)."""
+    """Quasi-steady friction and the unsteady part of turbulent friction (Vardy, Brown)."""
 
     kind: Literal["vardy-brown"] = "vardy-brown"  # pyright: ignore[reportIncompatibleVariableOverride]
     reynolds: Annotated[Quantity, Role("Reynolds number", "", at_least=2e3, at_most=1e8)] = Field(
@@ -164,7 +164,7 @@ class VardyBrown(QuasiSteady):
 
 
 def darcy(factor: float, density: float, area: float) -> float:
-    """ρ f/(2 d A²), so that the drop of pressure per metre is this times |y| y."""
+    """Coefficient ρ f/(2 d A²) of the pressure drop per metre, which is this times |y| y."""
     return density * factor / (2 * _diameter(area) * area**2)
 
 

@@ -1,4 +1,4 @@
-"""Heights of nodes as pressures: what the weight of the liquid adds on the way down from the highest node."""
+"""Heights of nodes as pressures: the weight of the liquid between the highest node and each of them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tline.words.wording import place
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
-SAME_DENSITY = 1e-9  # densities that differ by less than this, relatively, are equal
+SAME_DENSITY = 1e-9  # relative; smaller differences between densities are ignored
 LISTED = 4  # names
 
 
@@ -34,7 +34,7 @@ class Height(NamedTuple):
 
     @property
     def level(self) -> float:
-        """Piezometric pressure of the liquid that stands still and is filled up to the highest node, Pa."""
+        """Piezometric pressure of the liquid at rest, filled up to the highest node, Pa."""
         return self.per_metre * self.highest if self.highest else 0.0
 
     @property
@@ -44,7 +44,7 @@ class Height(NamedTuple):
         return self.per_metre * drop if drop else 0.0
 
     def below(self, pressure: float) -> float:
-        """A piezometric pressure less the level, Pa; zero if only rounding tells them from each other."""
+        """Piezometric pressure less the level, Pa; zero if the difference is rounding."""
         return below(pressure, self.level)
 
 
@@ -52,7 +52,7 @@ NO_HEIGHT = Height()
 
 
 def below(pressure: float, level: float) -> float:
-    """Their difference; zero if only rounding tells them from each other."""
+    """Difference of pressure and level; zero if it is rounding."""
     difference = float(pressure) - level
     return difference if abs(difference) > 1e-15 * abs(level) else 0.0
 
@@ -75,7 +75,7 @@ def heights_of(scene: Scene) -> dict[str, Height]:
 
 
 def height_mistakes(scene: Scene) -> Iterator[InputError]:
-    """Elevations where the density of the liquid is not known, or is not one."""
+    """Find elevations in a liquid whose density is unknown or not uniform."""
     known = _elevations(scene)
     for nodes, lines in _components(scene) if known else ():
         high = next((node for node in nodes if node in known), None)
@@ -94,7 +94,7 @@ def height_mistakes(scene: Scene) -> Iterator[InputError]:
 
 
 def words(scene: Scene, effort: str = "piezometric pressure") -> Medium:
-    """Words and units of a scene's medium; with elevations efforts have a name that tells which they are."""
+    """Words and units of a scene's medium; with elevations the effort is named after its kind of pressure."""
     medium = readable(scene)
     return medium._replace(effort=effort) if scene.heights else medium
 
@@ -105,7 +105,7 @@ def weight_at(scene: Scene) -> dict[str, float]:
 
 
 def taken_as_zero(scene: Scene) -> list[str]:
-    """Nodes without an elevation at which it matters, in a scene with elevations; a sentence, or none."""
+    """Note, if any, on nodes without an elevation at which it matters, in a scene with elevations."""
     known = _elevations(scene)
     if not known:
         return []
@@ -128,7 +128,7 @@ def _elevations(scene: Scene) -> dict[str, float]:
 
 
 def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:
-    """Those that are known, by line."""
+    """Densities by line, where they are known."""
     found = {name: scene.lines[name].parameters for name in lines}
     return {
         name: float(line.density)

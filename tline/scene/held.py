@@ -1,4 +1,4 @@
-"""What holds the effort of a node or between two nodes, and what cannot stand beside that."""
+"""Prescribed efforts, at a node or between two, and the elements that they exclude."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _Rigid:
         return first == second
 
     def holder(self, terminals: Terminals) -> str:
-        """What holds the effort between terminals that are joined, or is part of what does."""
+        """Element that prescribes the effort between joined terminals, or one of several that do."""
         across = (where for where, others in self._holders if {*others} == {*terminals})
         nodes = {*terminals} - {None}
         return next(across, "") or next(where for where, others in self._holders if nodes.intersection(others))
@@ -47,7 +47,7 @@ class _Rigid:
 
 
 def conflicting_holds(scene: Scene) -> Iterator[InputError]:
-    """Elements across what is held: a second ideal effort, a capacitor, a switch without a resistance."""
+    """Find elements across prescribed efforts: a second ideal effort, a capacitor, a switch without a resistance."""
     held = _Rigid()
     for where, terminals in ideal_efforts(scene):
         if held.joins(terminals):
@@ -100,6 +100,6 @@ def _is_ideal(load: Any) -> bool:
 
 
 def is_capacitive(element: RationalImpedance) -> bool:
-    """Whether the effort across it cannot jump, while it is no short."""
+    """Whether the effort across an element cannot jump, although it is not a short."""
     ratio = element.ratio
     return not ratio.is_zero and ratio.at_infinity() == 0

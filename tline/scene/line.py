@@ -25,7 +25,7 @@ from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
 from tline.scene.vessel import Cavities
 
-STORAGE_MISMATCH = 1e-9  # of a storage, that laws may miss of the lossless line's
+STORAGE_MISMATCH = 1e-9  # relative to a storage; tolerated difference between laws and lossless line
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")
 MATERIALS = {
     "fluid": f"gives density and bulk modulus: {listed(FLUIDS, 'or')}",
@@ -34,7 +34,7 @@ MATERIALS = {
 
 
 class SceneLine(Element):
-    """A line from its end 1 (the first node) to its end 2 (the second)."""
+    """Line from its end 1 (the first node) to its end 2 (the second)."""
 
     nodes: TwoNodes = Field(description="node at end 1, node at end 2")
     vertices: list[Place] | None = Field(
@@ -50,21 +50,21 @@ class SceneLine(Element):
 
     @property
     def shortest(self) -> float:
-        """Its delay, s."""
+        """Delay of the line, s."""
         return self.parameters.delay or 0.0
 
     @property
     def stretches(self) -> int:
-        """Equal ones into which the places of its cavities part it; 1 if it has none."""
+        """Number of equal stretches between its cavities; 1 if it has none."""
         return 1
 
     @property
     def losses(self) -> Losses | None:
-        """What it loses; None if nothing. z0 and delay are what a front sees."""
+        """Losses of the line; None if lossless. z0 and delay are those at infinite frequency."""
         return self._own("_losses")
 
     def _own(self, name: str) -> Any:
-        """A private attribute, found without pydantic's long way to it: networks ask a million lines."""
+        """Read a private attribute, bypassing pydantic's slow look-up: networks read a million."""
         return self.__pydantic_private__[name]  # pyright: ignore[reportOptionalSubscript]
 
     def steady_drop(self, y: float) -> tuple[float, float]:
@@ -91,7 +91,7 @@ class SceneLine(Element):
         return found
 
     def _lose(self, reason: str, series: list[Law], shunt: list[Law], **friction: Any) -> None:
-        """Set the losses; laws bring no storage but what the lossless line has."""
+        """Set the losses; the storage of the laws must not exceed that of the lossless line."""
         (length,) = self._needed(reason, "length")
         inductance = self.parameters.z0 * (self.parameters.delay or 0.0) / length
         self._losses = Losses(
@@ -105,12 +105,12 @@ class SceneLine(Element):
 
 @lru_cache(1024, typed=True)
 def _of_kind(kind: type[HydraulicLine] | type[ElectricalLine], **given: float | str) -> HydraulicLine | ElectricalLine:
-    """A line's parameters, the same for lines that are given alike; networks have many."""
+    """Parameters of a line, cached for lines with equal values; networks have many."""
     return kind(**given)  # pyright: ignore[reportArgumentType]
 
 
 def _stored(storage: float, laws: list[Law]) -> Law:
-    """All laws, and what of the storage is not theirs."""
+    """Sum of all laws, and of the storage that none of them accounts for."""
     if all(isinstance(law, ConstantLoss) for law in laws):
         return ConstantLoss(sum(law.loss for law in laws), storage)
     left = storage - sum(law.storage for law in laws)
@@ -125,7 +125,7 @@ class Creep(Element):
 
 
 class _Pipe(SceneLine):
-    """A pipe: any sufficient set of quantities."""
+    """Pipe: any sufficient set of quantities."""
 
     friction: AnyFriction | None = Field(default=None, description="what the flow loses at the wall, by kind")
     creep: list[Creep] | None = Field(default=None, description="Kelvin-Voigt elements of a wall that creeps")
@@ -159,7 +159,7 @@ class _Pipe(SceneLine):
 
 
 class _Cable(SceneLine):
-    """A cable: any sufficient set of quantities."""
+    """Cable: any sufficient set of quantities."""
 
     resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", at_least=0)] | None = Field(
         default=None, description="to steady current, per metre"
@@ -186,26 +186,26 @@ class _Cable(SceneLine):
 
     @property
     def attenuation_residual(self) -> float:
-        """Largest relative difference of its attenuation from the data sheet's; 0 without one."""
+        """Largest relative difference between its attenuation and the data sheet's; 0 without one."""
         table = self._own("_attenuation")
         return table.residual(*self._front, self._steady_resistance) if table else 0.0
 
     @property
     def fitted_resistance(self) -> float | None:
-        """To steady current, ohm/m, as far as the digits of its attenuation tell it; None where it is known."""
+        """Resistance to steady current, ohm/m, as fitted to the digits of its attenuation; None where it is known."""
         table = None if self._steady_resistance else self._own("_attenuation")
         return sum(law.loss for law in table.laws(*self._front)[0]) if table else None
 
     @property
     def _steady_resistance(self) -> float:
-        """Given, or published of the named cable, ohm/m; 0 without either."""
+        """Resistance to steady current, given or published for the named cable, ohm/m; 0 without either."""
         if self.resistance is None and self.cable is not None:
             return cable_type(self.cable).resistance
         return self.resistance or 0.0
 
     @property
     def _front(self) -> tuple[float, float]:
-        """z0, ohm, and speed, m/s."""
+        """Impedance z0, ohm, and wave speed, m/s."""
         (length,) = self._needed("attenuation", "length")
         return float(self.parameters.z0), length / float(self.parameters.delay or 0.0)
 
@@ -238,7 +238,7 @@ class _Cable(SceneLine):
         return self
 
     def _by_name(self) -> dict[str, str]:
-        """z0 and velocity factor of a cable that is known by name, which must not be given twice."""
+        """Impedance and velocity factor of a named cable, which must not be given twice."""
         self._attenuation = self.attenuation
         if self.cable is None:
             return {}
@@ -250,7 +250,7 @@ class _Cable(SceneLine):
         return {"z0": found.z0, "velocity_factor": found.velocity_factor}
 
     def _attenuate(self, table: Attenuation) -> None:
-        """What a line loses by its attenuation, beside its resistance to steady current."""
+        """Set the losses from the attenuation, including the resistance to steady current."""
         for name in LOSSES:
             if name not in ("resistance", "attenuation", "cable") and getattr(self, name) is not None:
                 raise InputError(name, "is a loss that the attenuation has, too", "one of them")
@@ -258,7 +258,7 @@ class _Cable(SceneLine):
         self._lose("attenuation", [*series], [shunt])
 
     def _by_table(self) -> dict[str, float]:
-        """L and C at infinite frequency by the table, which must not be given twice."""
+        """Inductance and capacitance at infinite frequency by the table, which must not be given twice."""
         if self.tabulated is None:
             return {}
         said = {"inductance": self.tabulated.series.storage, "resistance": 0.0, "skin": 0.0, "wire": 0.0, "earth": 0.0}
@@ -276,7 +276,7 @@ def _optional(role: Role) -> Any:
 
 
 def _model(name: str, base: type[SceneLine], quantities: Iterable[LineQuantity], **others: Any) -> type[SceneLine]:
-    """A table with a key for each quantity a line can be built from, and for what names a material."""
+    """Create a model with a key for each quantity that determines a line, and for materials."""
     fields: dict[str, Any] = {
         q.name: (_optional(Role(q.name, q.unit, above=0)), Field(default=None, description=q.help)) for q in quantities
     }

@@ -1,4 +1,4 @@
-"""What may stand at a node, and between two without a delay of its own: loads and links."""
+"""Loads at a node and links between two nodes, without a delay."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 class NoFlow(AtNode):
-    """An end that lets nothing pass: a closed pipe, an open cable."""
+    """End without flow: a closed pipe, an open cable."""
 
     kind: Literal["closed", "open"]
 
@@ -42,13 +42,13 @@ class NoFlow(AtNode):
 
 
 class Short(AtNode):
-    """An end held at zero effort; of a pipe at zero gauge pressure, open to the air."""
+    """End held at zero effort; of a pipe at zero gauge pressure, open to the air."""
 
     kind: Literal["short"] = "short"
 
 
 class Reservoir(OneMedium, AtNode):
-    """A node held at constant pressure."""
+    """Node held at constant pressure."""
 
     medium, instead = "hydraulic", "a voltage source, or 'short'"
     kind: Literal["reservoir"] = "reservoir"
@@ -58,7 +58,7 @@ class Reservoir(OneMedium, AtNode):
 
 
 class Matched(AtNode):
-    """The one line's own z0: no wave comes back."""
+    """Resistor equal to z0 of the only line at its node: no reflection."""
 
     kind: Literal["matched"] = "matched"
 
@@ -80,5 +80,5 @@ Link = Annotated[Any, OneOf(LINKS, "kind"), *or_user_defined(UserLink)]
 
 
 def linked_pairs(scene: Scene) -> list[tuple[str, str]]:
-    """Any two nodes that a link or a source joins."""
+    """All pairs of nodes connected by a link or a source."""
     return [pair for _, nodes in scene.between for pair in combinations(dict.fromkeys(nodes), 2)]

@@ -1,4 +1,4 @@
-"""Probes, where a run is recorded, and measures, numbers that it reads off what they saw."""
+"""Probes, where a run is recorded, and measures, numbers derived from their records."""
 
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
@@ -15,12 +15,12 @@ from tline.words.wording import shown
 
 
 class Probe(Element):
-    """Where effort, flow and waves are recorded: at a node, or at a position along a line.
+    """Place where effort, flow and waves are recorded: at a node, or at a position along a line.
 
-    At a node where no line ends, or several meet and no `line` says whose flow and waves are meant, that is the effort
-    alone; of a line with both its ends there they are those of end 1. A position is a distance from the line's end 1,
-    or a share of its delay such as "25 %"; the line may have losses. Of a pair of coupled conductors a probe sees the
-    differential mode, u1 - u2 and (i1 - i2)/2, or the common one, (u1 + u2)/2 and i1 + i2.
+    At a node where no line ends, or where several meet and no `line` selects the flow and waves, only the effort is
+    recorded; of a line with both its ends there flow and waves are those of end 1. A position is a distance from the
+    line's end 1, or a share of its delay such as "25 %"; the line may have losses. Of a pair of coupled conductors a
+    probe records the differential mode, u1 - u2 and (i1 - i2)/2, or the common one, (u1 + u2)/2 and i1 + i2.
     """
 
     at: Name | None = Field(default=None, description="node; without `line`, where not one line ends, its effort alone")
@@ -31,7 +31,7 @@ class Probe(Element):
     mode: Literal["differential", "common"] | None = Field(default=None, description="of both: what is recorded")
 
     def fraction(self, line: SceneLine) -> float:
-        """Place on the line as a share of its delay, from 0 at end 1 to 1 at end 2.
+        """Position on the line as a share of its delay, from 0 at end 1 to 1 at end 2.
 
         Raises
         ------
@@ -68,12 +68,12 @@ class Signal(Element):
 
     @property
     def probes(self) -> Iterator[tuple[str, str]]:
-        """Keys and names of the probes that it reads."""
+        """Keys and names of the probes used."""
         return ((key, name) for key, name in (("probe", self.probe), ("minus", self.minus)) if name is not None)
 
 
 class LevelCrossing(Signal):
-    """The instant at which a signal crosses a level."""
+    """Instant at which a signal crosses a level."""
 
     level: Level = Field(description="that is crossed")
     edge: Literal["rise", "fall", "any"] = Field(default="any", description="crossings that count")
@@ -82,7 +82,7 @@ class LevelCrossing(Signal):
 
 
 class Extent(Signal):
-    """A number of a signal over the run or a part of it."""
+    """Number derived from a signal over the run or a part of it."""
 
     kind: Literal["maximum", "minimum", "peak to peak", "mean", "rms", "integral"]
     start: Delay = Field(default=START, description="begin of the part")
@@ -96,7 +96,7 @@ class Extent(Signal):
 
 
 class Instant(LevelCrossing):
-    """The instant at which a signal crosses a level."""
+    """Instant at which a signal crosses a level."""
 
     kind: Literal["crossing"] = "crossing"
 
@@ -111,13 +111,13 @@ class Interval(Element):
 
     @property
     def probes(self) -> Iterator[tuple[str, str]]:
-        """Keys and names of the probes that it reads."""
+        """Keys and names of the probes used."""
         for end in ("start", "stop"):
             yield from ((f"{end}.{key}", name) for key, name in getattr(self, end).probes)
 
 
 class Value(Signal):
-    """A signal at an instant, or when one crosses a level."""
+    """Value of a signal at an instant, or when one crosses a level."""
 
     kind: Literal["value"] = "value"
     at: Delay | None = Field(default=None, description="instant")
@@ -131,7 +131,7 @@ class Value(Signal):
 
     @property
     def probes(self) -> Iterator[tuple[str, str]]:
-        """Keys and names of the probes that it reads."""
+        """Keys and names of the probes used."""
         yield from super().probes
         yield from ((f"when.{key}", name) for key, name in (self.when.probes if self.when else ()))
 

@@ -1,4 +1,4 @@
-"""The two media: what effort and flow are called there, and their units."""
+"""The two media: names of effort and flow, and their units."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Medium(NamedTuple):
     """Words and SI units of a medium."""
 
     name: str
-    effort: str  # what u is
-    flow: str  # what y is
+    effort: str  # name of u
+    flow: str  # name of y
     units: dict[str, str]  # role -> SI unit
     shown: dict[str, str]  # role, or SI unit -> unit people read it in
     no_flow: str  # kind of load that lets nothing pass
@@ -27,7 +27,7 @@ class Medium(NamedTuple):
     written: dict[str, str]  # role, or SI unit -> unit in tables, where that is not SI
 
     def unit(self, quantity: str, written: bool = False) -> tuple[float, str]:
-        """Size and name of the unit in which a role, or what has that SI unit, is read, or stands in files.
+        """Size and name of the unit for a role or an SI unit, in which it is displayed, or written to files.
 
         Examples
         --------
@@ -73,17 +73,17 @@ ELECTRICAL = Medium(
 )
 MEDIA = {medium.name: medium for medium in (HYDRAULIC, ELECTRICAL)}
 SYSTEMS = {"si": (), "us": ("psi", "gpm", "ft", "ft/s", "ft^3", "hp", "ft lbf", "lbf")}
-OTHERS = "m", "m/s", "m^3", "W", "N m", "N", "Hz"  # SI units of what is neither effort nor flow
+OTHERS = "m", "m/s", "m^3", "W", "N m", "N", "Hz"  # SI units of other quantities than effort and flow
 
 
 def readable(scene: Scene) -> Medium:
-    """The medium of a scene, with the units in which it is to be read."""
+    """Medium of a scene, with the units for display."""
     return in_units(scene.medium, scene.units)
 
 
 @cache
 def in_units(medium: str, text: str) -> Medium:
-    """A medium with the units that a text names: a system, units of single quantities, or both.
+    """Medium with the units that a text names: a system, units of single quantities, or both.
 
     Examples
     --------
@@ -110,13 +110,13 @@ def _fits(unit: str, si: str) -> bool:
 
 
 def check_units(text: str, info: ValidationInfo) -> str:
-    """A text that names units of the scene's medium."""
+    """Check a text that names units of the scene's medium."""
     in_units((info.context or {}).get("medium", "hydraulic"), text)
     return text
 
 
 def check_word(kind: str, info: ValidationInfo, role: str) -> str:
-    """The kind of an element, if it is the word of the scene's medium for that role."""
+    """Check that the kind of an element is the word of the scene's medium for that role."""
     medium = MEDIA.get((info.context or {}).get("medium", ""))
     if medium is not None and getattr(medium, role) != kind:
         raise InputError("", f"not a word of {medium.name} scenes", f"'{getattr(medium, role)}'", f"'{kind}'")

@@ -1,4 +1,4 @@
-"""What the validator found wrong, as sentences that name the element and the nearest valid word."""
+"""Validation errors as sentences that name the element and the nearest valid word."""
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial, reduce
@@ -21,11 +21,11 @@ from tline.errors import InputError
 from tline.words.wording import listed, nearest, place, shown
 
 UNKNOWN, MISSING = "unknown key", "is missing"
-WORDS = {"kind", "shape"}  # keys that tell apart what may stand in one place
-MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links, measures or else "", such a value) -> what it chooses
-# where in the validator's locations such a value stands
+WORDS = {"kind", "shape"}  # keys that distinguish the models for one place
+MODELS: dict[tuple[str, str], type[BaseModel]] = {}  # (links, measures or else "", value of such a key) -> model
+# index in the validator's locations of the value
 WORD_AT = {"loads": 2, "links": 2, "measures": 2, "sources": 3, "value": 1}
-MOST_MISTAKES = 100  # sentences; who makes more mistakes than that reads no further
+MOST_MISTAKES = 100  # sentences; further mistakes are counted only
 _WRONG_TYPES = {
     "string_type": ("not a text", "text in quotes"),
     "list_type": ("not a list", ""),
@@ -34,7 +34,7 @@ _WRONG_TYPES = {
 
 
 def register(model: type[BaseModel]) -> None:
-    """Remember the words that choose this model, behind all others."""
+    """Register the words that select this model, after all others."""
     section = getattr(model, "section", "")
     for word in model.model_fields.keys() & WORDS:
         for value in get_args(model.model_fields[word].annotation):
@@ -48,7 +48,7 @@ def mistakes(
     sections: Mapping[str, type[BaseModel]] | None = None,
     within: str = "",
 ) -> list[InputError]:
-    """One InputError per finding, for the first MOST_MISTAKES of them."""
+    """Convert each validation error to an InputError, up to MOST_MISTAKES of them."""
     findings = error.errors(include_url=False)
     sentences = [
         _sentence(finding, root, sections or {}, (within,) if within else ()) for finding in findings[:MOST_MISTAKES]
@@ -59,7 +59,7 @@ def mistakes(
 
 
 def limited(found: list[InputError], untold: int) -> list[InputError]:
-    """Return the first MOST_MISTAKES mistakes, and a sentence that counts the others."""
+    """Return the first MOST_MISTAKES mistakes, and a sentence that counts all others."""
     rest = max(len(found) - MOST_MISTAKES, 0) + max(untold, 0)
     return [*found[:MOST_MISTAKES], InputError("", f"and {rest:,} more mistakes")] if rest else found
 
@@ -81,7 +81,7 @@ def _sentence(
             outer = sections.get(str(location[0]), root) if len(location) > 1 else root
             models = _innermost(chosen or outer, location[(word_at or 1) + 1 : -1] if chosen else location[2:-1])
             known = [*dict.fromkeys(key for model in models for key in keys(model))]
-            if known[0] in ("at", "nodes"):  # what a table is comes next
+            if known[0] in ("at", "nodes"):  # the parts of a table come next
                 known[1:] = sorted(known[1:], key=lambda key: key not in WORDS)
             return InputError(where, UNKNOWN, nearest(str(location[-1]), known))
         case "union_tag_not_found":
@@ -109,7 +109,7 @@ def _sentence(
 
 
 def _innermost(model: type[BaseModel], parts: tuple[str | int, ...]) -> list[type[BaseModel]]:
-    """The models that a table in a table may have, as far as keys and words lead to some."""
+    """Models that a nested table may have, as far as keys and words determine them."""
     models = [model]
     for part in map(str, parts):
         fields = [one.model_fields[part] for one in models if part in one.model_fields]
@@ -119,7 +119,7 @@ def _innermost(model: type[BaseModel], parts: tuple[str | int, ...]) -> list[typ
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:
-    """Models that an annotation mentions."""
+    """Models in an annotation."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     arguments = get_args(annotation)
@@ -128,12 +128,12 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _read(metadata: Iterable[Any]) -> list[type[BaseModel]]:
-    """Models of what a function reads."""
+    """Models of values read by a function."""
     return [model for one in metadata for model in _models_in(getattr(one, "described", None))]
 
 
 def keys(model: type[BaseModel]) -> list[str]:
-    """The keys a table of this model may have."""
+    """Keys that a table of this model may have."""
     return [field.alias or name for name, field in model.model_fields.items()]
 
 
@@ -141,7 +141,7 @@ _building = RLock()
 
 
 def validator(model: type[BaseModel]) -> Any:
-    """The validator of a model, built at its first use, once also where threads meet."""
+    """Validator of a model, built at its first use, once also with several threads."""
     if not model.__pydantic_complete__:
         with _building:
             model.model_rebuild()
@@ -153,7 +153,7 @@ def _validated(model: type[BaseModel], value: Any, info: ValidationInfo) -> Any:
 
 
 class OneOf:
-    """One of several models, told apart by the value of a key."""
+    """One of several models, selected by the value of a key."""
 
     def __init__(self, models: Any, word: str):
         self.models, self.word = get_args(models) or tuple(models), word
@@ -174,7 +174,7 @@ class OneOf:
 
 
 class Read:
-    """A value that a function reads."""
+    """Value read by a function."""
 
     def __init__(self, reader: Callable[[Any, ValidationInfo], Any], described: Any):
         self.reader, self.described = reader, described

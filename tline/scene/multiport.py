@@ -1,4 +1,4 @@
-"""Linear multiports: elements whose ports, each a node and the reference or two nodes, act without a delay."""
+"""Linear multiports: elements without a delay whose ports are each a node and the reference, or two nodes."""
 
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
@@ -13,14 +13,14 @@ from tline.words.wording import shown
 
 MOST_PORTS = 16
 TIGHTEST = 0.999999  # coupling of windings
-ROUNDED = 1e-6  # by which typed decimals may make a matrix larger than a passive one
+ROUNDED = 1e-6  # tolerance for matrices of rounded decimals that exceed a passive one
 TWO_OR_FOUR = sequence_of(
     (2, 4), "not the nodes of two ports", 'two names such as ["a", "b"], or two for each port, ["a", "b", "c", "d"]'
 )
 
 
 class Ports(NamedTuple):
-    """What binds efforts u and flows i into a multiport, with states x: M u + N i = E x, dx/dt = Q x + P u + R i."""
+    """Equations of a multiport in efforts u, flows i and states x: M u + N i = E x, dx/dt = Q x + P u + R i."""
 
     M: NDArray  # (k, k)
     N: NDArray  # (k, k)
@@ -37,7 +37,7 @@ def _memoryless(M: ArrayLike, N: ArrayLike) -> Ports:
 
 
 def floating(grounded: Ports) -> Ports:
-    """The equations of two ports between two nodes each, from those of ports between a node and the reference.
+    """Equations of two ports between two nodes each, from those of ports between a node and the reference.
 
     Each port's effort is that of its first node less that of its second, and its flow leaves at the second.
     """
@@ -59,11 +59,11 @@ class Multiport(Element):
 
     @property
     def is_grounded(self) -> bool:
-        """Whether its ports are between a node and the reference."""
+        """Whether the ports are between a node and the reference."""
         return True
 
     def ports(self) -> Ports:
-        """Its equations, with an effort and a flow for each of its nodes, in their order."""
+        """Equations of the multiport, with an effort and a flow for each node, in the order of its nodes."""
         raise NotImplementedError
 
 
@@ -83,20 +83,20 @@ class _TwoPort(Multiport):
 
     @property
     def is_grounded(self) -> bool:
-        """Whether its ports are between a node and the reference."""
+        """Whether the ports are between a node and the reference."""
         return len(self.nodes) == 2
 
     def ports(self) -> Ports:
-        """Its equations, with an effort and a flow for each of its nodes, in their order."""
+        """Equations of the multiport, with an effort and a flow for each node, in the order of its nodes."""
         return self._grounded() if self.is_grounded else floating(self._grounded())
 
     def _grounded(self) -> Ports:
-        """Its equations with both ports against the reference."""
+        """Equations with both ports against the reference."""
         raise NotImplementedError
 
 
 class Transformer(_TwoPort):
-    """An ideal transformer: u₁ = n·u₂ across its ports, and flow into the first comes out of the second n times.
+    """Ideal transformer: u₁ = n·u₂ across its ports, and i₂ = -n·i₁ with flows into them.
 
     Examples
     --------
@@ -121,7 +121,7 @@ class Transformer(_TwoPort):
 
 
 class Gyrator(_TwoPort):
-    """A gyrator: u₁ = -R·i₂ and u₂ = R·i₁, with flows into it; behind it a capacitor C is an inductor R²·C."""
+    """Gyrator: u₁ = -R·i₂ and u₂ = R·i₁, with flows into it; with a capacitor C behind it an inductor R²·C."""
 
     kind: Literal["gyrator"] = "gyrator"
     resistance: PositiveResistance = Field(description="R, of gyration")
@@ -132,7 +132,7 @@ class Gyrator(_TwoPort):
 
 
 class ControlledSource(_TwoPort):
-    """A source at the second port that the effort across the first commands, and that draws nothing from the first."""
+    """Source at the second port, controlled by the effort across the first, which carries no flow."""
 
     kind: Literal["controlled source"] = "controlled source"
     gain: Annotated[Quantity, Role("gain", "")] | None = Field(
@@ -160,7 +160,7 @@ class ControlledSource(_TwoPort):
 
 
 class CoupledInductors(_TwoPort):
-    """Two windings, each a port: a real transformer without losses.
+    """Two coupled windings, each a port: a real transformer without losses.
 
     Examples
     --------
@@ -183,7 +183,7 @@ class CoupledInductors(_TwoPort):
         return self
 
     def _grounded(self) -> Ports:
-        # states are the windings' currents
+        # states are the currents of the windings
         one, two = map(float, self.inductance)
         mutual, left = float(self.coupling) * np.sqrt(one * two), one * two * (1 - float(self.coupling) ** 2)
         inverse = np.array([[two, -mutual], [-mutual, one]]) / left
@@ -201,7 +201,7 @@ PortNodes = Annotated[tuple[Name, ...], nodes_of(MOST_PORTS, "one for each port"
 
 
 class Junction(Multiport):
-    """A junction of constant scattering: with waves a = u + z0·i into it, b = u - z0·i = S·a come out.
+    """Junction of constant scattering: incident waves a = u + z0·i give outgoing waves b = u - z0·i = S·a.
 
     Circulators, hybrids and power dividers; it loses nothing where S is orthogonal.
 
@@ -230,6 +230,6 @@ class Junction(Multiport):
         return self
 
     def ports(self) -> Ports:
-        """Its equations, with an effort and a flow for each of its nodes, in their order."""
+        """Equations of the junction, with an effort and a flow for each node, in the order of its nodes."""
         S, one = np.array(self.scattering, float), np.eye(len(self.nodes))
         return _memoryless(one - S, -float(self.z0) * (one + S))

@@ -18,7 +18,7 @@ SOME = Quantity("0.5", "")
 
 
 class Leaking(LawKind):
-    """Constants: effort beyond the element, flow at a pressure, that pressure, exponent."""
+    """Law of a leak; constants: effort beyond the element, flow at a pressure, that pressure, exponent."""
 
     name, unit = "leak", "laws.outflow.leak"
     steep = True  # behind an impedance its flow has no Taylor series where it begins
@@ -35,7 +35,7 @@ class Leaking(LawKind):
 
 
 class Demanded(Leaking):
-    """Constants as those of a leak; above the pressure it is met in full."""
+    """Law of a demand, with the constants of a leak; above the pressure it is met in full."""
 
     name, unit = "demand", "laws.outflow.demand"
     control = "pattern"
@@ -50,7 +50,7 @@ class Demanded(Leaking):
 
 
 class Leak(AtNode, OfLiquids):
-    """A leak to the open air: flow·(gauge pressure/reference pressure)^exponent out of the node, nothing in."""
+    """Leak to the open air: flow·(gauge pressure/reference pressure)^exponent out of the node, no inflow."""
 
     kind: Literal["leak"] = "leak"
     flow: Flow = Field(description="flow at the reference pressure")
@@ -63,7 +63,7 @@ class Leak(AtNode, OfLiquids):
 
 
 class Demand(AtNode, OfLiquids):
-    """A demand that is met in full above the required pressure, in part down to the least, and not below.
+    """Demand that is met in full above the required pressure, in part down to the least, and not below.
 
     The share met is ((p - least)/(required - least))^exponent, p the gauge pressure.
 

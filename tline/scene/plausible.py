@@ -1,4 +1,4 @@
-"""What is valid in a scene and yet probably not meant: sentences for the notes of a run."""
+"""Plausibility of a valid scene: sentences on probable mistakes, for the notes of a run."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -13,17 +13,17 @@ from tline.scene.scene import Scene
 from tline.scene.switch import Switch
 from tline.words.wording import place
 
-EVERYDAY = {"ohm", "V", "A", ""}  # units in which a bare number is what people mean
+EVERYDAY = {"ohm", "V", "A", ""}  # units that a bare number commonly has
 LISTED = 3
 
 
 def plausibility_notes(scene: Scene) -> list[str]:
-    """What a user may have overlooked in a scene."""
+    """Notes on probable oversights in a scene."""
     return [*_of_lines(scene), *taken_as_zero(scene), *_idle(scene), *_bare(scene)]
 
 
 def _of_lines(scene: Scene) -> Iterator[str]:
-    """What is odd about the quantities of lines, once for all lines of which it is true."""
+    """Notes on implausible quantities of lines, one for all lines with the same remark."""
     lines = defaultdict(list)
     for name, line in scene.single_lines.items():
         for remark in line.parameters.remarks:
@@ -46,7 +46,7 @@ def _of_lines(scene: Scene) -> Iterator[str]:
 
 
 def _idle(scene: Scene) -> list[str]:
-    """Valves and switches that do not move within the run, and waveforms that begin after it."""
+    """Notes on valves and switches that do not move within the run, and waveforms that begin after it."""
     moves = {place(*at): element.time for at, element in scene.placed if isinstance(element, Switch)}
     begins = {place(part, name): getattr(shape, "at", 0.0) for (part, name, _), shape in scene.waveforms.items()}
     late = [f"{where} ({t:.6g} s)" for where, t in (moves | begins).items() if t >= scene.t_end]
@@ -58,13 +58,13 @@ def _idle(scene: Scene) -> list[str]:
 
 
 def _bare(scene: Scene) -> list[str]:
-    """Texts that are a number and no unit where most people would write one."""
+    """Note on texts with a number but no unit, where a unit is usual."""
     found = [f"{place(*where)} = {quantity.typed!r} ({quantity.unit})" for where, quantity in _without_unit(scene)]
     return [f"taken as SI for want of a unit: {_first(found)}"] if found else []
 
 
 def _without_unit(part: Any) -> list[tuple[tuple[str | int, ...], Quantity]]:
-    """All such quantities in a scene, with the keys that lead to them; only these are spelt out: a network has many."""
+    """Quantities typed without a unit, with the keys that lead to them; others are skipped, as networks have many."""
     if isinstance(part, Quantity):
         bare = isinstance(part.typed, str) and _is_number(part.typed) and part.unit not in {None, *EVERYDAY}
         return [((), part)] if bare else []

@@ -18,7 +18,7 @@ from tline.scene.waveform import PiecewiseLinear
 from tline.words.wording import shown
 
 MOST_OF_A_PARABOLA, LEAST_OF_SUTER = 3, 9  # points
-EFFICIENCY = 0.75  # of which nothing is said
+EFFICIENCY = 0.75  # if none is given
 LAST_OF_ONE = 2.0  # flow without rise over that of the single point of a curve
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
@@ -31,7 +31,7 @@ Quadrants = Annotated[Pairs, named("pump", TABLES, Pairs | Literal["radial"]), N
 
 
 class Pumping(LawKind):
-    """Constants: effort beyond the element, rise at rest, whether a check valve is behind it; see `Pump._constants`."""
+    """Law of a pump; constants: effort beyond, rise at rest, presence of a check valve; see `Pump._constants`."""
 
     name, unit = "pump", "laws.pump.pump"
     control = "speed"
@@ -49,8 +49,8 @@ class Pumping(LawKind):
 
 
 class Running(Pumping):
-    """A pump with inertia, whose state is its speed; one that will run down still runs before, one that will start
-    stands."""
+    """Law of a pump with inertia, whose state is its speed: at the start rated if it will run down, zero if it will
+    start."""
 
     name, unit = "rotor", "stores.rotor.rotor"
     control = "trip"
@@ -66,12 +66,12 @@ class Running(Pumping):
 
 
 class Pump(Between, OfLiquids):
-    """A pump from the first node to the second: rise = N²·h(Q/N), N the speed over the rated one.
+    """Pump from the first node to the second: rise = N²·h(Q/N), N the speed over the rated one.
 
-    The curve h is a parabola through up to three points: of a single point one that shuts off at 4/3 of its rise and
-    has its summit there. From four points on it is a smooth curve that falls through them, which beyond them goes on as
+    The curve h is a parabola through up to three points: for a single point the one with 4/3 of its rise at shut-off,
+    where it has its summit. From four points on h is a smooth falling curve through them, continued beyond them by
     a parabola with its summit at rest. With `quadrants` flow and speed may take either sign while it runs down. A pump
-    that starts stands before, and its motor has one torque up to the rated speed, which it then holds.
+    that starts is at rest before, and its motor has a constant torque up to the rated speed, which it then holds.
     """
 
     kind: Literal["pump"] = "pump"
@@ -158,14 +158,14 @@ class Pump(Between, OfLiquids):
 
     @property
     def largest_power(self) -> float:
-        """Most that the water takes along the curve at rated speed, W, between points as on straight lines."""
+        """Largest hydraulic power along the curve at rated speed, W, with straight lines between points."""
         points = sorted((float(q), float(h)) for q, h in self.curve)
         middles = [((q + r) / 2, (h + k) / 2) for (q, h), (r, k) in pairwise(points)]
         return max(q * h for q, h in (*points, *middles))
 
     @property
     def largest_torque(self) -> float:
-        """Most that it asks for along the curve at rated speed, times that speed, W."""
+        """Largest torque along the curve at rated speed, times that speed, W."""
         forms, borders = self._pieces[0].torques, self._pieces[0].borders
         last = max(float(q) for q, _ in self.curve) * (1 if len(self.curve) > 1 else LAST_OF_ONE)
         return max(
@@ -175,7 +175,7 @@ class Pump(Between, OfLiquids):
         )
 
     def torque(self, speed: NDArray, flow: NDArray) -> NDArray:
-        """Torque that the water takes from a pump with inertia, N m, at speeds over the rated one and flows."""
+        """Torque of the water on a pump with inertia, N m, at speeds over the rated one and flows."""
         found, size = np.zeros_like(speed), np.abs(speed)
         for pieces, here in zip(self._pieces, (speed >= 0, speed < 0), strict=True):
             pump = np.array(pieces.torques)[np.sum(flow[:, None] > size[:, None] * pieces.borders, axis=1)].T
@@ -192,7 +192,7 @@ class Pump(Between, OfLiquids):
         return ElementLaw("rotor", constants, PiecewiseLinear.model_validate({"points": points}))
 
     def _constants(self, energy: float = 0.0, motor: float = 0.0) -> tuple[float, ...]:
-        """Those of the law; twice the energy at rated speed, J, and the power of the motor's torque there, W."""
+        """Constants of the law; twice the energy at rated speed, J, and the power of the motor's torque there, W."""
         forward, back = self._pieces
         pieces = float(len(forward.rises)), float(len(back.rises)), float(motor), 0.0
         check = float(self.check_valve)

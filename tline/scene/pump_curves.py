@@ -1,4 +1,4 @@
-"""Rise and torque of a pump over its flow, piece by piece as its law wants them; and in all four quadrants.
+"""Rise and torque of a pump over its flow, in pieces for its law; and in all four quadrants.
 
 With speed n, flow q, head h and torque b over those of the rated point, h = (n² + q²)·F(φ) and b = (n² + q²)·G(φ),
 where φ is the angle of (n, q) from -π to π (P. Suter, 1966).
@@ -21,12 +21,12 @@ class PumpPieces(NamedTuple):
     torques: Sequence[Form]  # of the torque times the rated speed, W
 
     def flat(self) -> tuple[float, ...]:
-        """Borders, rises and torques, one after the other."""
+        """Borders, rises and torques as one tuple."""
         return (*self.borders, *(x for form in (*self.rises, *self.torques) for x in form))
 
 
 def parabola(at_rest: float, b: float, c: float, sign: float = 1.0) -> PumpPieces:
-    """rise = ±at_rest - b x - c x|x|; all that is not lost by c x|x| comes from the rotor, or goes to it.
+    """Pieces of rise = ±at_rest - b x - c x|x|, with all power except that lost by c x|x| exchanged with the rotor.
 
     The sign is that of the speed.
     """
@@ -35,19 +35,19 @@ def parabola(at_rest: float, b: float, c: float, sign: float = 1.0) -> PumpPiece
 
 
 def backward(forward: PumpPieces) -> PumpPieces:
-    """The same curve of a rotor that turns the other way, by a rise at rest that is as negative; no power."""
+    """Mirror a curve for a rotor that turns backward, with a negative rise at rest and no power."""
     return PumpPieces(
         -forward.at_rest, forward.borders, forward.rises, [(0.0, forward.at_rest, 0.0)] * len(forward.rises)
     )
 
 
 def smooth(points: Sequence[tuple[float, float]], efficiency: float) -> PumpPieces:
-    """A smooth curve that falls through points (flow, rise) of rising flow and falling rise.
+    """Smooth curve that falls through points (flow, rise) of rising flow and falling rise.
 
-    Parabolas of which two join in the middle between two points, so that the slope has no jump (L. L. Schumaker: On
+    Two parabolas join in the middle between two points, so that the slope has no jump (L. L. Schumaker: On
     shape preserving quadratic spline interpolation, SIAM J. Numer. Anal. 20 (1983) 854-864, doi:10.1137/0720057);
-    slopes at points are harmonic means of those beside them. Beyond the outer points the curve goes on as a parabola
-    with its summit at rest, and from rest backward as steeply as at the last point.
+    slopes at points are harmonic means of those of the adjacent intervals. Beyond the outer points the curve continues
+    as a parabola with its summit at rest, and from rest backward as steeply as at the last point.
     """
     x, h = zip(*points, strict=True)
     slopes = _slopes(x, h)
@@ -66,7 +66,7 @@ def smooth(points: Sequence[tuple[float, float]], efficiency: float) -> PumpPiec
 
 
 def _torques(borders: Sequence[float], at_rest: float, rises: Sequence[Form], efficiency: float) -> list[Form]:
-    """Parabolas through the power of the water over the efficiency, at borders and between; lines beyond them."""
+    """Fit parabolas to the power of the water over the efficiency, at and between borders; lines beyond them."""
 
     def power(x: float, rise: Form) -> float:
         return x * max(at_rest + _value(rise, x), 0.0) / efficiency
@@ -92,7 +92,7 @@ def _spline(x: Sequence[float], y: Sequence[float], slopes: Sequence[float]) -> 
 
 
 def _slopes(x: Sequence[float], y: Sequence[float]) -> list[float]:
-    """Slopes at points that keep a spline between them as monotone as they are."""
+    """Slopes at points for a spline as monotone as the points."""
     points = zip(x, y, strict=True)
     steep = [(above - below) / (high - low) for (low, below), (high, above) in pairwise(points)]
     inner = [2 * one * two / (one + two) if one * two > 0 else 0.0 for one, two in pairwise(steep)]
@@ -102,7 +102,7 @@ def _slopes(x: Sequence[float], y: Sequence[float]) -> list[float]:
 
 
 def _around(at: float, value: float, slope: float, bend: float) -> Form:
-    """value + slope (x - at) + bend (x - at)²."""
+    """Expand value + slope (x - at) + bend (x - at)² in powers of x."""
     return value - slope * at + bend * at**2, slope - 2 * bend * at, bend
 
 
@@ -111,13 +111,13 @@ def _value(form: Form, x: float) -> float:
 
 
 class Suter(NamedTuple):
-    """F and G at equal steps of the angle from -π to π."""
+    """Suter's curves F and G at equal steps of the angle from -π to π."""
 
     head: tuple[float, ...]
     torque: tuple[float, ...]
 
 
-# a radial pump, with the figures that ThermoSysPro's library of models has (CentrifugalPump, EDF)
+# a radial pump, with the figures of ThermoSysPro's library of models (CentrifugalPump, EDF)
 RADIAL = Suter(
     (
         0.634, 0.643, 0.646, 0.640, 0.629, 0.613, 0.595, 0.575, 0.552, 0.533, 0.516, 0.505, 0.504, 0.510, 0.512,
@@ -174,7 +174,7 @@ def in_four_quadrants(table: Suter, flow: float, rise: float, efficiency: float)
 
 
 def _forms(values: list[float], ratios: list[float]) -> list[Form]:
-    """Forms of (1 + x²)·F(arctan x) between the angles of a half turn, and beyond the outer ones of these."""
+    """Forms of (1 + x²)·F(arctan x) between the angles of a half turn, and beyond the outer ones."""
     between = [value for pair in pairwise(values[1:-1]) for value in (pair[0], (pair[0] + pair[1]) / 2)] + [values[-2]]
     there = [(1 + x**2) * value for x, value in zip(ratios, between, strict=True)]
     first, last = (
@@ -186,7 +186,7 @@ def _forms(values: list[float], ratios: list[float]) -> list[Form]:
 
 
 def _through(x: list[float], y: list[float]) -> Form:
-    """The parabola through three points, by divided differences."""
+    """Parabola through three points, by divided differences."""
     (x0, x1, x2), (y0, y1, y2) = x, y
     slope = (y1 - y0) / (x1 - x0)
     bend = ((y2 - y1) / (x2 - x1) - slope) / (x2 - x0)

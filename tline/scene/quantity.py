@@ -1,4 +1,4 @@
-"""Numbers with units inside a scene: floats in SI that remember what was typed."""
+"""Numbers with units in a scene: floats in SI that keep the text as typed."""
 
 import re
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ LONGEST = 20  # characters of a whole number
 
 
 class Quantity(float):
-    """A value in SI; ``typed`` is the number or text it was given as, ``unit`` the SI unit, None if any would do.
+    """Value in SI; ``typed`` is the number or text given, ``unit`` the SI unit, None if any is allowed.
 
     Examples
     --------
@@ -31,7 +31,7 @@ class Quantity(float):
     unit: str | None
 
     def __new__(cls, typed: float | str, unit: str | None, where: str = "", *, allow_infinite: bool = False):
-        """Parse what was typed; unit None takes any."""
+        """Parse a number or text; unit None allows any."""
         return _restored(to_si(typed, unit, where, allow_infinite=allow_infinite), typed, unit)
 
     def __reduce__(self):
@@ -52,10 +52,10 @@ def _restored(value: float, typed: float | str, unit: str | None) -> Quantity:
 
 @dataclass(frozen=True)
 class Role:
-    """What a number in a scene stands for: its unit, given or by context, and its range.
+    """Role of a number in a scene: its unit, given or by context, and its range.
 
-    A unit of None is looked up by the role's name among the ``units`` of the validation context; where there is none
-    (an element that is in no scene yet) any unit is taken, and the scene looks again.
+    A unit of None is looked up by the role's name among the ``units`` of the validation context; without a context
+    (an element outside of a scene) any unit is accepted, and the scene checks again.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Role:
     above: float | None = None
     at_most: float = LARGEST
     allow_infinite: bool = False
-    if_negative: str = ""  # what a user who gives a negative value may want instead
+    if_negative: str = ""  # likely alternative for a user who gives a negative value
 
     def read(self, typed: Any, info: ValidationInfo) -> Quantity:
         """Parse and check one value."""
@@ -110,10 +110,10 @@ def _units(info: ValidationInfo) -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Whole:
-    """What makes an int of a scene a whole number within limits; a text of digits will do, a truth value will not."""
+    """Whole number within limits as an int of a scene; a text of digits is accepted, a truth value is not."""
 
     least: int
-    most: int = 2**53  # beyond, doubles leave some out
+    most: int = 2**53  # beyond, doubles skip some
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -141,7 +141,7 @@ Delay = Annotated[Quantity, Role("duration", "s", at_least=0)]
 Frequency = Annotated[Quantity, Role("frequency", "Hz", above=0)]
 TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=0.1)
 Tolerance = Annotated[Quantity, TOLERANCE]
-FIT_TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=1.0)  # of samples: noisy ones are met no better
+FIT_TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=1.0)  # of samples: noise forbids a closer fit
 SECONDS = Role("duration", "s", above=0)
 Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line
@@ -154,6 +154,6 @@ PositiveResistance = Annotated[Quantity, Role("resistance", above=0, if_negative
 Inductance = Annotated[Quantity, Role("inductance", above=0)]
 Capacitance = Annotated[Quantity, Role("capacitance", above=0)]
 Parameter = Annotated[Quantity, Role("parameter")]  # of an expression, which forgets its unit
-LEVEL = Role("level")  # of a waveform; its source says whether it is an effort or a flow
+LEVEL = Role("level")  # of a waveform; its source determines whether it is an effort or a flow
 Level = Annotated[Quantity, LEVEL]
 ZERO = Quantity(0, None)

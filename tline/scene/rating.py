@@ -1,4 +1,4 @@
-"""How much a valve or orifice lets pass: the ways in which data sheets say it."""
+"""Capacity of a valve or orifice, in the forms found on data sheets."""
 
 from math import pi, sqrt
 from typing import Annotated
@@ -10,7 +10,7 @@ from tline.scene.element import Element
 from tline.scene.quantity import Quantity, Role
 
 BAR, PSI = 1e5, 6894.757293168361  # Pa
-WATER = 1000.0  # kg/m³, to which Kv and Cv refer
+WATER = 1000.0  # kg/m³, reference of Kv and Cv
 HOUR, MINUTE, GALLON = 3600.0, 60.0, 3.785411784e-3  # s, s, m³
 WAYS = (
     ({"loss_coefficient"}, {"area"}),
@@ -27,7 +27,7 @@ def _positive(name: str, unit: str) -> Role:
 
 
 class Rated(Element):
-    """An element with flow = C·sqrt(pressure drop), C given in one of the usual ways."""
+    """Element with flow = C·sqrt(pressure drop), C given in one of the usual ways."""
 
     loss_coefficient: Annotated[Quantity, _positive("loss coefficient", "")] | None = Field(
         default=None, description="K: pressure drop over the dynamic pressure, with diameter or area"
@@ -56,7 +56,7 @@ class Rated(Element):
 
     @property
     def capacity(self) -> float | None:
-        """C in m³/s per sqrt(Pa), wide open; None if it is not given."""
+        """Capacity C in m³/s per sqrt(Pa), wide open; None if it is not given."""
         area = self.bore
         if self.loss_coefficient is not None and area is not None:
             return area * sqrt(2 / (self.loss_coefficient * self.density))
@@ -70,12 +70,12 @@ class Rated(Element):
 
     @property
     def bore(self) -> float | None:
-        """Area that K refers to, m²; None if it is not given."""
+        """Area to which K refers, m²; None if it is not given."""
         return pi / 4 * self.diameter**2 if self.diameter is not None else self.area
 
     @property
     def loss(self) -> float:
-        """K, wide open, of a capacity and a section that are given."""
+        """Loss coefficient K, wide open, for a given capacity and section."""
         assert self.capacity is not None
         assert self.bore is not None
         return 2 * (self.bore / self.capacity) ** 2 / self.density

@@ -1,4 +1,4 @@
-"""Rational impedances Z(s): what loads and links with resistance, inductance or capacitance share."""
+"""Rational impedances Z(s): base of loads and links with resistance, inductance or capacitance."""
 
 import math
 import numbers
@@ -47,7 +47,7 @@ class Ratio(NamedTuple):
 
     @classmethod
     def of_fractions(cls, *sides: Sequence[Fraction | int]) -> "Ratio":
-        """That of exact coefficients; leading ones may be zero."""
+        """Reduce exact coefficients, whose leading ones may be zero."""
         common, whole = lcm(*map(attrgetter("denominator"), chain(*sides))), []
         for side in sides:
             first = 0
@@ -58,45 +58,45 @@ class Ratio(NamedTuple):
 
     @classmethod
     def of(cls, function: "RationalFunction") -> "Ratio":
-        """That of a function."""
+        """Return the ratio of a rational function."""
         reduced = function.reduced()
         return cls(*(tuple(map(int, side)) for side in (reduced.numerator, reduced.denominator)))
 
     @property
     def function(self) -> "RationalFunction":
-        """The same for exact arithmetic."""
+        """Rational function with the same coefficients for exact arithmetic."""
         from passivity import RationalFunction
 
         return RationalFunction.from_coefficients(self.numerator, self.denominator)
 
     @property
     def degree(self) -> int:
-        """The larger degree of both."""
+        """Larger degree of numerator and denominator."""
         return max(map(len, self)) - 1
 
     @property
     def is_zero(self) -> bool:
-        """Whether this is a short circuit."""
+        """Whether the impedance is a short circuit."""
         return not any(self.numerator)
 
     def at_zero(self) -> float:
-        """The resistance to a steady flow."""
+        """Resistance to a steady flow."""
         return _quotient(self.numerator[-1], self.denominator[-1]) if self.denominator[-1] else inf
 
     def at_infinity(self) -> float:
-        """The limit at high frequency."""
+        """Limit at high frequency."""
         more = len(self.numerator) - len(self.denominator)
         if more or not self.denominator[0]:
             return inf if more >= 0 else 0.0
         return _quotient(self.numerator[0], self.denominator[0])
 
     def parallel(self, other: "Ratio") -> "Ratio":
-        """The impedance of this beside another."""
+        """Impedance of this in parallel with another."""
         return Ratio.of(self.function.parallel(other.function))
 
 
 def _quotient(a: int, b: int) -> float:
-    """a/b, the largest or smallest float where it is beyond floats and yet neither infinite nor zero."""
+    """Quotient a/b, or the largest or smallest float where it exceeds their range but is neither infinite nor zero."""
     try:
         value = a / b
     except OverflowError:
@@ -106,29 +106,29 @@ def _quotient(a: int, b: int) -> float:
 
 
 class RationalImpedance(Placed):
-    """An element that is a rational impedance between its two terminals."""
+    """Element with a rational impedance between its two terminals."""
 
-    stores: ClassVar[bool] = False  # whether it holds what does not flow through its resistance
+    stores: ClassVar[bool] = False  # whether it stores energy, apart from its resistances
     _ratio: Ratio = PrivateAttr()
     _rational: "RationalFunction | None" = PrivateAttr(default=None)
 
     @property
     def series(self) -> float:
-        """Resistance that all its flow passes."""
+        """Resistance in series with the whole element."""
         return 0.0
 
     @property
     def beside(self) -> float:
-        """Conductance beside the rest."""
+        """Conductance in parallel with the rest."""
         return 0.0
 
     @property
     def ratio(self) -> Ratio:
-        """Z(s) without common factors, exact for the decimals typed."""
+        """Impedance Z(s) without common factors, exact for the decimals typed."""
         return self._ratio
 
     def rational(self) -> "RationalFunction":
-        """Z(s), exact for the decimals typed."""
+        """Impedance Z(s), exact for the decimals typed."""
         if self._rational is None:
             self._rational = self._ratio.function
         return self._rational
@@ -144,7 +144,7 @@ class RationalImpedance(Placed):
 
 @lru_cache(maxsize=1024)
 def exact(value: float) -> Fraction:
-    """The shortest decimal that is this float: what was typed."""
+    """Shortest decimal that gives this float, as it was typed."""
     return Fraction(repr(float(value)))
 
 
@@ -153,13 +153,13 @@ def _as_typed(value: float | str) -> Fraction | float | str:
 
 
 class AnyResistance(AtNode):
-    """A resistance from a node to the reference, zero and infinity included."""
+    """Resistance from a node to the reference, zero and infinity included."""
 
     resistance: LoadResistance = Field(description="effort over flow")
 
 
 class BetweenResistance(RationalImpedance, Between):
-    """A resistance between two nodes."""
+    """Resistance between two nodes."""
 
     resistance: PositiveResistance = Field(description="R")
 
@@ -168,7 +168,7 @@ class BetweenResistance(RationalImpedance, Between):
 
 
 class Resistor(Placed, load=AnyResistance, link=BetweenResistance):
-    """A resistance; at a node zero and infinity included."""
+    """Resistance; at a node zero and infinity included."""
 
     kind: Literal["resistor"] = "resistor"
     if TYPE_CHECKING:  # of both
@@ -176,7 +176,7 @@ class Resistor(Placed, load=AnyResistance, link=BetweenResistance):
 
 
 class Inductor(RationalImpedance):
-    """An inductance, Z(s) = sL."""
+    """Inductance, Z(s) = sL."""
 
     kind: Literal["inductor"] = "inductor"
     stores = True
@@ -187,7 +187,7 @@ class Inductor(RationalImpedance):
 
 
 class Capacitor(RationalImpedance):
-    """A capacitance, Z(s) = 1/(sC): it blocks a steady flow.
+    """Capacitance, Z(s) = 1/(sC), which blocks a steady flow.
 
     Examples
     --------
@@ -217,7 +217,7 @@ class _RLC(RationalImpedance):
 
 
 class Series(_RLC):
-    """R, L and C one after the other, Z(s) = R + sL + 1/(sC); those not given are absent."""
+    """R, L and C in series, Z(s) = R + sL + 1/(sC); those not given are absent."""
 
     kind: Literal["series"] = "series"
     stores = True
@@ -234,7 +234,7 @@ class Series(_RLC):
 
 
 class Parallel(_RLC):
-    """R, L and C side by side, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
+    """R, L and C in parallel, 1/Z(s) = 1/R + 1/(sL) + sC; those not given are absent."""
 
     kind: Literal["parallel"] = "parallel"
     stores = True
@@ -261,7 +261,7 @@ Coefficient = Annotated[int | float | str, BeforeValidator(_number_or_text)]
 
 
 class Impedance(RationalImpedance):
-    """Any rational Z(s): an expression with its parameters, or coefficients with the highest power first.
+    """Rational Z(s): an expression with its parameters, or coefficients with the highest power first.
 
     Examples
     --------
@@ -289,7 +289,7 @@ class Impedance(RationalImpedance):
 
     @classmethod
     def from_system(cls, system: Any, at: str | None = None, nodes: tuple[str, str] | None = None) -> "Impedance":
-        """Z(s) at a node, or between two, from a system of scipy.signal or python-control from flow to effort."""
+        """Create Z(s) at a node, or between two, from a system of scipy.signal or python-control, flow to effort."""
         from passivity import RationalFunction
 
         Z = RationalFunction.from_system(system)

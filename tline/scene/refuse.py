@@ -1,4 +1,4 @@
-"""What something does not know of lines, nodes and sources is refused by name; `what` is that something."""
+"""Refusal of lines, nodes and sources that a caller does not support; `what` names the caller."""
 
 from __future__ import annotations
 
@@ -17,34 +17,34 @@ if TYPE_CHECKING:
 
 
 def refuse_losses(scene: Scene, what: str) -> None:
-    """Refuse lines with losses."""
+    """Raise an error if a line has losses."""
     for name, line in scene.lines.items():
         if line.losses is not None:
             raise InputError(place("lines", name), f"it has losses: {what}", "lossless lines")
 
 
 def refuse_cavities(lines: Mapping[str, SceneLine], what: str) -> None:
-    """Refuse cavities in lines."""
+    """Raise an error if a line has cavities."""
     for name in with_cavities(lines):
         raise InputError(place("lines", name, "cavities"), "is non-linear", f"a line without for {what}")
 
 
 def refuse_coupled(lines: Mapping[str, SceneLine], what: str) -> None:
-    """Refuse coupled conductors."""
+    """Raise an error if a line is of coupled conductors."""
     for name, line in lines.items():
         if isinstance(line, Coupled):
             raise InputError(place("lines", name), f"{what} knows no coupled conductors", "single lines")
 
 
 def refuse_heights(scene: Scene, what: str) -> None:
-    """Refuse elevations of nodes."""
+    """Raise an error if a node has an elevation."""
     for name, site in scene.nodes.items():
         if site.elevation is not None:
             raise InputError(place("nodes", name, "elevation"), "heights are not known here", f"none for {what}")
 
 
 def refuse_floating(sources: Mapping[str, Source], what: str) -> None:
-    """Refuse sources between two nodes."""
+    """Raise an error if a source is between two nodes."""
     for name, source in sources.items():
         if source.nodes is not None:
             raise InputError(place("sources", name), "stands between two nodes", f"one at a node for {what}")

@@ -1,4 +1,4 @@
-"""Regulating valves: they move their opening by themselves, to keep a pressure or a flow."""
+"""Regulating valves: self-acting valves that maintain a pressure or a flow."""
 
 from math import inf, nan
 from typing import Annotated, Literal
@@ -18,10 +18,10 @@ ONE_WAY = {"downstream", "upstream"}
 
 
 class RegulatingValve(CharacterisedValve, Between):
-    """A valve that opens and shuts by itself: pressure reducing, pressure sustaining, flow control, or float valve.
+    """Self-acting valve: pressure reducing, pressure sustaining, flow control, or float valve.
 
-    Its opening x runs at a rate (set - value)/(band·time_constant) for a pressure behind it or a flow, with the
-    opposite sign for a pressure in front of it. That of a float valve, behind which the tank stands, runs to
+    The opening x moves at a rate (set - value)/(band·time_constant) for a flow or the pressure downstream, and with the
+    opposite sign for the pressure upstream. In a float valve, with the tank downstream, x moves towards
     (set - value)/band, within 0 and 1: it is shut at the set pressure, and wide open a band below.
 
     References
@@ -51,7 +51,7 @@ class RegulatingValve(CharacterisedValve, Between):
 
     @property
     def has_set(self) -> bool:
-        """Whether it is said what it keeps."""
+        """Whether the set value is given."""
         return (self.set_flow if self.keeps == "flow" else self.set_pressure) is not None
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""A scene: lines, sources, loads and probes, an end time, and how finely to compute."""
+"""Scenes: lines, sources, loads and probes, an end time, and the accuracy."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -47,11 +47,11 @@ from tline.words.wording import place, shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SHORT = 1e-30  # s, an end time in place of a bad one, so short that no waveform has too many breaks
+SHORT = 1e-30  # s, replaces an invalid end time; so short that no waveform has too many breaks
 
 
 class Scene(Element):
-    """What a user describes; immutable, and valid once it exists.
+    """Description of a network and its run; immutable, and valid once it exists.
 
     Parameters
     ----------
@@ -156,7 +156,7 @@ class Scene(Element):
 
     @model_validator(mode="after")
     def _take_apart(self):
-        """Put what elements from files are made of beside them: lines of delays, tables and packages of drivers."""
+        """Add the parts of elements from files: lines of delays, tables and packages of drivers."""
         for (part, name), element in self.composed.items():
             own = place(part, name)
             elements: dict[str, Any] = self.loads if part == "loads" else self.links
@@ -172,7 +172,7 @@ class Scene(Element):
 
     @model_serializer(mode="wrap")
     def _as_given(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without the parts of elements from files."""
+        """Serialise without the parts of elements from files."""
         table = handler(self)
         for section, name in self._parts:
             table.get(section, {}).pop(name, None)
@@ -184,22 +184,22 @@ class Scene(Element):
         return table
 
     def table(self) -> dict[str, Any]:
-        """The scene as it stands in a file, but for user-defined elements, which are given as they are."""
+        """Table of the scene as in a file, except that user-defined elements remain objects."""
         return self._as_file({})
 
     def with_lines(self) -> dict[str, Any]:
-        """The same, but pipes are as they are, which `Scene` takes without reading them again."""
+        """Table of the scene with pipes as objects, which `Scene` takes without reading them again."""
         return self._as_file({"lines": dict(self.lines)} if self.medium == "hydraulic" and not self._parts else {})
 
     def _as_file(self, known: dict[str, Any]) -> dict[str, Any]:
-        """The table with some sections that are known, and user-defined elements as they are."""
+        """Table with some sections given, and user-defined elements as objects."""
         table = self.model_dump(by_alias=True, exclude_unset=True, exclude={*known}) | known
         for (part, name), element in user_elements(self).items():
             table[part][name] = element
         return table
 
     def change(self, values: Mapping[str, Any]) -> "Scene":
-        """The scene with other values.
+        """Return the scene with other values.
 
         Parameters
         ----------
@@ -235,7 +235,7 @@ class Scene(Element):
         return changed(self, values)
 
     def to_toml(self) -> str:
-        """The scene as the text of a TOML file, with every value as it was typed.
+        """Format the scene as the text of a TOML file, with every value as it was typed.
 
         Reading the text gives an equal scene, where the files that it names lie. User-defined elements appear under the
         names of their classes, which a file cannot give back.
@@ -245,11 +245,11 @@ class Scene(Element):
         return scene_text(self)
 
     def plot(self) -> "Figure":
-        """A drawing of the network; see `tline.pictures.plot_network`."""
+        """Draw the network; see `tline.pictures.plot_network`."""
         return drawn(self)
 
     def passivity_model(self, kind: str) -> object:
-        """For `passivity.is_positive_real` and `is_bounded_real`: what it takes up, a sum over its parts."""
+        """Power taken up, a sum over the parts, for `passivity.is_positive_real` and `is_bounded_real`."""
         import tline as tl
 
         return tl.frequency.taken_power(self)
@@ -261,17 +261,17 @@ class Scene(Element):
         return as_html(self)
 
     def with_changes(self, **tables: Any) -> "Scene":
-        """The scene with other tables in place of some, and files looked for where they were."""
+        """Replace some tables; the folder of files stays the same."""
         return Scene(self._folder, **self.with_lines() | tables)
 
     @property
     def folder(self) -> Folder:
-        """Where files that it names are looked for."""
+        """Folder in which the files named in the scene are looked for."""
         return self._folder
 
     @cached_property
     def single_lines(self) -> Mapping[str, SceneLine]:
-        """The lines that carry waves: single ones, and one for each mode of coupled conductors."""
+        """Lines that carry waves: single ones, and one for each mode of coupled conductors."""
         return single_lines(self.lines)
 
     @cached_property
@@ -280,7 +280,7 @@ class Scene(Element):
         return heights_of(self)
 
     def height(self, probe: str) -> Height:
-        """Height of a probe; inside a line on the straight line between those of its ends."""
+        """Height of a probe; inside a line interpolated linearly between its ends."""
         if self.medium == "electrical":
             return Height()
         name = self.probed_line(probe)
@@ -310,17 +310,17 @@ class Scene(Element):
 
     @property
     def composed(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport | Ibis]:
-        """Each element that a file makes of several others, by section and name."""
+        """Each element that a file composes of several others, by section and name."""
         return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport | Ibis)}
 
     @property
     def parts(self) -> set[tuple[str, str]]:
-        """Those others, by section and name."""
+        """Elements made by the composed ones, by section and name."""
         return self._parts
 
     @property
     def delay_lines(self) -> set[str]:
-        """Names of the lines that are delays of these."""
+        """Names of the delay lines of measured elements."""
         return {line for element in self.measured.values() for line in element.delay_lines}
 
     @property
@@ -329,12 +329,12 @@ class Scene(Element):
         return {at: element.law() for at, element in self.placed if isinstance(element, NonLinear)}
 
     def check_linear(self, what: str, besides: type | UnionType | tuple[()] = ()) -> None:
-        """Refuse a scene with a non-linear element, or one between nodes, but for a kind of link that is allowed.
+        """Raise an error if the scene has non-linear elements, cavities, or links other than an allowed kind.
 
         Raises
         ------
         InputError
-            Naming the first, and what it is that does without.
+            With the name of the first, and of the caller that does not support it.
         """
         for part, name in self.laws:
             raise InputError(place(part, name), "is non-linear", f"a linear scene for {what}")
@@ -345,11 +345,11 @@ class Scene(Element):
 
     @property
     def waveforms(self) -> dict[tuple[str, str, str], Shape]:
-        """All that is prescribed over time, by section, name and key."""
+        """Prescribed waveforms by section, name and key."""
         return self.prescribed(self.laws)
 
     def prescribed(self, laws: Mapping[tuple[str, str], ElementLaw]) -> dict[tuple[str, str, str], Shape]:
-        """What is prescribed over time, with these laws."""
+        """Prescribed waveforms by section, name and key, with these laws."""
         given = {("sources", name, "value"): source.value for name, source in self.sources.items()}
         for (part, name), law in laws.items():
             if law.factor is not None:
@@ -357,7 +357,7 @@ class Scene(Element):
         return given
 
     def probed_line(self, probe: str) -> str | None:
-        """Name of the line that a probe is on, or of the only one that ends at it; None where several do, or none."""
+        """Name of the line of a probe, or of the only one that ends at its node; None if several do, or none."""
         place = self.probes[probe]
         ends = [] if place.line else [name for name, line in self.lines.items() if place.at in line.nodes]
         here = [*{*ends} - self.delay_lines] if len(ends) > 1 else ends
@@ -365,7 +365,7 @@ class Scene(Element):
 
 
 def _sound_part(data: dict[str, Any], error: ValidationError, context: dict[str, Any]) -> Scene | None:
-    """The scene without its bad elements, to see what the others do to each other; None if a line is bad."""
+    """Scene without its invalid elements, for checks of the others; None if a line is invalid."""
     bad = {finding["loc"][:2] for finding in error.errors(include_url=False)}
     keys = {str(place[0]) for place in bad if place}
     if "units" not in context or keys & {"lines", "medium"}:

@@ -1,6 +1,6 @@
 """Waveforms of sources: smooth pieces between breaks.
 
-A waveform is evaluated at instants t *as seen from* an instant inside one of its smooth pieces, so that a jump has two
+A waveform is evaluated at instants t *relative to* an instant inside one of its smooth pieces, so that a jump has two
 sides and rounding never picks the wrong one. ``breaks`` lists the jumps and corners.
 """
 
@@ -17,12 +17,12 @@ Floats = NDArray[np.floating]
 
 
 class Shape(Element):
-    """What all waveforms share."""
+    """Base of all waveforms."""
 
     def breaks(self, t_end: float) -> Floats:
         """Instants at which the waveform jumps or has a corner, sorted: at least those before t_end that matter.
 
-        Of a periodic waveform those before t = 0 are left out, but for one period: all that a steady start asks for.
+        Those of a periodic waveform before t = 0 are left out, but for one period, as a steady start needs it.
         """
         raise NotImplementedError
 
@@ -36,7 +36,7 @@ class Shape(Element):
 
 
 class Constant(Shape):
-    """The same value for ever; in a scene file the plain number or text."""
+    """Constant value; in a scene file the plain number or text."""
 
     shape: Literal["constant"] = "constant"
     level: Level = Field(description="the value")
@@ -56,7 +56,7 @@ class Constant(Shape):
 
 
 class Lowered(Shape):
-    """A waveform less a constant; made, not read from files."""
+    """Waveform less a constant; not read from files."""
 
     waveform: SerializeAsAny[Shape]
     by: float
@@ -72,7 +72,7 @@ class Lowered(Shape):
 
 
 class Step(Shape):
-    """A jump from one level to another."""
+    """Jump from one level to another."""
 
     shape: Literal["step"] = "step"
     from_: Level = Field(default=ZERO, alias="from", description="level before the jump")

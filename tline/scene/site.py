@@ -1,4 +1,4 @@
-"""Where a node is: its height, and its place on a map."""
+"""Sites of nodes: their heights, and their places on a map."""
 
 from typing import Annotated, Any
 
@@ -25,9 +25,9 @@ Place = Annotated[tuple[float, float], BeforeValidator(_pair)]
 class Site(Element):
     """Height and place of a node.
 
-    In a scene with elevations the effort u is the piezometric pressure, density·g·head, with g = 9.80665 m/s²: the same
-    along a pipe at rest whatever its slope. Reservoirs and sources of pressure prescribe it. What leads to the open air
-    sees the gauge pressure at its node, u - density·g·elevation.
+    In a scene with elevations the effort u is the piezometric pressure, density·g·head, with g = 9.80665 m/s²: constant
+    along a pipe at rest whatever its slope. Reservoirs and sources of pressure prescribe it. Elements open to the air
+    see the gauge pressure at their node, u - density·g·elevation.
     """
 
     elevation: Annotated[Quantity, Role("length", "m")] | None = Field(

@@ -1,4 +1,4 @@
-"""How finely a scene is computed: to a tolerance, or with order and slab by hand."""
+"""Accuracy of a scene's run: a tolerance, or order and slab by hand."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from tline.scene.quantity import Duration, Tolerance, Whole
 
 
 class Solver(Element):
-    """How accurate a run is to be, or order and slab width, where they are to be fixed by hand."""
+    """Accuracy of a run, or order and slab width, where they are to be fixed by hand."""
 
     tol: Tolerance | None = Field(
         default=None, description="largest error of a probe at slab ends, relative to its amplitude"

@@ -22,7 +22,7 @@ UNITS = {word: m.units[role] for m in MEDIA.values() for word, role in ((m.effor
 
 
 def _waveform(value: Any, info: ValidationInfo) -> Shape:
-    """A waveform whose levels have the unit of the source's kind."""
+    """Read a waveform whose levels have the unit of the source's kind."""
     return read_waveform(value, UNITS.get(info.data.get("kind", "")), info)
 
 
@@ -32,19 +32,19 @@ def _placed_once(schema: dict[str, Any]) -> None:
 
 
 class Source(Element):
-    """An effort in series with its resistance, or a flow with the resistance beside it.
+    """Effort in series with its resistance, or flow with the resistance in parallel.
 
     Parameters
     ----------
     at : str
         Node of a source against the reference.
     nodes : pair of str
-        Instead of `at`, plus and minus of a source between two nodes: the effort is by how much that of the first
-        exceeds that of the second, and a flow is driven out of the second into the first.
+        Instead of `at`, plus and minus of a source between two nodes: the effort is that of the first less
+        that of the second, and a flow is driven out of the second into the first.
     kind : str
         "pressure" or "flow" in a hydraulic scene, "voltage" or "current" in an electrical one.
     value : number, text or waveform
-        What is prescribed; a flow is counted into the (first) node. A pressure is piezometric if nodes have elevations.
+        Prescribed value; a flow is counted into the (first) node. A pressure is piezometric if nodes have elevations.
     resistance : number or text
         Internal resistance; without it an effort has none, and a flow an infinite one.
 
@@ -75,7 +75,7 @@ class Source(Element):
 
     @property
     def terminals(self) -> tuple[str, str | None]:
-        """Its plus and its minus; None for the reference."""
+        """Plus and minus of the source; None for the reference."""
         return (self.at or "", None) if self.nodes is None else self.nodes
 
     @property
@@ -85,7 +85,7 @@ class Source(Element):
 
     @property
     def conductance(self) -> float:
-        """1/resistance; infinite for an ideal effort, zero for an ideal flow."""
+        """Conductance 1/resistance; infinite for an ideal effort, zero for an ideal flow."""
         if self.resistance is None:
             return float("inf") if self.is_effort else 0.0
         return float("inf") if self.resistance == 0 else 1 / self.resistance

@@ -1,4 +1,4 @@
-"""Lines that a run parts in stretches: where, what they lose there, and the scene with stretches in their place."""
+"""Lines divided into stretches for a run: their shares, their losses, and the scene with stretches in their place."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 FINENESS, FEWEST, MOST_PLACES = 40, 8, 64  # places: per loss over impedance, and bounds, where no more are asked
-AT_A_PLACE = Fraction(1, 10**9)  # of a line
+AT_A_PLACE = Fraction(1, 10**9)  # of a line; tolerance for the position of a node
 
 
 class Mixing(NamedTuple):
@@ -31,11 +31,11 @@ class Mixing(NamedTuple):
 
     name: str  # of the line
     line: Coupled
-    places: int  # as many; the first and the last stretch are half as long as those between
+    places: int  # number of them; the first and the last stretch are half as long as those between
 
     @classmethod
     def of(cls, name: str, line: Coupled, doublings: int) -> Mixing:
-        """With so many places that little is lost at each."""
+        """Choose the number of places so that the loss at each is small."""
         R, G = _lost(line)
         z0 = np.linalg.inv(line.modes.admittance)
         lost = max(np.linalg.norm(R @ line.modes.admittance, 2), np.linalg.norm(G @ z0, 2))
@@ -43,7 +43,7 @@ class Mixing(NamedTuple):
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """The nodes at all places."""
+        """Nodes at all places."""
         return tuple(node for k in range(1, self.places + 1) for end in (1, 2) for node in self._at(k, end))
 
     def lines(self) -> dict[str, dict[str, Any]]:
@@ -61,7 +61,7 @@ class Mixing(NamedTuple):
         }
 
     def links(self) -> dict[str, dict[str, Any]]:
-        """Tables of what is lost at the places: half of R, all of G, half of R."""
+        """Tables of the losses at the places: half of R, all of G, half of R."""
         if self.line.skin:
             where, expected = (
                 f"{place('lines', self.name)}.skin",
@@ -86,19 +86,19 @@ class Mixing(NamedTuple):
 
 
 def mixing_lines(lines: Mapping[str, SceneLine | Coupled]) -> dict[str, Coupled]:
-    """Those of the lines whose losses mix the modes."""
+    """Lines whose losses mix the modes."""
     return {name: line for name, line in lines.items() if isinstance(line, Coupled) and line.mixing}
 
 
 def _lost(line: Coupled) -> tuple[NDArray, NDArray]:
-    """R and G of the whole line, in ohm and S."""
+    """Total R and G of the line, in ohm and S."""
     k, length = len(line.nodes1), float(line.length or 0.0)
     R, G = (length * np.array(given or np.zeros((k, k)), float) for given in (line.resistance, line.conductance))
     return R, G
 
 
 class Stretches(NamedTuple):
-    """A line in stretches."""
+    """Line in stretches."""
 
     shares: tuple[Fraction, ...]  # where they begin and end, as shares of the line's delay, from 0 to 1
     places: tuple[str, ...]  # nodes between them, from end 1 on
@@ -108,11 +108,11 @@ class Stretches(NamedTuple):
 
     @property
     def widths(self) -> list[float]:
-        """Their delays over that of the line."""
+        """Delays of the stretches over that of the line."""
         return [float(far - near) for near, far in pairwise(self.shares)]
 
     def stretch_at(self, share: float) -> tuple[int, float]:
-        """The stretch in which a place lies, and the share of its delay there; at a node that which ends there."""
+        """Stretch in which a place lies, and the share of its delay there; at a node the stretch that ends there."""
         k = next((k for k, far in enumerate(self.shares[1:]) if share <= far + AT_A_PLACE), len(self.lines) - 1)
         near, far = self.shares[k : k + 2]
         inside = share - AT_A_PLACE > near and share + AT_A_PLACE < far
@@ -159,7 +159,7 @@ def _lines(name: str, places: int) -> tuple[str, ...]:
 
 
 def expanded(scene: Scene, doublings: int = 0) -> Scene:
-    """The same scene with stretches and nodes in place of the lines that are parted.
+    """Return the scene with stretches and nodes in place of the lines that are divided.
 
     Conductors whose losses mix the modes have twice as many with each doubling.
     """
@@ -186,7 +186,7 @@ def expanded(scene: Scene, doublings: int = 0) -> Scene:
 
 
 def _tables_of(scene: Scene, name: str, stretches: Stretches, given: dict[str, Any]) -> dict[str, Any]:
-    """Tables of the stretches of a line: as the whole, but for what grows with its length."""
+    """Tables of the stretches of a line: as the whole, but for quantities proportional to its length."""
     line: Any = scene.lines[name]
     nodes = [line.nodes[0], *stretches.places, line.nodes[1]]
     alike = {key: value for key, value in given.items() if key not in ("cavities", "vertices")}
@@ -202,7 +202,7 @@ def _tables_of(scene: Scene, name: str, stretches: Stretches, given: dict[str, A
 
 
 def _heights(scene: Scene, name: str, stretches: Stretches) -> dict[str, Any]:
-    """Tables of its places, where heights are known: on the straight line between those of its ends."""
+    """Tables of the nodes between stretches, where heights are known: interpolated linearly between the ends."""
     if not scene.heights.keys() >= {*scene.lines[name].nodes}:
         return {}
     near, far = (scene.heights[node].elevation for node in scene.lines[name].nodes)
@@ -212,7 +212,7 @@ def _heights(scene: Scene, name: str, stretches: Stretches) -> dict[str, Any]:
 
 
 def _seen(scene: Scene, probe: Probe, cut: dict[str, Stretches]) -> dict[str, Any] | None:
-    """Table of a probe on a line that is cut; at a place it is on the stretch that ends there."""
+    """Table of a probe on a divided line; at a place the probe is on the stretch that ends there."""
     if probe.line is None or probe.line not in cut:
         return None
     stretches, line = cut[probe.line], scene.lines[probe.line]

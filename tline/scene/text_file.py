@@ -1,4 +1,4 @@
-"""Text, TOML and CSV files as they are read, and where files that a scene names are looked for."""
+"""Text, TOML and CSV files, and the folder of the files that a scene names."""
 
 import csv
 import io
@@ -21,7 +21,7 @@ LARGEST_FILE = 100_000_000  # bytes
 
 
 def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
-    """Text of a file in UTF-8, without a byte order mark; `legacy` files may be in UTF-16 or Latin-1.
+    """Read a text file in UTF-8, without a byte order mark; `legacy` files may be in UTF-16 or Latin-1.
 
     Errors point at the key `where` that names it, or at the file. A pipe will do, but not one with a name, for which a
     writer may never come.
@@ -47,7 +47,7 @@ def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """Tables of a TOML file; `what` says what is expected there."""
+    """Read the tables of a TOML file; `what` names the expected content."""
     text = read_text(path)
     try:
         return tomllib.loads(text)
@@ -58,7 +58,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
 
 def check_ordinary(path: str | Path) -> None:
-    """Refuse, by an OSError, what could be read for ever: devices, terminals, pipes that nobody may be writing to."""
+    """Raise an OSError for files that could be read for ever: devices, terminals, pipes without a writer."""
     kind = os.stat(path).st_mode
     nameless = stat.S_ISFIFO(kind) and not os.path.exists(os.path.realpath(path))  # of a shell
     if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind) or nameless):
@@ -66,13 +66,13 @@ def check_ordinary(path: str | Path) -> None:
 
 
 class Folder(NamedTuple):
-    """Where the files that a scene names are looked for."""
+    """Folder in which the files named in a scene are looked for."""
 
     path: Path = Path()
     confined: bool = False  # whether files that lie elsewhere, by ``..``, a link or a path from the root, are refused
 
     def find(self, file: str) -> Path:
-        """The path of a file that can be read to its end."""
+        """Path of a file that can be read to its end."""
         path = self.path / file
         try:
             inside = not self.confined or path.resolve().is_relative_to(self.path.resolve())
@@ -87,12 +87,12 @@ class Folder(NamedTuple):
 
 
 def beside(file: str, info: ValidationInfo) -> Path:
-    """The path of a file that an element of a scene names."""
+    """Path of a file named by an element of a scene."""
     return Folder.find((info.context or {}).get("folder", Folder()), file)
 
 
 NUMBER = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*", re.ASCII)
-NO_WORD = re.compile(r"\s*[-+.\d]")  # how a cell of a heading does not begin
+NO_WORD = re.compile(r"\s*[-+.\d]")  # how a heading's cell does not begin
 
 
 def read_rows(path: Path, where: str, what: str, columns: Mapping[int, str]) -> list[tuple[float, ...]]:

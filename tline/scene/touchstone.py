@@ -24,11 +24,11 @@ Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
 class Touchstone(OneMedium, RationalImpedance, AtNode):
-    """A measured one-port, such as an antenna: the S-parameters of a Touchstone file.
+    """Measured one-port, such as an antenna: the S-parameters of a Touchstone file.
 
-    A rational model is fitted to the file's reflection, with as few poles as the tolerance takes; a delay in front, as
-    of the cable to it, is taken out first and becomes a lossless line of the file's reference resistance. The model is
-    proved passive, or refused. What it does beyond the file's frequencies nobody measured.
+    A rational model is fitted to the file's reflection, with as few poles as the tolerance allows; a delay in front, as
+    of the cable to it, is extracted first and becomes a lossless line of the file's reference resistance. The model is
+    proved passive, or refused. Beyond the file's frequencies it is an extrapolation.
 
     Raises
     ------
@@ -58,12 +58,12 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
 
     @property
     def model(self) -> "DelayedModel":
-        """What was fitted, with its proof."""
+        """Fitted model, with its proof of passivity."""
         return self._model
 
     @property
     def near(self) -> str:
-        """The node that the file names, whatever the delay."""
+        """Node named in the scene, also with a delay."""
         return self._near or self.at
 
     @property
@@ -73,11 +73,11 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
 
     @property
     def delay_lines(self) -> set[str]:
-        """Name of the line of its delay, and of the node behind it."""
+        """Name of the delay line, and of the node behind it."""
         return {self.at} - {self.near}
 
     def taken_apart(self, own: str) -> tuple[dict[str, dict[str, SceneLine]], "Touchstone"]:
-        """The line of its delay, named after its own place, and what is behind it."""
+        """Return the delay line, named after its own place, and the one-port behind it."""
         if not self._model.delay:
             return {}, self
         line = Cable(**{"nodes": (self.near, own), "z0": self.z0, "delay": self._model.delay})
@@ -88,7 +88,7 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
 
 @lru_cache(maxsize=64)
 def model_of(path: Path, stamp: int, tolerance: float, delay: Any, nearest: bool, ports: int = 1) -> "DelayedModel":
-    """The model of a file, passive; `stamp` is when the file was written, for a scene is read several times."""
+    """Fit the passive model of a file; `stamp` is the file's time of modification, as a scene is read several times."""
     from passivity import ExpressionError, Status, fit_scattering, read_touchstone
 
     response = read_touchstone(path)
@@ -109,7 +109,7 @@ def model_of(path: Path, stamp: int, tolerance: float, delay: Any, nearest: bool
 
 
 def _impedance(found: "DelayedModel") -> "RationalFunction":
-    """Z = z0 (1 + S)/(1 - S) without the delay, exact for the poles and residues found."""
+    """Impedance Z = z0 (1 + S)/(1 - S) without the delay, exact for the poles and residues found."""
     from passivity import RationalFunction
 
     S, z0 = found.model.rational(), Fraction(found.samples.z0[0])
@@ -118,7 +118,7 @@ def _impedance(found: "DelayedModel") -> "RationalFunction":
 
 
 def read_model(file: str, info: ValidationInfo, *asked: Any) -> "DelayedModel":
-    """The model of a file beside the scene's, found once for each time that it is written."""
+    """Read the model of a file relative to the scene's folder, once for each modification."""
     from passivity import ExpressionError
 
     path = beside(file, info)
@@ -129,7 +129,7 @@ def read_model(file: str, info: ValidationInfo, *asked: Any) -> "DelayedModel":
 
 
 def _told(file: str, error: ValueError | OSError) -> InputError:
-    """What is wrong with the file, or with what is asked of it."""
+    """Explain the error in the file, or in the request."""
     from passivity import ExpressionError
 
     if not isinstance(error, ExpressionError):
@@ -144,12 +144,12 @@ MOST_PORTS = 8  # proofs with more take minutes
 
 
 class MeasuredMultiport(OneMedium, Multiport):
-    """A measured network such as a filter, a connector or a cable: the S-parameters of a Touchstone file.
+    """Measured network such as a filter, a connector or a cable: the S-parameters of a Touchstone file.
 
-    A rational model whose entries have their poles in common is fitted to the file's S, with as few poles as the
-    tolerance takes, and proved passive, or refused. Delays in front of the ports are taken out
-    first and become lossless lines of the file's reference resistances; where they are not given, they are looked for
-    in front of up to four ports. What the model does beyond the file's frequencies nobody measured.
+    A rational model whose entries have common poles is fitted to the file's S, with as few poles as the
+    tolerance allows, and proved passive, or refused. Delays in front of the ports are extracted
+    first and become lossless lines of the file's reference resistances; if not given, they are estimated
+    for up to four ports. Beyond the file's frequencies the model is an extrapolation.
 
     Raises
     ------
@@ -187,21 +187,21 @@ class MeasuredMultiport(OneMedium, Multiport):
 
     @property
     def model(self) -> "DelayedModel":
-        """What was fitted, with its proof."""
+        """Fitted model, with its proof of passivity."""
         return self._model
 
     @property
     def near(self) -> tuple[str, ...]:
-        """The nodes that the file names, whatever the delays."""
+        """Nodes named in the scene, also with delays."""
         return self._near or self.nodes
 
     @property
     def delay_lines(self) -> set[str]:
-        """Names of the lines of its delays, and of the nodes behind them."""
+        """Names of the delay lines, and of the nodes behind them."""
         return set(self.nodes) - set(self.near)
 
     def taken_apart(self, own: str) -> tuple[dict[str, dict[str, SceneLine]], "MeasuredMultiport"]:
-        """The lines of its delays, named after its own place, and what is behind them."""
+        """Return the delay lines, named after their own place, and the multiport behind them."""
         lines, nodes = {}, list(self.near)
         for k in np.flatnonzero(self._model.delay):
             z0, delay = float(self._model.samples.z0[k]), float(self._model.delay[k])
@@ -212,7 +212,7 @@ class MeasuredMultiport(OneMedium, Multiport):
         return {"lines": lines}, moved
 
     def ports(self) -> Ports:
-        """Its equations: S between waves (u + z0·i)/√z0 and (u - z0·i)/√z0."""
+        """Equations of the multiport: S between waves (u + z0·i)/√z0 and (u - z0·i)/√z0."""
         (A, B, C, D), root = self._model.model.realised(), np.sqrt(self._model.samples.z0)
         one = np.eye(len(D))
         return Ports((one - D) / root, -(one + D) * root, C, A, B / root, B * root)

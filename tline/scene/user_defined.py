@@ -1,4 +1,4 @@
-"""User-defined elements: Python classes whose method tells the flow."""
+"""User-defined elements: Python classes with a method for the flow."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from tline.scene.scene import Scene
 
 _SIGNATURE = CFUNCTYPE(c_double, c_double, c_double)
-_CALLED: dict[int, _Called] = {}  # of each element alive, by its identity: a copy is an element of its own
+_CALLED: dict[int, _Called] = {}  # of each element alive, by its identity: a copy is another element
 
 
 class UserDefined(LawKind):
-    """Constants: effort beyond the element, address of its function."""
+    """Law of a user-defined element; constants: effort beyond the element, address of its function."""
 
     name, unit = "user_defined", "laws.user_defined.user_defined"
 
@@ -37,7 +37,7 @@ class UserDefined(LawKind):
 
 
 class UserElement(NonLinear):
-    """What `UserLoad` and `UserLink` share."""
+    """Base of `UserLoad` and `UserLink`."""
 
     kind: ClassVar[str] = "user_defined"
     opening: Factor = Field(default=ALWAYS, description="what the law is told, from 0 to 1, constant or over time")
@@ -48,20 +48,20 @@ class UserElement(NonLinear):
         Parameters
         ----------
         effort : float
-            Gauge pressure at the node, Pa, or voltage, V; between nodes by how much that of the first exceeds that of
-            the second, of piezometric pressures if the nodes have elevations.
+            Gauge pressure at the node, Pa, or voltage, V; between nodes that of the first less that of the second,
+            of piezometric pressures if the nodes have elevations.
         opening : float
             Value of ``opening`` at that instant.
 
         Returns
         -------
         float
-            m³/s or A. It must not fall where the effort rises; what takes energy has effort·flow >= 0.
+            m³/s or A. It must not fall where the effort rises; a passive element has effort·flow >= 0.
         """
         raise NotImplementedError
 
     def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
-        """What is sent to another process, which finds the class by its name."""
+        """Pickle the element by the name of its class, for another process."""
         kind = type(self)
         try:
             known = attrgetter(kind.__qualname__)(sys.modules.get(kind.__module__))
@@ -75,20 +75,20 @@ class UserElement(NonLinear):
         return super().__reduce_ex__(protocol)
 
     def law(self) -> ElementLaw:
-        """The method as a C function, which the kernel calls at its address."""
+        """Law with the method as a C function, which the kernel calls at its address."""
         address = cast(_called(self).function, c_void_p).value or 0
         return ElementLaw("user_defined", (0.0, float(address)), self.opening)  # exact: addresses are below 2**53
 
 
 class _Called:
-    """The method of an element as a C function, and what went wrong in it, by thread."""
+    """Method of an element as a C function, and the mistakes in it, by thread."""
 
     def __init__(self, element: UserElement):
         self.function, self.problems = _SIGNATURE(self._told), {}
         self._element = ref(element)
 
     def _told(self, effort: float, opening: float) -> float:
-        """What the kernel gets; nan after any mistake, as no exception can pass through it."""
+        """Flow for the kernel; nan after any mistake, as no exception can pass through it."""
         problem: str | BaseException
         element: Any = self._element()  # alive, for who calls holds its scene
         try:
@@ -114,7 +114,7 @@ def _called(element: UserElement) -> _Called:
 
 
 class UserLoad(UserElement, AtNode):
-    """A load whose law you write: derive from it, give it fields, and say its flow.
+    """Load with a law of your own: derive from this class, add fields, and define its flow.
 
     Examples
     --------
@@ -137,17 +137,17 @@ class UserLoad(UserElement, AtNode):
 
 
 class UserLink(UserElement, Between):
-    """The same between two nodes; flow counts positive from the first to the second."""
+    """Link with a law of your own between two nodes; flow counts positive from the first to the second."""
 
 
 def user_elements(scene: Scene) -> dict[tuple[str, str], UserElement]:
-    """Those of a scene, by section and name."""
+    """User-defined elements of a scene, by section and name."""
     return {at: element for at, element in scene.placed if isinstance(element, UserElement)}
 
 
 @contextmanager
 def user_mistakes(scene: Scene) -> Iterator[None]:
-    """While such a scene runs: report mistakes in the laws of its user-defined elements, not their consequences."""
+    """Report mistakes in the laws of user-defined elements during a run, rather than their consequences."""
     found, here = user_elements(scene), get_ident()
     for element in found.values():
         _called(element).problems.pop(here, None)
@@ -164,7 +164,7 @@ def user_mistakes(scene: Scene) -> Iterator[None]:
 
 
 def or_user_defined(kind: type[UserElement]) -> tuple[WrapValidator, WrapSerializer]:
-    """For a union of elements: a user-defined element of that kind passes unchanged."""
+    """Pass user-defined elements of that kind unchanged in a union of elements."""
 
     def itself(value: Any, handler: Callable[[Any], Any]) -> Any:
         return value if isinstance(value, kind) else handler(value)

@@ -19,7 +19,7 @@ from tline.scene.shape import Shape
 
 Kind = Literal["gate", "globe", "ball", "butterfly"]
 QUARTER = 90.0  # degrees from open to shut
-STEEL = 0.0018 * 0.0254  # m, roughness of the pipe to which Crane's equivalent lengths refer
+STEEL = 0.0018 * 0.0254  # m, roughness of the pipe in Crane's equivalent lengths
 
 # K over the share of the stroke, or of the quarter turn, less that of the open valve
 ADDED: dict[str, tuple[tuple[float, float], ...]] = {
@@ -28,16 +28,16 @@ ADDED: dict[str, tuple[tuple[float, float], ...]] = {
     "ball": tuple((1 - a / QUARTER, k) for a, k in ((60, 206.0), (40, 17.3), (20, 1.56), (10, 0.29), (5, 0.05))),
     "butterfly": tuple((1 - a / QUARTER, k) for a, k in ((60, 118.0), (40, 10.8), (20, 1.54), (10, 0.52), (5, 0.24))),
 }
-DIAMETERS = {"gate": 8.0, "globe": 340.0, "ball": 3.0}  # of pipe that lose as much as the open valve
-BUTTERFLIES = ((0.229, 45.0), (0.381, 35.0), (float("inf"), 25.0))  # the same up to such a bore, m
+DIAMETERS = {"gate": 8.0, "globe": 340.0, "ball": 3.0}  # equivalent length of the open valve in diameters of pipe
+BUTTERFLIES = ((0.229, 45.0), (0.381, 35.0), (float("inf"), 25.0))  # equivalent length up to a bore in m
 PRESSURE_BEHIND = "has a pressure behind it, which is a source"
 
 
 def shares(kind: str, loss: float) -> tuple[tuple[float, float], ...]:
-    """Share of its capacity that a valve has, over its opening; both go from 0 to 1.
+    """Share of its capacity that a valve has, over its opening; both from 0 to 1.
 
-    A valve that loses K open loses K plus what the table adds at an opening; between the points of the table the share
-    follows straight lines.
+    K at an opening is that of the open valve plus the value of the table; between the points of the table the share
+    is interpolated linearly.
 
     References
     ----------
@@ -47,7 +47,7 @@ def shares(kind: str, loss: float) -> tuple[tuple[float, float], ...]:
 
 
 def open_loss(kind: str, diameter: float) -> float:
-    """K of an open valve of a bore in m.
+    """Coefficient K of an open valve of a bore in m.
 
     References
     ----------
@@ -59,7 +59,7 @@ def open_loss(kind: str, diameter: float) -> float:
 
 
 def opening_of(points: Sequence[tuple[float, float]], share: float) -> float:
-    """The opening with that share of the capacity, 0 to 1."""
+    """Opening with that share of the capacity, 0 to 1."""
     for (x, y), (after, above) in pairwise(points):
         if share <= above:
             return x + (after - x) * (share - y) / (above - y)
@@ -79,7 +79,7 @@ def rooted(drop: NDArray, capacity: float) -> NDArray:
 
 
 class Root(LawKind):
-    """Constants: effort beyond the element, capacity, whether flow passes one way only."""
+    """Law of an orifice; constants: effort beyond the element, capacity, whether flow passes one way only."""
 
     name, unit = "quadratic", "laws.quadratic.quadratic"
 
@@ -106,7 +106,7 @@ class Root(LawKind):
 
 
 class Relieving(LawKind):
-    """Constants: effort beyond the element, capacity, drop at which it begins to open, further drop to wide open."""
+    """Law of a relief valve; constants: effort beyond, capacity, drop at which it opens, further drop to wide open."""
 
     name, unit = "relief", "laws.relief.relief"
 
@@ -128,7 +128,7 @@ class Relieving(LawKind):
 
 
 class CharacterisedValve(Rated, OfLiquids):
-    """A valve with a share of its capacity at each opening."""
+    """Valve with a share of its capacity at each opening."""
 
     characteristic: Characteristic | None = Field(
         default=None,
@@ -138,7 +138,7 @@ class CharacterisedValve(Rated, OfLiquids):
 
     @property
     def _points(self) -> tuple[tuple[float, float], ...]:
-        """Openings and shares of the capacity; none where both are equal."""
+        """Openings and shares of the capacity; empty if both are equal."""
         if self.characteristic is None:
             return ()
         if isinstance(self.characteristic, str):
@@ -163,7 +163,7 @@ class CharacterisedValve(Rated, OfLiquids):
 
 
 class Behind(AtNode):
-    """What leads to the outside."""
+    """Element that leads to the outside."""
 
     back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
 
@@ -173,7 +173,7 @@ def _behind(element: Element) -> float:
 
 
 class Orifice(CharacterisedValve, Placed, load=Behind):
-    """An orifice, a minor loss or a control valve: flow = share·C·sqrt(drop), in both directions."""
+    """Orifice, minor loss or control valve: flow = share·C·sqrt(drop), in both directions."""
 
     kind: Literal["orifice"] = "orifice"
     opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
@@ -193,7 +193,7 @@ class Orifice(CharacterisedValve, Placed, load=Behind):
 
 
 class WithDisc(Between):
-    """What may have a disc with a mass."""
+    """Link that may have a disc with a mass."""
 
     disc_mass: Annotated[Quantity, Role("mass", "kg", above=0)] | None = Field(
         default=None, description="of all that moves; without it the valve shuts as soon as the flow turns"
@@ -210,7 +210,7 @@ class WithDisc(Between):
 
 
 class CheckValve(Rated, OfLiquids, Placed, load=Behind, link=WithDisc):
-    """A valve that lets flow pass out of its node, or from the first node to the second, only.
+    """Valve that lets flow pass out of its node, or from the first node to the second, only.
 
     Without a capacity it has no loss. Between nodes, with a disc_mass, it shuts late, and slams:
     disc_mass·travel·x'' = area·(drop - closing pressure) - damping·travel·x', with x from 0 (shut) to 1, to which the
@@ -272,7 +272,7 @@ class CheckValve(Rated, OfLiquids, Placed, load=Behind, link=WithDisc):
 
 
 class ReliefValve(Rated, OfLiquids, Placed, load=Behind):
-    """A relief valve: shut up to the set pressure, wide open a band above it."""
+    """Relief valve: shut up to the set pressure, wide open a band above it."""
 
     kind: Literal["relief valve"] = "relief valve"
     set_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(

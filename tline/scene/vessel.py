@@ -1,4 +1,4 @@
-"""Vessels at a node: gas above liquid, shut in or open to the air."""
+"""Vessels at a node: gas above liquid, enclosed or open to the air."""
 
 from collections.abc import Mapping
 from math import inf, pi
@@ -27,7 +27,7 @@ MOST_PLACES = 1000  # places
 
 
 class Gas(LawKind):
-    """Constants: effort beyond, capacity of the orifice, pressure outside, volume at zero effort, exponent n.
+    """Law of a gas; constants: effort beyond, orifice's capacity, outside pressure, volume at zero effort, exponent n.
 
     The state is ln(V / volume at zero effort).
     """
@@ -43,7 +43,7 @@ class Gas(LawKind):
         return (float(-np.log1p(above / outside) / n),)
 
     def capacity(self, c, effort):
-        """As at pressure 0 where it is lower."""
+        """Capacity, at lower pressures that at pressure 0."""
         back, _, outside, at_zero, n = c
         compressed = 1 + max(effort - back, 0.0) / outside
         return at_zero / (n * outside) * compressed ** (-1 / n - 1)
@@ -53,7 +53,7 @@ class Gas(LawKind):
             yield Bend(0.0)
 
     def volume(self, c):
-        """Liquid in place of gas: none where the gas fills what it does without effort."""
+        """Volume of liquid up to a constant: minus that of the gas."""
         beyond, capacity, outside, at_zero, exponent = c
 
         def held(p: NDArray) -> NDArray:
@@ -64,7 +64,7 @@ class Gas(LawKind):
 
 
 class Bladder(Gas):
-    """Constants: those of gas, and the state at which the bladder fills the vessel and shuts it."""
+    """Law of a bladder; constants: those of gas, and the state at which the bladder fills the vessel and shuts it."""
 
     name, unit = "bladder", "stores.bladder.bladder"
     breaks = True
@@ -82,7 +82,7 @@ class Bladder(Gas):
 
 
 class Tank(LawKind):
-    """Constants: effort beyond the element, capacity of the orifice, capacitance. The state is the effort inside."""
+    """Law of a tank; constants: effort beyond, capacity of the orifice, capacitance. State: the effort inside."""
 
     name, unit = "tank", "stores.tank.tank"
     states = 1
@@ -104,7 +104,7 @@ class Tank(LawKind):
 
 
 class Vapour(LawKind):
-    """Constant: effort at which the liquid boils. The state is the vapour's volume."""
+    """Law of a vapour cavity; constant: effort at which the liquid boils. State: the vapour's volume."""
 
     name, unit = "vapour", "stores.vapour.vapour"
     states = 1
@@ -123,7 +123,7 @@ class _Vessel(Rated, AtNode, OfLiquids):
 
 
 class AirVessel(_Vessel):
-    """An air vessel: gas with p·V^n constant, p absolute, behind a loss if its capacity is given."""
+    """Air vessel: gas with p·V^n constant, p absolute, behind a loss if its capacity is given."""
 
     kind: Literal["air vessel"] = "air vessel"
     gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(description="volume of the gas")
@@ -166,7 +166,7 @@ class AirVessel(_Vessel):
 
 
 class Boiling(Element):
-    """A liquid that boils where its pressure falls far enough."""
+    """Liquid that boils where its pressure falls far enough."""
 
     vapour_pressure: Absolute = Field(default=Quantity(2339, "Pa"), description="absolute; of water at 20 degC")
     atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
@@ -206,7 +206,7 @@ class Cavity(_BoilingAtNode):
 
 
 class VapourCavity(_BoilingAtNode):
-    """Column separation at a node: vapour alone, at its pressure while there is any (DVCM).
+    """Column separation at a node: vapour alone, at vapour pressure while there is any (DVCM).
 
     References
     ----------
@@ -223,10 +223,10 @@ class VapourCavity(_BoilingAtNode):
 
 
 class SurgeTank(_Vessel):
-    """A tank open to the air; its level above the node is p/(density·gravity), p the gauge pressure there.
+    """Tank open to the air; its level above the node is p/(density·gravity), p the gauge pressure there.
 
-    It starts at the level of the steady state; with a level of its own it holds that at the start, and then fills or
-    empties. It has no rim and no bottom: a run says where it would overflow or be empty.
+    It starts at the level of the steady state; a level given is held at the start, after which the tank fills or
+    empties. It has no rim and no bottom: the notes of a run report overflow and emptiness.
     """
 
     kind: Literal["surge tank"] = "surge tank"
@@ -249,12 +249,12 @@ class SurgeTank(_Vessel):
 
     @property
     def start(self) -> float | None:
-        """Gauge pressure at the node at the start, Pa; None if that follows from what is at rest."""
+        """Gauge pressure at the node at the start, Pa; None if that follows from the state at rest."""
         return None if self.level is None else self.weight * self.level
 
     @property
     def weight(self) -> float:
-        """Pressure of a metre, Pa/m."""
+        """Pressure per metre of liquid, Pa/m."""
         return float(self.density * self.gravity)
 
     @model_validator(mode="after")
@@ -301,12 +301,12 @@ class Cavities(Boiling):
     )
 
     def load(self, node: str) -> dict[str, Any]:
-        """The table of the load at a node."""
+        """Table of the load at a node."""
         table: dict[str, Any] = {"at": node, "kind": "vapour cavity"}
         table |= {"vapour_pressure": float(self.vapour_pressure), "atmosphere": float(self.atmosphere)}
         return table | ({"kind": "cavity", "gas_volume": float(self.gas_volume)} if self.gas_volume is not None else {})
 
 
 def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
-    """Those of the lines that have cavities; coupled conductors never do."""
+    """Lines that have cavities; coupled conductors never do."""
     return {name: line for name, line in lines.items() if getattr(type(line), "stretches", None) and line.stretches > 1}

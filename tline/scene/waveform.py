@@ -1,4 +1,4 @@
-"""All shapes a waveform may have: straight pieces between points, pulses, sines, exponentials and surges."""
+"""Waveforms: straight lines between points, pulses, sines, exponentials and surges."""
 
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -20,7 +20,7 @@ MOST_PULSES = 1_000_000
 
 
 class Sine(Shape):
-    """offset + amplitude·sin(2π·frequency·(t - at) + phase) from `at` to `until`; outside, what it is at that end."""
+    """Sine offset + amplitude·sin(2π·frequency·(t - at) + phase) from `at` to `until`; constant outside."""
 
     shape: Literal["sine"] = "sine"
     amplitude: Level = Field(description="half of peak to peak")
@@ -50,7 +50,7 @@ class Sine(Shape):
 
 
 class ModulatedSine(Shape):
-    """A sine that decays, or whose frequency swings, from `at` on; what it is there before.
+    """Sine that decays, or whose frequency swings, from `at` on; constant before.
 
     offset + amplitude·e^(-τ/decay)·sin(2π·frequency·τ + phase + index·sin(2π·modulation·τ)) with τ = t - at.
     """
@@ -88,7 +88,7 @@ class ModulatedSine(Shape):
 
 
 class Exponential(Shape):
-    """to + (from - to)·e^(-(t - at)/time_constant); `from` before it begins."""
+    """Exponential to + (from - to)·e^(-(t - at)/time_constant); `from` before it begins."""
 
     shape: Literal["exponential"] = "exponential"
     from_: Level = Field(default=ZERO, alias="from", description="level before")
@@ -108,7 +108,7 @@ class Exponential(Shape):
 
 
 class DoubleExponential(Shape):
-    """A surge: peak·k·(e^(-(t - at)/decay) - e^(-(t - at)/rise)), with k so that the peak is reached; 0 before."""
+    """Surge peak·k·(e^(-(t - at)/decay) - e^(-(t - at)/rise)), with k so that the peak is reached; 0 before."""
 
     shape: Literal["double exponential"] = "double exponential"
     peak: Level = Field(description="highest level")
@@ -131,7 +131,7 @@ class DoubleExponential(Shape):
         return self.peak / self._difference(highest) * self._difference(elapsed)
 
     def _difference(self, t: Floats) -> Floats:
-        """e^(-t/decay) - e^(-t/rise), accurate for small t and for nearly equal times."""
+        """Difference e^(-t/decay) - e^(-t/rise), accurate for small t and for nearly equal times."""
         return -np.exp(-t / self.decay) * np.expm1(-t / self.rise * ((self.decay - self.rise) / self.decay))
 
     def fastest(self):  # noqa: D102
@@ -182,7 +182,7 @@ def between(lines: Lines, t: Floats, inside: Floats) -> Floats:
 
 
 class Ramp(Points):
-    """A straight rise or fall from one level to another."""
+    """Straight rise or fall from one level to another."""
 
     shape: Literal["ramp"] = "ramp"
     from_: Level = Field(default=ZERO, alias="from", description="level before")
@@ -229,12 +229,12 @@ class Table(Points):
         return np.array(times), np.array(levels)
 
     def __eq__(self, other: object) -> bool:
-        """Whether the same was read."""
+        """Whether both have the same points."""
         return isinstance(other, Table) and self._points == other._points
 
 
 def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Times and levels from a CSV file."""
+    """Read times and levels from a CSV file."""
     rows = read_rows(path, where, "a point", {2: "two finite numbers with a comma between"})
     if len(rows) < 2:
         raise InputError(where, f"too few points in '{path}'", "at least two lines 'time, level'", str(len(rows)))
@@ -244,7 +244,7 @@ def read_table(path: Path, where: str) -> tuple[tuple[float, ...], tuple[float, 
 
 
 def check_order(times: Sequence[float], where: str) -> None:
-    """Refuse times that decrease, or three at one instant."""
+    """Raise an error if times decrease, or three are at one instant."""
     for k, (before, now) in enumerate(pairwise(times), 2):
         if now < before:
             raise InputError(where, f"point {k} lies before the one in front of it", "times in order", f"{now:g} s")
@@ -254,7 +254,7 @@ def check_order(times: Sequence[float], where: str) -> None:
 
 
 class Pulses(Shape):
-    """Equal pulses: one, or one each period, up to a count if there is one; trapezoids if rise or fall take time."""
+    """Equal pulses: one, or one per period, up to a count if given; trapezoids if rise or fall take time."""
 
     shape: Literal["pulses"] = "pulses"
     low: Level = Field(default=ZERO, description="level between pulses, and outside")
@@ -313,7 +313,7 @@ Waveform = Annotated[_Any, OneOf(_Any, "shape")]
 
 
 def read_waveform(value: Any, unit: str | None, info: ValidationInfo) -> Shape:
-    """A waveform whose levels have that unit; a number or text is a constant."""
+    """Read a waveform whose levels have that unit; a number or text is a constant."""
     if not isinstance(value, Mapping | Shape):
         return Constant(level=LEVEL.parse(value, unit))
     units = {} if unit is None else {LEVEL.name: unit}

@@ -1,4 +1,4 @@
-"""Study of the methods, beside the solver: charts, baseline methods, reference solutions, other programs."""
+"""Study of numerical methods: charts, baseline methods, reference solutions, other programs."""
 
 from tline.lazy import lazy
 

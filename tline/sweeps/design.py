@@ -1,4 +1,4 @@
-"""Which runs a sweep consists of: values, ranges and distributions by path, and what every run takes of them."""
+"""Runs of a sweep: values, ranges and distributions by path, and their combinations."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -31,14 +31,14 @@ PLAIN = ("grid", "list")
 
 
 class Distribution(NamedTuple):
-    """What numbers are drawn from: its quantiles by shares from 0 to 1, both of shape (runs,), and how it was given."""
+    """Distribution by its quantiles at shares from 0 to 1, both of shape (runs,), and its text as given."""
 
     quantiles: Callable[[Floats], Floats]
     text: str
 
 
 def values_or_distribution(scene: Scene, path: str, given: Any) -> list[Any] | Distribution:
-    """Values that a path of a scene takes, in SI where they are numbers, or what they are drawn from; as of `sweep`.
+    """Values of a path of a scene, in SI where they are numbers, or their distribution; arguments as in `sweep`.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def values_or_distribution(scene: Scene, path: str, given: Any) -> list[Any] | D
 
 
 def unit_of(scene: Scene, path: str) -> str:
-    """SI unit of what a scene has at a path; empty if that is no quantity, or nothing is given there."""
+    """SI unit of a scene's value at a path; empty if that is not a quantity, or nothing is given there."""
     leaf = _leaf(scene, path)
     return (leaf.unit or "") if isinstance(leaf, Quantity) else ""
 
@@ -133,7 +133,7 @@ class _Normal(NamedTuple):
 
 
 def _limits(scene: Scene, path: str, given: list[str]) -> list[float]:
-    """Numbers in SI; those with a unit have that of the path."""
+    """Convert numbers to SI; those with a unit have that of the path."""
     typed = [_number(part) for part in given]
     texts = [part for part in typed if isinstance(part, str)]
     unit = ""
@@ -144,7 +144,7 @@ def _limits(scene: Scene, path: str, given: list[str]) -> list[float]:
 
 
 def _number(text: str) -> float | str:
-    """The number that a text is, or the text: one without a unit is SI."""
+    """Convert a text to a number without a unit, which is SI, if possible."""
     try:
         return float(text)
     except ValueError:
@@ -152,20 +152,20 @@ def _number(text: str) -> float | str:
 
 
 def _in_si(scene: Scene, path: str, value: Any) -> Any:
-    """A value as a plain number, where it is one at that path."""
+    """Convert a value to a plain number, if the path takes one."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, str):
         try:
             leaf = _leaf(changed(scene, {path: value}), path)
         except InputError:
-            return value  # does not fit, at least not alone: the run tells
+            return value  # does not fit, at least not alone: the run reports it
         return float(leaf) if isinstance(leaf, Quantity) else value
     return value
 
 
 def _leaf(scene: Scene, path: str) -> Any:
-    """What a scene has at a path, None if nothing is given there."""
+    """Value of a scene at a path, None if nothing is given there."""
     found: Any = scene
     for key in parts_of(path):
         found = found.get(key) if isinstance(found, dict) else getattr(found, key, getattr(found, f"{key}_", None))
@@ -182,7 +182,7 @@ class Design(NamedTuple):
 
     @property
     def runs(self) -> int:
-        """How many."""
+        """Number of runs."""
         return prod(self.shape)
 
     def rows(self, rows: NDArray) -> list[dict[str, Any]]:
@@ -234,7 +234,7 @@ def design(scene: Scene, vary: Mapping[str, Any], sample: str | None, seed: int 
 
 
 def _crossed(given: Mapping[str, Any]) -> Design:
-    """Every value of a path with every value of the others; the last path's change fastest."""
+    """Combine every value of a path with every value of the others; the last path's change fastest."""
     shape = tuple(len(values) for values in given.values())
     if prod(shape) > MOST_RUNS:
         raise InputError("vary", "too many runs", f"at most {MOST_RUNS:,}", f"{prod(shape):,}")
@@ -264,7 +264,7 @@ def _shares(kind: str, count: int, paths: int, seed: int) -> Floats:
 
 
 def _draw(path: str, values: list[Any] | Distribution, share: Floats) -> tuple[Any, NDArray | None]:
-    """Levels and which of them is taken: of a list all with equal probability."""
+    """Levels and the index of the one taken: from a list with equal probability."""
     if not isinstance(values, Distribution):
         return values, np.minimum((share * len(values)).astype(int), len(values) - 1)
     drawn = np.asarray(values.quantiles(np.clip(share, 1e-16, 1 - 1e-16)), float)
@@ -274,7 +274,7 @@ def _draw(path: str, values: list[Any] | Distribution, share: Floats) -> tuple[A
 
 
 def whole(where: str, typed: Any, least: int, most: int) -> int:
-    """An argument as a whole number within limits."""
+    """Convert an argument to a whole number within limits."""
     try:
         return Whole(least, most).read(typed)
     except InputError as error:

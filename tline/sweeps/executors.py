@@ -1,4 +1,4 @@
-"""Runs in batches on executors: in this process, on processes of our own, or on any executor of concurrent.futures."""
+"""Batches of runs on executors: in this process, in other processes, or on any executor of concurrent.futures."""
 
 import os
 import pickle
@@ -21,24 +21,24 @@ from tline.workers import Workers
 
 Floats = NDArray[np.float64]
 LONGEST = 500  # characters of a sentence
-SECONDS = 1.0  # that a batch shall take
+SECONDS = 1.0  # target duration of a batch
 FIRST = 1  # runs in a batch of unknown cost
 FEWEST = 4  # batches for each worker, so that all end at about the same time
-GROWTH = 8  # times that a batch may be larger than the largest before
+GROWTH = 8  # largest ratio of a batch to the largest before
 DIED = "the process died that ran it: out of memory, or killed"
 
 
 class Task(NamedTuple):
-    """What is done with every run of a sweep."""
+    """Work on every run of a sweep."""
 
     prepared: Prepared
     keep: Keep
     tol: float | None
     active: bool
-    shapes: Mapping[str, tuple[int, ...]]  # of what is kept, as far as that is known
+    shapes: Mapping[str, tuple[int, ...]]  # shapes of the arrays kept, if known
 
     def run(self, values: Mapping[str, Any]) -> tuple[dict[str, Floats], str]:
-        """What is kept of one run, and the first sentence on what was not resolved in it, if any."""
+        """Return the arrays kept of one run, and the first sentence on unresolved features in it, if any."""
         result = self.prepared.run(values, tol=self.tol, ledger=False, active=self.active)
         return self.keep.of(result), next(iter(result.unresolved), "")
 
@@ -47,18 +47,18 @@ class Batch(NamedTuple):
     """Finished runs."""
 
     done: list[int]  # those of the batch that ran, counted from 0
-    kept: Mapping[str, Floats]  # (done, …) what is kept of them
+    kept: Mapping[str, Floats]  # (done, …) arrays kept of them
     errors: Mapping[int, str]  # why the others failed
     seconds: float
-    unresolved: Mapping[int, str] = MappingProxyType({})  # what was not resolved, of those where that is so
+    unresolved: Mapping[int, str] = MappingProxyType({})  # sentences on unresolved features, by run
 
 
 class NotSent(InputError):
-    """Something cannot be sent to other processes."""
+    """Task that cannot be sent to other processes."""
 
 
 def sent(task: Task, by_value: bool) -> tuple[str, bytes]:
-    """A task as bytes for other processes, its functions as code if `by_value`, and what tells it from others."""
+    """Serialise a task for other processes, with its functions as code if `by_value`, and return its digest first."""
     try:
         data = _by_value(task) if by_value else pickle.dumps(task)
     except Exception:  # noqa: BLE001 (whatever pickle stumbles on)
@@ -70,7 +70,7 @@ def sent(task: Task, by_value: bool) -> tuple[str, bytes]:
 
 
 def _by_value(task: Task) -> bytes | None:
-    """With cloudpickle, where that is installed and able to."""
+    """Serialise with cloudpickle, if installed and able to."""
     try:
         import cloudpickle
 
@@ -84,7 +84,7 @@ def run_sent(key: str, data: bytes, rows: list[dict[str, Any]]) -> Batch:
     task = _received.get(key)
     if task is None:
         _received.clear()
-        warnings.simplefilter("ignore", UnresolvedWarning)  # `Batch.unresolved` tells
+        warnings.simplefilter("ignore", UnresolvedWarning)  # reported by `Batch.unresolved`
         task = _received[key] = pickle.loads(data)
     return run_batch(task, rows)
 
@@ -115,13 +115,13 @@ def run_batch(task: Task, rows: list[dict[str, Any]]) -> Batch:
 
 
 def sentence(error: BaseException) -> str:
-    """One line about an error, which is never empty."""
+    """Describe an error in one line, which is never empty."""
     text = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
     return " ".join(text.split())[:LONGEST]
 
 
 class Queue:
-    """Runs that wait, dealt out in batches sized by what runs have cost."""
+    """Waiting runs, dealt out in batches sized by the cost of finished runs."""
 
     def __init__(self, rows: NDArray, workers: int):
         self._rows, self._given, self._workers, self._largest = rows, 0, workers, FIRST
@@ -133,11 +133,11 @@ class Queue:
 
     @property
     def left(self) -> int:
-        """Runs that wait."""
+        """Number of waiting runs."""
         return len(self._rows) - self._given + sum(map(len, self._again))
 
     def take(self) -> NDArray:
-        """The next batch."""
+        """Take the next batch."""
         if self._again:
             return self._again.pop()
         wanted = int(SECONDS / self.cost) if self.cost else FIRST
@@ -149,11 +149,11 @@ class Queue:
         return batch
 
     def put_back(self, rows: NDArray) -> None:
-        """Let a batch wait again, before all others."""
+        """Return a batch to the queue, before all others."""
         self._again.append(rows)
 
     def learn(self, batch: Batch, size: int) -> None:
-        """Measure what a run costs."""
+        """Measure the cost of a run."""
         self.cost = batch.seconds / size
 
 
@@ -161,7 +161,7 @@ Submit = Callable[[Executor, NDArray], "Future[Batch]"]
 
 
 def on_executor(queue: Queue, executor: Executor, workers: int, submit: Submit) -> Iterator[tuple[NDArray, Batch]]:
-    """Run all batches on an executor that somebody else made; batches come as they are finished."""
+    """Run all batches on an executor of the caller; batches are yielded as they are finished."""
     waiting: dict[Future[Batch], NDArray] = {}
     try:
         while queue or waiting:
@@ -179,10 +179,10 @@ def on_executor(queue: Queue, executor: Executor, workers: int, submit: Submit) 
 
 
 def on_processes(queue: Queue, workers: int, submit: Submit) -> Iterator[tuple[NDArray, Batch]]:
-    """The same on processes of our own.
+    """Run all batches on new processes.
 
-    When one dies, its batches are run again; what kills processes a second time is run alone, and at last run by run:
-    only those that die alone are lost.
+    When one dies, its batches are run again; a batch during which processes die a second time is run alone, and at last
+    run by run: only runs that fail alone are lost.
     """
     waiting: dict[Future[Batch], NDArray] = {}
     deaths, suspects, worked = 0, [], False
@@ -230,7 +230,7 @@ class NoWorkers(InputError):
 
 
 def workers_of(executor: Executor, asked: int | None) -> int:
-    """How many batches an executor works on at once, as far as it tells."""
+    """Number of batches that an executor works on at once, if it reveals that."""
     if asked is not None:
         return asked
     client: Any = getattr(executor, "_client", None)  # of Dask
@@ -251,7 +251,7 @@ def _fill(waiting: dict, queue: Queue, most: int, submit: Submit, executor: Exec
 
 
 def _outcome(future: "Future[Batch]", rows: NDArray, queue: Queue) -> Iterator[tuple[NDArray, Batch]]:
-    """What became of a batch; one that failed as a whole is divided, down to single runs."""
+    """Return the outcome of a batch; one that failed as a whole is divided, down to single runs."""
     error = future.exception()
     if error is None:
         queue.learn(future.result(), len(rows))
@@ -264,7 +264,7 @@ def _outcome(future: "Future[Batch]", rows: NDArray, queue: Queue) -> Iterator[t
 
 
 def _finished(waiting: "dict[Future[Batch], NDArray]") -> Iterator[tuple[NDArray, Batch]]:
-    """What was finished when somebody interrupted."""
+    """Return the batches that were finished at an interrupt."""
     for future, rows in list(waiting.items()):
         if future.done() and not future.cancelled() and future.exception() is None:
             yield rows, future.result()

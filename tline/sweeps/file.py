@@ -1,4 +1,4 @@
-"""Sweeps in files (NPZ, from which a sweep goes on, NetCDF and CSV), and as an `xarray.Dataset`."""
+"""Sweeps in files (NPZ, which can be resumed, NetCDF and CSV), and as an `xarray.Dataset`."""
 
 import json
 from importlib.metadata import version
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def dataset(sweep: Sweep) -> "Dataset":
-    """See `Sweep.to_xarray`."""
+    """Convert a sweep to an `xarray.Dataset`; see `Sweep.to_xarray`."""
     xarray = import_extra("xarray", "xarray", "data", "to_xarray")
     grid = sweep.sample == "grid"
     runs = tuple(sweep.inputs) if grid else ("run",)
@@ -51,11 +51,11 @@ def _axes(sweep: Sweep) -> dict[str, NDArray]:
 
 SUFFIXES = (".npz", ".nc", ".csv")
 ABOUT = "about"
-TAKEN = ("t", "done", "scene", ABOUT)  # names of arrays that are no inputs and were not kept
+TAKEN = ("t", "done", "scene", ABOUT)  # names of arrays that are neither inputs nor kept
 
 
 def save(sweep: Sweep, path: str | Path) -> None:
-    """See `Sweep.save`."""
+    """Write a sweep to a file; see `Sweep.save`."""
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(str(path), "unknown kind of file", " or ".join(SUFFIXES))
@@ -89,7 +89,7 @@ def _arrays(sweep: Sweep) -> dict[str, Any]:
 
 
 def take_over(sweep: Sweep, path: str | Path) -> None:
-    """Put the runs of a file into a sweep that is the same but for what was run."""
+    """Put the runs of a file into a sweep with equal inputs."""
     try:
         with open(path, "rb") as whole, np.load(whole, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}

@@ -1,4 +1,4 @@
-"""What is kept of each run of a sweep: extremes, efforts and flows at instants, functions of the result."""
+"""Results kept of each run of a sweep: extremes, efforts and flows at instants, functions of the result."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
@@ -24,20 +24,20 @@ EXPECTED = "'extremes', instants in s such as [0, 1, 2] or '0 s:2 s:3', a functi
 
 
 class Keep(NamedTuple):
-    """What is kept."""
+    """Results to keep of each run."""
 
     extremes: bool
     t: Floats  # (instants,) instants at which efforts and flows are kept, s
-    # by name; each takes a `Result` and gives a number or an array, of one shape in all runs
+    # by name; each takes a `Result` and returns a number or an array, of one shape in all runs
     functions: Mapping[str, Callable[[Result], Any]]
 
     @property
     def names(self) -> list[str]:
-        """Of what is kept."""
+        """Names of the results kept."""
         return [*(["extremes"] if self.extremes else []), *self.functions]
 
     def of(self, result: Result) -> dict[str, Floats]:
-        """Arrays by name of one run: those of probes have them as first axis."""
+        """Arrays by name of one run, with probes as first axis where there are several."""
         kept: dict[str, Floats] = {ESTIMATE: np.array(result.accuracy.worst if result.accuracy else np.nan)}
         probes = result.probes.values()
         if self.extremes:
@@ -51,7 +51,7 @@ class Keep(NamedTuple):
         return kept
 
     def of_copies(self, found: ManyRuns, copies: NDArray) -> dict[str, Floats]:
-        """The same of many runs at once, with runs as first axis."""
+        """Arrays by name of many runs at once, with runs as first axis."""
         probes, errors = found.run(copies, self.t)
         seen, heights = list(probes.values()), [found.description.probes[name].height for name in probes]
         kept = {ESTIMATE: errors}
@@ -67,7 +67,7 @@ class Keep(NamedTuple):
 
 
 def kept_of(scene: Scene, keep: Any) -> Keep:
-    """What the argument `keep` of a sweep asks for."""
+    """Parse the argument `keep` of a sweep."""
     wanted, times, functions = False, [], {}
     for item in _items(keep):
         if isinstance(item, str) and item == "extremes":
@@ -90,7 +90,7 @@ def kept_of(scene: Scene, keep: Any) -> Keep:
 
 
 def _items(keep: Any) -> Iterable[Any]:
-    """The items of a list; what is no list, or one of instants, is an item."""
+    """Items of a list; anything else, or a list of instants, is one item."""
     if not isinstance(keep, list | tuple):
         return [keep]
     numbers = [isinstance(each, int | float | np.number) for each in keep]
@@ -98,7 +98,7 @@ def _items(keep: Any) -> Iterable[Any]:
 
 
 def _in_seconds(scene: Scene, text: str) -> Any:
-    """Instants that a text lists, or has as a range."""
+    """Parse instants listed in a text, or given there as a range."""
     try:
         values = values_or_distribution(scene, "t_end", text)
         return [to_si(each, "s") for each in values] if isinstance(values, list) else text

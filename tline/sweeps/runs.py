@@ -1,4 +1,4 @@
-"""Sweeps: a scene is run with many values, here or elsewhere, and what is wanted of each run is kept."""
+"""Sweeps: a scene is run with many values, here or elsewhere, and selected results of each run are kept."""
 
 import time
 import warnings
@@ -27,7 +27,7 @@ MOST_WORKERS = 4096
 
 
 class InterruptedWarning(UserWarning):
-    """A sweep was interrupted: it holds what was done until then."""
+    """A sweep was interrupted: it holds the runs done until then."""
 
 
 def sweep(
@@ -52,7 +52,7 @@ def sweep(
         Any scene, the path of its TOML file, or its tables.
     vary : mapping of str to values or distribution
         By dotted path, as in a scene file: ``"lines.cable.z0"``, ``"sources.s.value.duration"``, ``"t_end"``. A list or
-        array of values in SI, of texts with units, or of whatever a scene file may hold there; a range
+        array of values in SI, of texts with units, or of anything that a scene file may hold there; a range
         ``"40 ohm:60 ohm:5"`` of five values, or ``"1 pF:1 nF:7:log"``; a distribution ``"uniform(45 ohm, 55 ohm)"``,
         ``"loguniform(1 pF, 1 nF)"`` or ``"normal(50 ohm, 2 ohm)"``, or a frozen one of `scipy.stats`.
     sample : str, optional
@@ -61,7 +61,7 @@ def sweep(
         (scrambled; a power of two), drawn from distributions, where a list counts as equally probable values.
     seed : int, from 0
         Another one draws other values.
-    keep : what is kept of each run, optional
+    keep : results to keep of each run, optional
         ``"extremes"``: the lowest and the highest effort at every probe, and when. Instants in s, as a list or as text
         ``"0 s:2 s:101"``: efforts and flows there. A function of the `Result` to a number or an array, named by itself
         or by the key of a dict. Or a list of these.
@@ -71,8 +71,8 @@ def sweep(
         Where batches of runs are made: threads, processes, Dask's ``Client.get_executor()``,
         ``mpi4py.futures.MPIPoolExecutor()``.
     workers : int, from 1, optional
-        Processes that are started in place of an executor, 1 for none; if not given, as many as there are processors
-        once ten seconds of work are left. With an executor, how many batches it works on at once, if it does not tell.
+        Processes to start in place of an executor, 1 for none; if not given, as many as there are processors
+        once ten seconds of work are left. With an executor, number of batches that it works on at once, if unknown.
     resume : str or Path, optional
         An NPZ file: runs that it holds are not made again. It is written every ten seconds or more, at the end, and
         when the sweep is interrupted.
@@ -84,9 +84,9 @@ def sweep(
     Returns
     -------
     Sweep
-        All inputs, and what was kept. A run that fails has a sentence in place of numbers. The numbers do not depend on
-        where and in which batches runs are made: every search for order and slab begins where that of one run in the
-        middle ended. After Ctrl-C, what was done until then, with a warning; KeyboardInterrupt if that is nothing.
+        All inputs, and the results kept. A run that fails has a sentence in place of numbers. The numbers do not depend
+        on where and in which batches runs are made: every search for order and slab begins where that of one run in the
+        middle ended. After Ctrl-C, the runs done until then, with a warning; KeyboardInterrupt if there are none.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def sweep(
 
     Notes
     -----
-    Lossless scenes of which no function is kept, linear or with one valve or diode at a node, run side by side in
+    Lossless scenes without functions to keep, linear or with one valve or diode at a node, run side by side in
     compiled code (docs/sweeps.md), 10³ to 10⁵ of them a second, and use no executor.
 
     Examples
@@ -153,7 +153,7 @@ def sweep(
 
 
 class _File:
-    """The file that a sweep goes on from, if there is one."""
+    """File from which a sweep resumes, if there is one."""
 
     def __init__(self, table: Sweep, path: str | Path | None):
         self._table, self._path, self._next = table, path, time.monotonic() + SAVED
@@ -165,12 +165,12 @@ class _File:
             check_writable(path)
 
     def write_now_and_then(self) -> None:
-        """Write it if that was not done for long."""
+        """Write the file if the last time is long ago."""
         if time.monotonic() >= self._next:
             self.write()
 
     def write(self) -> None:
-        """Write it."""
+        """Write the file."""
         if self._path is not None and self._table.done.any():
             started = time.monotonic()
             save(self._table, self._path)

@@ -1,4 +1,4 @@
-"""What a sweep gives back: the values that varied and what was kept of every run, as arrays; and how it is told."""
+"""Results of a sweep: the values that varied and the results kept of every run, as arrays, text and files."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 NOT_RUN = "not run"
 QUANTILES = (0.05, 0.5, 0.95)
-LISTED_RUNS = 24  # runs that are told one by one
+LISTED_RUNS = 24  # runs, up to which each is printed
 WORDS = ("lowest", "highest")
-TOLD = 20  # sentences of failed runs
+TOLD = 20  # sentences of failed runs printed
 
 
 @dataclass(eq=False, repr=False)
@@ -37,13 +37,13 @@ class Sweep(Presentation):
     Attributes
     ----------
     scene : Scene
-        Whose values vary.
+        Scene that is varied.
     inputs : mapping of str to ndarray, shape (runs,)
-        Values by path: in SI, or texts where they are no numbers.
+        Values by path: in SI, or texts where they are not numbers.
     shape : tuple of int
         Of a grid, the number of values along each path; else (runs,).
     sample : str
-        How runs were chosen.
+        Method of choosing runs.
     t : ndarray, shape (instants,)
         Instants at which efforts and flows were kept, s.
     tol : float or None
@@ -57,15 +57,15 @@ class Sweep(Presentation):
     done : ndarray of bool, shape (runs,)
         Runs that were made.
     errors : dict of int to str
-        Why a run failed, by its number.
+        Reason why a run failed, by its number.
     unresolved : dict of int to str
-        What was not resolved in a run, by its number: a load faster than its slabs, or fronts that were smeared.
+        Unresolved features of a run, by its number: a load faster than its slabs, or fronts that were smeared.
     method : str
-        ``"vectorised"``, or why runs were made one at a time.
+        ``"vectorised"``, or the reason why runs were made one at a time.
     seconds : float
         Time that the sweep took [s].
     origin : dict of str to Any
-        What else a file tells to who goes on with it.
+        Further contents of a file for resuming the sweep.
     """
 
     scene: Scene
@@ -97,18 +97,18 @@ class Sweep(Presentation):
         return arrays[name]
 
     def text_lines(self) -> Iterator[str]:
-        """What varied and what was kept, and the extremes: run by run if there are few, else quantiles."""
+        """Describe varied and kept values, and the extremes: run by run if there are few, else quantiles."""
         yield f"{', '.join(self.inputs)}; kept: {', '.join(self.kept)}"
         yield from as_text(self)
 
     def to_dict(self) -> dict[str, Any]:
-        """What was done, quantiles of the extremes, and a row for each run, in SI."""
+        """Summary of the runs, quantiles of the extremes, and a row for each run, in SI."""
         head, rows = self.table()
         return plain(summary(self) | {"columns": head, "rows": rows})
 
     @property
     def told(self) -> str:
-        """How many runs there are, and what became of them."""
+        """Describe the number of runs, and of failed and missing ones."""
         left = len(self) - int(self.done.sum())
         parts = [f"{len(self):,} run{'s' * (len(self) != 1)}"]
         parts += [f"{len(self.errors):,} failed"] if self.errors else []
@@ -117,7 +117,7 @@ class Sweep(Presentation):
 
     @property
     def told_unresolved(self) -> str:
-        """In how many runs something was not resolved, and what it was in the first of them; empty if all is well."""
+        """Describe the number of runs with unresolved features, and those of the first; empty if there are none."""
         if not self.unresolved:
             return ""
         run, text = min(self.unresolved.items())
@@ -156,7 +156,7 @@ class Sweep(Presentation):
         self.done[rows] = True
 
     def dims(self, name: str) -> tuple[str, ...]:
-        """Names of the axes of what was kept, but for that of the runs."""
+        """Names of the axes of a kept array, except that of the runs."""
         if name in EXTREMES:
             return ("probe",)
         if name in self._samples:
@@ -164,18 +164,18 @@ class Sweep(Presentation):
         return tuple(f"{name}_{k}" for k in range(self.kept[name].ndim - 1))
 
     def unit(self, name: str) -> str:
-        """SI unit of what was kept; empty for results of functions."""
+        """SI unit of a kept array; empty for results of functions."""
         effort = words(self.scene).units["effort"]
         extremes = {"lowest": effort, "highest": effort, "lowest_at": "s", "highest_at": "s"}
         return extremes.get(name, "") or (self._samples[name].si(self.scene) if name in self._samples else "")
 
     @property
     def _samples(self) -> dict[str, Quantity]:
-        """What is kept at instants."""
+        """Quantities kept at instants."""
         return {each.key: each for each in in_sweeps(self.scene)}
 
     def to_xarray(self) -> "Dataset":
-        """The same as an `xarray.Dataset`, with the scene and all inputs; a grid has an axis for each path.
+        """Convert to an `xarray.Dataset`, with the scene and all inputs; a grid has an axis for each path.
 
         Raises
         ------
@@ -187,7 +187,7 @@ class Sweep(Presentation):
         return dataset(self)
 
     def to_dataframe(self) -> "DataFrame":
-        """A row for each run, as in CSV files, as a `pandas.DataFrame`.
+        """Convert to a `pandas.DataFrame`, with a row for each run, as in CSV files.
 
         Raises
         ------
@@ -198,7 +198,7 @@ class Sweep(Presentation):
         return import_extra("pandas", "pandas", "data", "to_dataframe").DataFrame(rows, columns=head)
 
     def save(self, path: str | Path) -> None:
-        """Write a file by its suffix: ``.npz``, which a sweep goes on from, ``.nc`` (NetCDF), or ``.csv``.
+        """Write a file by its suffix: ``.npz``, from which a sweep resumes, ``.nc`` (NetCDF), or ``.csv``.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class Sweep(Presentation):
         save(self, path)
 
     def table(self) -> tuple[list[str], list[list[Any]]]:
-        """Head and rows, a row for each run: inputs, what was kept but for samples, and the error."""
+        """Head and rows, a row for each run: inputs, kept arrays except samples, and the error."""
         effort = words(self.scene, "gauge pressure").effort
         head, columns = list(self.inputs), [values.tolist() for values in self.inputs.values()]
         for name, array in self.kept.items():
@@ -230,7 +230,7 @@ class Sweep(Presentation):
 
 
 def summary(found: Sweep) -> dict[str, Any]:
-    """What was done, and quantiles of the extremes at every probe, in SI."""
+    """Summary of the runs, and quantiles of the extremes at every probe, in SI."""
     probes = {name: {word: values.tolist() for word, values in extremes} for name, extremes in _quantiles(found)}
     return {
         "runs": len(found),
@@ -249,7 +249,7 @@ def summary(found: Sweep) -> dict[str, Any]:
 
 
 def notes(found: Sweep) -> list[str]:
-    """What is not as it was asked for."""
+    """Notes on interrupted and failed runs, and on missed tolerances."""
     told = []
     if left := int((~found.done).sum()):
         told.append(f"interrupted: {left:,} of {len(found):,} runs are not made")
@@ -262,7 +262,7 @@ def notes(found: Sweep) -> list[str]:
 
 
 def as_text(found: Sweep) -> list[str]:
-    """A head, and the extremes: run by run if there are few, else quantiles."""
+    """Format a head, and the extremes: run by run if there are few, else quantiles."""
     head = f"{found.told} in {found.seconds:.2g} s"
     worst = _worst(found)
     head += "" if worst is None else f", estimated error up to {worst:.1g} of the amplitude"
@@ -297,14 +297,14 @@ def _spread(found: Sweep) -> list[str]:
 
 
 def _quantiles(found: Sweep) -> Iterator[tuple[str, list[tuple[str, NDArray]]]]:
-    """Of the extremes at each probe, in SI."""
+    """Quantiles of the extremes at each probe, in SI."""
     if "highest" in found.kept and len(found.good):
         for k, name in enumerate(found.probes):
             yield name, [(word, np.quantile(found[word][found.good, k], QUANTILES)) for word in WORDS]
 
 
 def _scale(found: Sweep, probe: int) -> tuple[float, str, float]:
-    """Size and name of the unit in which a probe's efforts are read, and their estimated error."""
+    """Size and name of the unit for a probe's efforts, and their estimated error."""
     largest = float(max(np.abs(found[word][found.good, probe]).max() for word in WORDS))
     size, unit = handy(largest, words(found.scene).shown["effort"])
     return size, unit, (_worst(found) or 0.0) * largest

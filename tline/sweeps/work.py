@@ -1,4 +1,4 @@
-"""How the runs of a sweep are made: side by side in compiled code, here one at a time, or on an executor."""
+"""Execution of the runs of a sweep: side by side in compiled code, here one at a time, or on an executor."""
 
 import os
 import warnings
@@ -35,13 +35,13 @@ from tline.sweeps.executors import (
 from tline.sweeps.keep import ESTIMATE
 from tline.sweeps.table import Sweep
 
-LONG = 10.0  # s of work left that are worth starting processes
+LONG = 10.0  # s of work left above which processes are started
 Batches = Iterator[tuple[NDArray, Batch]]
 CHUNK = 20_000  # runs at once
 
 
 class SweepWork:
-    """The runs of a sweep that are not in its table yet."""
+    """Runs of a sweep that are not in its table yet."""
 
     def __init__(self, design: Design, table: Sweep, task: Task, executor: Executor | None, workers: int | None):
         self._design, self._table, self._task = design, table, task
@@ -49,7 +49,7 @@ class SweepWork:
         self._samples = self._sampled()
 
     def batches(self) -> Batches:
-        """Make them."""
+        """Make all missing runs."""
         yield from self._side_by_side()
         if self._table.done.all():
             return
@@ -68,7 +68,7 @@ class SweepWork:
         return np.flatnonzero(~self._table.done)
 
     def _sampled(self) -> list[tuple[int, Scene]]:
-        """Some runs and their scenes."""
+        """Sample runs and their scenes."""
         found, mistakes = [], []
         for rows in _middle(np.arange(self._design.runs)):
             try:
@@ -90,7 +90,7 @@ class SweepWork:
         yield from batches(self._task, many, rows, np.cumsum(fit)[rows] - 1)
 
     def _first(self) -> Batches:
-        """Make a run from which all others know where their searches begin."""
+        """Make one run to fix the start of the searches of all others."""
         told, prepared = self._table.origin, self._task.prepared
         if "starts" not in told:
             for rows in _middle(self._left):
@@ -104,7 +104,7 @@ class SweepWork:
         prepared.fix({tol: Start(*start) for tol, *start in told["starts"]})
 
     def _here(self) -> Batches:
-        """In this process, until so much is left that others are worth starting."""
+        """Make runs in this process, until enough are left to justify starting others."""
         queue, cores = Queue(self._left, 1), os.cpu_count() or 1
         alone = self._workers is not None or cores == 1 or parent_process() is not None
         while queue:
@@ -134,14 +134,14 @@ class SweepWork:
 
 
 def _middle(rows: NDArray) -> list[NDArray]:
-    """The middle one, the first and the last, each alone."""
+    """Middle, first and last row, each alone."""
     return [rows[k : k + 1] for k in dict.fromkeys([len(rows) // 2, 0, len(rows) - 1])]
 
 
 def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]]) -> tuple[NDArray, ManyRuns]:
-    """Runs that can be made side by side, as a mask over all, and what makes them; else why not is raised.
+    """Find the runs that can be made side by side, as a mask over all, with their solver; raise the reason if none can.
 
-    In some sample runs no other numbers may differ than those that vary.
+    In the sample runs no numbers may differ other than those that vary.
     """
     scene, inputs = task.prepared.scene, table.inputs
     if task.keep.functions or task.tol is None:

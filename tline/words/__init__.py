@@ -1,2 +1,2 @@
-"""What is said to people: how places, names and values are worded, tables aligned, control characters shown, and
-progress told."""
+"""Wording of messages: places, names and values, aligned tables, visible control characters, and
+progress."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 
 def aligned(rows: Sequence[Sequence[str]], words: int) -> list[str]:
-    """Rows with columns of one width, the first ones of words to the left and numbers to the right.
+    """Align rows in columns of one width, the first ones of words to the left and numbers to the right.
 
     Examples
     --------

@@ -1,14 +1,14 @@
-"""Characters that steer a terminal, and what is shown in their place."""
+"""Control characters of terminals, and their visible replacements."""
 
 import re
 
-# C0 and C1 controls but tab and line feed, line and paragraph separators, and what turns the direction of writing
+# C0 and C1 controls but tab and line feed, line and paragraph separators, and reversals of the writing direction
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 BREAK = re.compile(rf"(?:\s|{CONTROL.pattern})+")
 
 
 def printable(text: str) -> str:
-    r"""Text in which control characters are written as ``\u001b``, as in JSON, where that stands for the character.
+    r"""Write control characters in a text as ``\u001b``, the escape for the character in JSON.
 
     Examples
     --------
@@ -19,7 +19,7 @@ def printable(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    r"""Text without control characters and line breaks; a space stands for them.
+    r"""Replace control characters and line breaks in a text by spaces.
 
     Examples
     --------

@@ -1,9 +1,9 @@
-"""Progress on stderr, once work has taken so long that somebody wonders; until then not even the bar is imported."""
+"""Progress on stderr, for work that takes more than two seconds; until then not even the bar is imported."""
 
 import time
 from typing import Any, Self
 
-DELAY = 2.0  # s without a bar
+DELAY = 2.0  # s before a bar appears
 
 
 class Progress:
@@ -14,11 +14,11 @@ class Progress:
     total : int
         Units of work.
     unit : str
-        What they are called.
+        Name of the units.
     shown : bool
         Whether there is a bar at all.
     task : str
-        What stands in front of it.
+        Text in front of it.
     """
 
     def __init__(self, total: int, unit: str, shown: bool, task: str = ""):

@@ -13,7 +13,7 @@ _short.maxlevel = 2
 
 
 def place(*parts: str | int) -> str:
-    """The dotted place of a key, as TOML writes it; numbers count in lists.
+    """Format the dotted place of a key, as TOML writes it; numbers are indices in lists.
 
     Examples
     --------
@@ -30,7 +30,7 @@ def place(*parts: str | int) -> str:
 
 
 def shown(value: object) -> str:
-    """A value as a message quotes it: short, however large or deep it is."""
+    """Format a value for a message: short, however large or deep it is."""
     try:
         text = _short.repr(value)
     except ValueError:  # an integer of too many digits
@@ -39,7 +39,7 @@ def shown(value: object) -> str:
 
 
 def nearest(word: str, known: list[str]) -> str:
-    """The known word a user probably meant; all of them, or some, if none is near."""
+    """Find the known word a user probably meant; all of them, or some, if none is near."""
     if len(known) <= SEARCHED:
         lower = {name.lower(): name for name in known}
         close = get_close_matches(word.lower(), lower, n=1)
@@ -49,6 +49,6 @@ def nearest(word: str, known: list[str]) -> str:
 
 
 def listed(known: list[str]) -> str:
-    """All known words, or some."""
+    """List all known words, or some."""
     words = ", ".join(f"'{name}'" for name in known[:LISTED])
     return "one of " * (len(known) > 1) + words + f" and {len(known) - LISTED} more" * (len(known) > LISTED)

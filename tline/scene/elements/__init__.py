@@ -1,4 +1,4 @@
-"""Elements that each are one file: whatever has a file here is known to scenes, to the schema and to the documents."""
+"""Elements with one file each: every file here adds its element to scenes, the schema and the documentation."""
 
 from importlib import import_module
 from pkgutil import iter_modules
@@ -24,7 +24,7 @@ def __getattr__(name: str) -> Any:
 
 
 def loads() -> list[Any]:
-    """Models of those that stand at a node."""
+    """Models of the elements at a node."""
     return [
         model.load if issubclass(model, Placed) else model
         for model in ELEMENTS.values()
@@ -33,7 +33,7 @@ def loads() -> list[Any]:
 
 
 def links() -> list[Any]:
-    """Models of those that stand between two."""
+    """Models of the elements between two nodes."""
     return [
         model.link if issubclass(model, Placed) else model
         for model in ELEMENTS.values()

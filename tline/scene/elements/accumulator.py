@@ -10,11 +10,11 @@ from tline.scene.element import AtNode
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
 from tline.scene.quantity import Quantity, Role
 
-AT_STOP = 1e-9  # of the way between stops
+AT_STOP = 1e-9  # relative to the stroke
 
 
 class Sprung(LawKind):
-    """Constants: effort beyond the element, capacitance, efforts of the spring at its two stops.
+    """Law of a spring accumulator; constants: effort beyond, capacitance, efforts of the spring at its two stops.
 
     The state is the effort of the spring.
     """
@@ -27,11 +27,11 @@ class Sprung(LawKind):
         return (min(max(effort - c[0], c[2]), c[3]),)
 
     def capacity(self, c, effort):
-        """As between its stops."""
+        """Capacity between the stops."""
         return c[1]
 
     def bends(self, c, rho):
-        """Just before it meets a stop, and just after it has left one: there its spring moves, and bends."""
+        """Kinks just before the piston meets a stop and just after it has left one."""
         _, _, first, last = c
         near = AT_STOP * (last - first if last < inf else abs(first))
         yield from (Bend(at) for at in (first + near, last - near) if abs(at) < inf)
@@ -42,7 +42,7 @@ class Sprung(LawKind):
 
 
 class SpringAccumulator(AtNode, OfLiquids):
-    """An accumulator at a node: a piston on a spring with a preload.
+    """Accumulator at a node: a piston on a spring with a preload.
 
     The piston begins to move where the gauge pressure exceeds the preload, and stops at the end of its stroke. It has
     neither mass nor friction, and at its stops nothing flows. A loss in front of it is an orifice between two nodes.

@@ -1,4 +1,4 @@
-"""Tanks open to the air that end: at a bottom, where they run dry, and at a rim, where they overflow."""
+"""Open tanks of finite height, which run dry at the bottom and overflow at the rim."""
 
 from math import inf, sqrt
 from typing import Annotated, ClassVar, Literal
@@ -18,8 +18,8 @@ Loss = Annotated[Quantity, Role("loss coefficient", "", at_least=0)]
 
 
 class Ended(LawKind):
-    """Constants: effort beyond the element, capacities of the loss inwards and outwards, capacitance, efforts at the
-    bottom, at the rim and before the run (not a number if that is what is at rest). The state is the effort inside.
+    """Law of an open tank; constants: effort beyond, capacities of the loss inwards and outwards, capacitance, efforts
+    at the bottom, at the rim and before the run (nan if the state at rest determines it). State: the effort inside.
     """
 
     name, unit = "open tank", "stores.open_tank.open_tank"
@@ -30,21 +30,21 @@ class Ended(LawKind):
         return (float(np.clip(effort - c[0] if np.isnan(c[6]) else c[6], c[4], c[5])),)
 
     def capacity(self, c, effort):
-        """As between its ends."""
+        """Capacity between bottom and rim."""
         return c[3]
 
     def bends(self, c, rho):
-        """Where the flow turns."""
+        """Kink where the flow changes its sign."""
         if min(c[1], c[2]) < inf:
             yield Bend(0.0)
 
 
 class OpenTank(AtNode, OfLiquids):
-    """A tank open to the air that overflows at its rim and runs dry at its bottom.
+    """Open tank that overflows at its rim and runs dry at its bottom.
 
-    Liquid passes its connection with a loss for each direction, as through a differential orifice; a one-way tank lets
-    nothing in. Over the rim runs what comes in, without a rise of the level. Empty, it gives nothing: the air that
-    would enter the pipe is not computed. Levels are above the node.
+    Liquid passes its connection with a loss for each direction, as through a differential orifice; a one-way tank has
+    no inflow. Inflow beyond the rim is spilled, without a rise of the level. An empty tank supplies nothing: the air
+    that would enter the pipe is not computed. Levels are above the node.
     """
 
     kind: Literal["open tank"] = "open tank"
@@ -83,12 +83,12 @@ loss_out = 1.0
 
     @property
     def weight(self) -> float:
-        """Pressure of a metre, Pa/m."""
+        """Pressure per metre of liquid, Pa/m."""
         return float(self.density * self.gravity)
 
     @property
     def rim(self) -> float:
-        """Level at which it overflows, m."""
+        """Level at which the tank overflows, m."""
         return inf if self.highest_level is None else float(self.highest_level)
 
     @model_validator(mode="after")

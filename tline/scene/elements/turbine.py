@@ -1,4 +1,4 @@
-"""Turbines with a rotor, a governor, and a load that may be lost."""
+"""Turbines with a rotor, a governor, and a load that may be rejected."""
 
 from math import pi, sqrt
 from typing import Annotated, ClassVar, Literal
@@ -16,7 +16,7 @@ Time = Annotated[Quantity, Role("time", "s", above=0)]
 
 
 class Driven(LawKind):
-    """Constants as `tline.solver.kernel.stores.turbine` has them, the last of which is the torque before the run."""
+    """Law of a turbine; constants of `tline.solver.kernel.stores.turbine`, the last being the torque before the run."""
 
     name, unit = "turbine", "stores.turbine.turbine"
     control = "load"
@@ -34,13 +34,13 @@ class Driven(LawKind):
 
 
 class Turbine(Between, OfLiquids):
-    """An impulse turbine from the first node to the second, with its rotor, its load and a governor.
+    """Impulse turbine from the first node to the second, with its rotor, its load and a governor.
 
-    The flow is opening·C·sqrt(drop), at any speed. The torque falls with the speed along a line, to nothing at the
-    runaway. Before the run it turns at its rated speed and has the load that its opening gives; what is lost of that
-    drives the rotor. Where `droop` is given the gates move by droop·x' = -n' + (1 - n)/reset_time, n the speed over the
-    rated one, no faster than in the stroke time; else they stand. A machine whose flow depends on its speed is a `pump`
-    with `quadrants`.
+    The flow is opening·C·sqrt(drop), at any speed. The torque falls linearly with the speed, to zero at the
+    runaway. Before the run the turbine has its rated speed and the load that its opening gives; any part of that load
+    which is lost drives the rotor. With `droop` the gates move by droop·x' = -n' + (1 - n)/reset_time, n the speed over
+    the rated one, no faster than in the stroke time; else they are fixed. For a machine whose flow depends on its speed
+    use a `pump` with `quadrants`.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Varistors: arresters of zinc oxide, and whatever else clamps a voltage by a power law."""
+"""Varistors: zinc oxide arresters, and other clamps with a power law."""
 
 from typing import Annotated, ClassVar, Literal
 
@@ -11,12 +11,12 @@ from tline.scene.quantity import Quantity, Role
 
 
 class PowerLaw(LawKind):
-    """Constants: effort beyond the element, current at a voltage, that voltage, exponent."""
+    """Law of a varistor; constants: effort beyond the element, current at a voltage, that voltage, exponent."""
 
     name, unit = "varistor", "laws.varistor.varistor"
 
     def bends(self, c, rho):
-        """None if the exponent is odd: then it is as smooth at the origin as elsewhere."""
+        """Kink at the origin, unless the exponent is odd: then the law is smooth there too."""
         if c[3] % 2 != 1:
             yield Bend(c[0])
 
@@ -26,7 +26,7 @@ class PowerLaw(LawKind):
 
 
 class Varistor(OfCables, Placed):
-    """A varistor or arrester: i = current·sign(u)·(abs(u)/voltage)^exponent.
+    """Varistor or arrester: i = current·sign(u)·(abs(u)/voltage)^exponent.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""A model of an IBIS file at one corner, as numbers: tables of voltage and current, capacitance, edges, package."""
+"""Model of an IBIS file at one corner, as numbers: tables of voltage and current, capacitance, edges, package."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,7 +19,7 @@ FIXTURE = {
     "c_dut": "F",
 }  # fmt: skip
 LEFT_OUT_OF_WAVEFORMS = ("l_fixture", "r_dut", "l_dut", "c_dut")
-PLAUSIBLE_RANGE = 10  # times the larger of supply and fixture that a waveform may plausibly reach
+PLAUSIBLE_RANGE = 10  # times the larger of supply and fixture: largest plausible voltage of a waveform
 WORDS = frozenset((*FIXTURE, "v_fixture_min", "v_fixture_max"))
 OPEN = {"open_drain", "open_sink", "open_source"}
 ALWAYS = {"output", "output_ecl", *OPEN}  # types that cannot be switched off
@@ -29,21 +29,21 @@ KINDS = DRIVING | {"input", "input_ecl", "terminator"}
 LEFT_OUT = (
     "submodel", "add submodel", "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
 )  # fmt: skip
-SMALLEST_CAPACITANCE = 1e-15  # F, of a die, for voltages are states of something
+SMALLEST_CAPACITANCE = 1e-15  # F, smallest capacitance of a die, as its voltage is a state
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
-TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp whose reference they lead to
+TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp that has the same reference
 
 
 class CurrentTable(NamedTuple):
     """Current into the component over a voltage that counts from a reference, upwards or downwards."""
 
     reference: float  # V
-    downwards: bool  # whether the voltage is the reference's less the die's, as of what leads to a supply
+    downwards: bool  # whether the voltage is the reference's less the die's, as for tables that lead to a supply
     volts: NDArray
     amps: NDArray
 
     def current(self, u: NDArray) -> NDArray:
-        """Current at a voltage of the die, the outer straight lines continued."""
+        """Current at a voltage of the die, with the end segments extrapolated."""
         v = self.reference - u if self.downwards else u - self.reference
         k = np.clip(np.searchsorted(self.volts, v) - 1, 0, len(self.volts) - 2)
         slope = (self.amps[k + 1] - self.amps[k]) / (self.volts[k + 1] - self.volts[k])
@@ -51,7 +51,7 @@ class CurrentTable(NamedTuple):
 
 
 class EdgeWaveform(NamedTuple):
-    """Voltage of the die over time after an edge, into a resistance toward a voltage."""
+    """Voltage of the die over time after an edge, with a load resistance to a fixed voltage."""
 
     rises: bool
     resistance: float
@@ -77,7 +77,7 @@ class Buffer(NamedTuple):
 
 
 def read_buffer(path: Path, model: str | None, pin: str | None, component: str | None, corner: str) -> Buffer:
-    """A model by its name, or that of a pin, at a corner."""
+    """Read a model by its name, or by that of a pin, at a corner."""
     sections = sections_of(read_text(path, "file", legacy=True))
     package = _package(_component(sections, component), sections, corner, pin)
     name = model or _model_of(sections, component, pin)
@@ -85,7 +85,7 @@ def read_buffer(path: Path, model: str | None, pin: str | None, component: str |
 
 
 def _own(sections: Sequence[Section], keyword: str, name: str | None, key: str) -> list[Section]:
-    """A keyword of that name, and those up to the next of its kind."""
+    """Sections of a keyword with that name, and those up to the next of its kind."""
     ends = ("component", "model", "model selector", "submodel", "define package model", "external circuit", "end")
     begins = [k for k, each in enumerate(sections) if each.keyword == keyword]
     names = [" ".join(sections[k].words[:1]) for k in begins]
@@ -106,7 +106,7 @@ def _component(sections: Sequence[Section], component: str | None) -> list[Secti
 
 
 def _rows_of_pins(own: Sequence[Section]) -> dict[str, tuple[int, list[str], list[str]]]:
-    """Line, words and columns of each pin."""
+    """Line number, words and columns of each pin."""
     for each in own:
         if each.keyword == "pin":
             return {row[0]: (line, row, [word.lower() for word in each.words]) for line, row in each.rows}
@@ -132,7 +132,7 @@ def _model_of(sections: Sequence[Section], component: str | None, pin: str | Non
 def _package(
     own: Sequence[Section], sections: Sequence[Section], corner: str, pin: str | None
 ) -> tuple[float, float, float]:
-    """R, L and C of a pin, by its package model or else its row, or of the package where they are not known of it."""
+    """R, L and C of a pin, by its package model or its row, or of the package where the pin has none."""
     found = [0.0, 0.0, 0.0]
     for each in own:
         if each.keyword == "package":
@@ -175,7 +175,7 @@ def _of_package_model(own: Sequence[Section], pin: str, found: list[float]) -> l
 
 
 def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, float]) -> Buffer:
-    """A model from its keywords."""
+    """Build a model from its keywords."""
     head, notes = own[0], [f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT]
     kind = head.find("Model_type")
     kind = kind[1][0].lower() if kind and kind[1] else ""
@@ -234,7 +234,7 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
 
 
 def _above_zero(section: Section, corner: str, unit: str) -> float:
-    """The value behind a keyword."""
+    """Read the value of a keyword, above zero."""
     value = at_corner(section.words, corner, section.line, unit)
     if value <= 0:
         raise InputError("file", f"line {section.line}: [{section.keyword}] is not above zero", f"a number of {unit}")
@@ -246,7 +246,7 @@ def _is_voltage(section: Section) -> bool:
 
 
 def _table(section: Section, corner: str, reference: float, kind: str, notes: list[str]) -> CurrentTable:
-    """A table whose current grows with the voltage toward its reference: the nearest such one."""
+    """Read a current table, replaced by the nearest one whose current rises with the voltage toward its reference."""
     rows = sorted(dict(table_of(section, corner, ("V", "A"))).items())
     volts, amps = np.array(rows).T
     if len(rows) < 2:

@@ -29,12 +29,12 @@ from tline.scene.source import Source
 from tline.scene.text_file import beside
 from tline.words.wording import shown
 
-SWITCHED = "pullup", "pulldown"  # tables that are weighed over time; all others are always there
-STRAIGHT = 1e-2  # of a share: so far may straight lines between fewer instants be from it; cubics are a tenth of that
+SWITCHED = "pullup", "pulldown"  # tables that are weighted over time; all others are always connected
+STRAIGHT = 1e-2  # of a share: largest error of straight lines between fewer instants; that of cubics is a tenth
 
 
 class Edge(NamedTuple):
-    """Shares of pull-up and pull-down after an edge, straight between instants, from 0 to 1 or back."""
+    """Shares of pull-up and pull-down after an edge, piecewise linear in time, from 0 to 1 or back."""
 
     t: NDArray
     up: NDArray
@@ -43,7 +43,7 @@ class Edge(NamedTuple):
 
 
 def edge_of(buffer: Buffer, rises: bool) -> Edge:
-    """The edge that a model's waveforms give, or else its ramp.
+    """Edge from the waveforms of a model, or else from its ramp.
 
     Examples
     --------
@@ -86,26 +86,26 @@ def _current(table: CurrentTable | None, u: NDArray) -> NDArray:
 
 
 def _quotient(a: NDArray, b: NDArray) -> NDArray:
-    """a/b, between neighbours where nothing follows from the waveforms."""
+    """Quotient a/b, interpolated between neighbours where the waveforms do not determine it."""
     sure = b > 1e-9 * b.max(initial=0.0)
     k = np.arange(len(b))
     return np.interp(k, k[sure], a[sure] / b[sure]) if sure.any() else np.zeros_like(a)
 
 
 def _drawn(share: NDArray, first: float, last: float) -> NDArray:
-    """A share moved and scaled so that it begins and ends where it should; never below zero."""
+    """Shift and scale a share to its values at both ends; never below zero."""
     span = share[-1] - share[0]
     moved = first + (last - first) * (share - share[0]) / span if span else np.linspace(first, last, len(share))
     return np.maximum(moved, 0.0)
 
 
 def _kept(t: NDArray, y: NDArray) -> NDArray:
-    """Instants between which straight lines are near enough (Ramer 1972, Douglas and Peucker 1973)."""
+    """Instants between which straight lines are accurate enough (Ramer 1972, Douglas and Peucker 1973)."""
     kept, parts = {0, len(t) - 1}, [(0, len(t) - 1)]
     while parts:
         low, high = parts.pop()
         line = y[low] + (y[high] - y[low]) * (t[low : high + 1] - t[low]) / (t[high] - t[low])
-        off = np.abs(y[low : high + 1] - line)[1:-1]  # each part is shorter than what it is of, whatever rounding does
+        off = np.abs(y[low : high + 1] - line)[1:-1]  # each part is shorter than the whole, whatever rounding does
         if off.size and off.max() > STRAIGHT:
             k = low + 1 + int(off.argmax())
             kept.add(k)
@@ -118,7 +118,7 @@ def over_time(
 ) -> dict[str, tuple[NDArray, NDArray]]:
     """Shares over time of a driver that begins high or low and has edges at instants, each a rise or a fall.
 
-    What each edge changes adds up, so that one which comes before the last has ended goes on from there.
+    The changes of the edges add up, so that an edge before the end of the last one continues from there.
     """
     found = {}
     for name, begin in (("up", float(first)), ("down", float(not first))):
@@ -139,7 +139,7 @@ Parts = dict[str, dict[str, Any]]  # elements by section and name
 
 
 class Shares(Shape):
-    """Levels at instants, and between them cubics that neither overshoot nor have corners; made, not read from files.
+    """Levels at instants, with monotone smooth cubics in between; not read from files.
 
     The slopes at instants are those of F. N. Fritsch and J. Butland (1984).
     """
@@ -165,7 +165,7 @@ class Shares(Shape):
 
 
 class Ibis(OneMedium, RationalImpedance, AtNode):
-    """A driver or a receiver as its maker publishes it: a model of an IBIS file at one of its corners.
+    """Driver or receiver as published by its maker: a model of an IBIS file at one of its corners.
 
     It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
     With `bits` the pull-up and pull-down tables are weighed over time, so that the waveforms of the file come out at
@@ -205,7 +205,7 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
         return self
 
     def _checked(self) -> dict[bool, Edge]:
-        """The edges of a driver; none of a receiver."""
+        """Edges of a driver; none of a receiver."""
         kind, buffer = self._buffer.kind, self._buffer
         if self.bits is None:
             if kind in ALWAYS:
@@ -235,12 +235,12 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
 
     @property
     def near(self) -> str:
-        """The node that the scene names, whatever the package."""
+        """Node named in the scene, also with a package."""
         return self._near or self.at
 
     @property
     def summary(self) -> str:
-        """What the file's model is, and what was left out of it, in one line."""
+        """Summary of the file's model and of the parts left out of it, in one line."""
         buffer = self._buffer
         told = [f"{self.file}, model {buffer.name} ({buffer.kind}, {self.corner})"]
         if self._edges:
@@ -254,7 +254,7 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
         return "; ".join([*told, *buffer.notes])
 
     def taken_apart(self, own: str) -> tuple[Parts, "Ibis"]:
-        """What else it is made of, named after its own place, and the capacitance of its die."""
+        """Return the other elements of the model, named after its own place, and the capacitance of its die."""
         name = own.partition(".")[2].strip('"')
         R, L, C = self._buffer.package if self.package else (0.0, 0.0, 0.0)
         die = die_of(name) if R or L else self.at
@@ -295,7 +295,7 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
 
 
 def die_of(name: str) -> str:
-    """The node between the package of a load and its die."""
+    """Name of the node between the package of a load and its die."""
     return f"{name}, die"
 
 
@@ -306,7 +306,7 @@ def _corners(t: np.ndarray, level: np.ndarray, high: bool) -> Shares:
 
 
 def _place(parts: Parts, name: str, table: CurrentTable, die: str, scale: Shares | None) -> None:
-    """A table between the die and its reference: a load if that is earth, else a link from a source of its own."""
+    """Place a table between the die and its reference: a load if that is earth, else a link from a new source."""
     scaled = {} if scale is None else {"scale": scale}
     if not table.downwards and table.reference == 0:
         points = list(zip(table.volts.tolist(), table.amps.tolist(), strict=True))
@@ -320,5 +320,5 @@ def _place(parts: Parts, name: str, table: CurrentTable, die: str, scale: Shares
 
 @lru_cache(maxsize=64)
 def _read(path: Path, stamp: int, *asked: Any) -> Buffer:
-    """A model; `stamp` is when the file was written, for a scene is read several times."""
+    """Read a model; `stamp` is the file's time of modification, as a scene is read several times."""
     return read_buffer(path, *asked)

@@ -25,7 +25,7 @@ MOST_ROWS = 100_000  # below one keyword
 
 
 class Section(NamedTuple):
-    """A keyword, the words behind it, and the lines below it: their numbers in the file and their words."""
+    """Keyword, the words behind it, and the lines below it: their numbers in the file and their words."""
 
     keyword: str  # in small letters, words apart by one space
     line: int
@@ -33,7 +33,7 @@ class Section(NamedTuple):
     rows: list[tuple[int, list[str]]]
 
     def find(self, name: str) -> tuple[int, list[str]] | None:
-        """Line and words behind a name that begins a line, as `C_comp 1pF` or `R_load = 50`."""
+        """Line number and words behind a name that begins a line, as `C_comp 1pF` or `R_load = 50`."""
         for line, words in self.rows:
             if words and words[0].lower() == name.lower():
                 return line, words[1:]
@@ -41,7 +41,7 @@ class Section(NamedTuple):
 
 
 def sections_of(text: str) -> list[Section]:
-    """The keywords of a file in their order.
+    """Split a file into its keywords, in order.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def sections_of(text: str) -> list[Section]:
 
 
 def number_of(word: str, line: int, unit: str) -> float:
-    """A number in SI, with a letter for its scale and perhaps a unit.
+    """Parse a number in SI, with a letter for its scale and optionally a unit.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def number_of(word: str, line: int, unit: str) -> float:
 
 
 def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
-    """That of typical, smallest and largest value; the typical one where the other is not known, else the mean.
+    """Value at a corner of typical, minimum, maximum; the typical one if unknown, or the mean if that is unknown too.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
 def table_of(
     section: Section, corner: str, units: tuple[str, str], words: frozenset[str] = frozenset()
 ) -> list[tuple[float, float]]:
-    """Rows of a table: its first column and the value at a corner; rows that name values, or know none, are skipped."""
+    """Rows of a table: first column and value at a corner; rows of named values, or of unknown ones, are skipped."""
     rows = []
     for line, row in section.rows:
         if row[0].lower() in words or {word.upper() for word in row[1:]} == {MISSING}:

@@ -1,16 +1,16 @@
-"""Baseline methods, small and honest: what others do with a scene, for charts and for teaching.
+"""Baseline methods, small and faithful to the literature, for charts and for teaching.
 
 All see the scene as `nodes_of` does. Those that step in time are compiled loops (`advance_*`); lumped chains and Padé
 sections are sparse linear systems, vectorised, integrated by scipy's `solve_ivp`.
 
-| family | what it does with a wave |
+| family | treatment of a wave |
 |---|---|
-| characteristics (MOC) | reads it a whole number of steps late, the wave speed adjusted to that, or interpolates |
-| the same on a grid | carries it from reach to reach, where friction takes its share |
-| upwind, Lax-Wendroff | carries it from cell to cell |
-| FDTD | leapfrogs effort and flow on staggered grids |
-| lumped, Padé | replaces the line by an ordinary differential equation |
-| slabs, pointwise | as the production method, but interpolates where that projects |
+| characteristics (MOC) | delayed by whole steps, with adjusted wave speed, or interpolated |
+| characteristics on a grid | carried from reach to reach, with friction in each |
+| upwind, Lax-Wendroff | carried from cell to cell |
+| FDTD | leapfrog of effort and flow on staggered grids |
+| lumped, Padé | line replaced by an ordinary differential equation |
+| slabs, pointwise | as the production method, but with interpolation in place of projection |
 
 References
 ----------

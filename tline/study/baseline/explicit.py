@@ -49,12 +49,12 @@ def nearest(f: float) -> tuple[float, float, float, float]:
 
 
 def linear(f: float) -> tuple[float, float, float, float]:
-    """The wave a fraction f of a step before the sample on time, on a straight line."""
+    """Interpolate the wave a fraction f of a step before the sample on time, linearly."""
     return 0.0, 1.0 - f, f, 0.0
 
 
 def cubic(f: float) -> tuple[float, float, float, float]:
-    """The same on Lagrange's cubic."""
+    """Interpolate the wave a fraction f of a step before the sample on time by Lagrange's cubic."""
     return (
         -f * (1 - f) * (2 - f) / 6,
         (1 + f) * (1 - f) * (2 - f) / 2,
@@ -71,10 +71,10 @@ def moc(
     offset: float = 0.0,
     whole: int | None = None,
 ) -> BaselineRun:
-    """Characteristics: what arrives is what was sent one delay ago.
+    """Method of characteristics: the arriving wave is the one sent one delay ago.
 
     Without interpolation the delays are rounded to whole steps: the wave speeds are adjusted. `offset` adds to n; with
-    `whole` all lines count as that many steps late, and the rest of the delay, whatever it is, is the fraction.
+    `whole` all lines are delayed by that many steps, and the rest of the delay, of any size, is the fraction.
     """
     nodes, dt = describe(scene).nodes, shortest_delay(scene) / (n + offset)
     steps, delays = count_steps(scene, dt), delays_of(scene) / dt
@@ -88,7 +88,7 @@ def moc(
 
 
 def moc_grid(scene: Scene, n: float) -> BaselineRun:
-    """Characteristics from point to point; friction over a reach counts as K |y before| y after: second order.
+    """Method of characteristics on a grid; friction over a reach is K |y before| y after: second order.
 
     Delays are rounded to whole steps.
     """
@@ -114,7 +114,7 @@ def moc_grid(scene: Scene, n: float) -> BaselineRun:
 
 
 def no_friction(scene: Scene) -> str | None:
-    """Why a grid is of no use for a scene, or cannot do it; None if it can."""
+    """Reason why a grid is of no use for a scene, or not applicable; None if it is."""
     for name, load in scene.loads.items():
         if isinstance(load, RationalImpedance):
             return f"{place('loads', name)}: has a state"
@@ -123,12 +123,12 @@ def no_friction(scene: Scene) -> str | None:
 
 
 def upwind(scene: Scene, n: float, courant: float = COURANT) -> BaselineRun:
-    """Each cell takes from the one behind it: linear interpolation along the line, what MOC does at Courant < 1."""
+    """Upwind method: linear interpolation along the line, equivalent to MOC at Courant < 1."""
     return _cells(scene, n, courant, lambda C: C / 2)
 
 
 def lax_wendroff(scene: Scene, n: float, courant: float = COURANT) -> BaselineRun:
-    """A parabola through the cell and both its neighbours; upwind in the last cell of a line."""
+    """Lax-Wendroff method: a parabola through the cell and both its neighbours; upwind in the last cell of a line."""
     return _cells(scene, n, courant, lambda C: C**2 / 2)
 
 
@@ -143,7 +143,7 @@ def _cells(scene: Scene, n: float, courant: float, diffusion: Callable[[NDArray]
 
 
 def fdtd(scene: Scene, n: float, courant: float = COURANT) -> BaselineRun:
-    """Effort at cell edges and whole steps, flow between them; half a cell of every line belongs to its node."""
+    """Leapfrog: effort at cell edges and whole steps, flow between; half a cell of every line belongs to its node."""
     nodes, dt = describe(scene).nodes, shortest_delay(scene) / n
     steps, cells = count_steps(scene, dt), cells_of(scene, dt, courant)
     within(2 * cells.sum() * steps, MOST_WORK)
@@ -160,16 +160,16 @@ def fdtd(scene: Scene, n: float, courant: float = COURANT) -> BaselineRun:
 
 
 def pointwise(basis: Any, f: float) -> tuple[NDArray, NDArray]:
-    """In place of `Basis.shift`: the delayed wave read off at the points."""
+    """Interpolate the delayed wave at the points, in place of `Basis.shift`."""
     late = (basis.c < f)[:, None]
     return np.where(late, 0.0, basis.evaluation(basis.c - f)), np.where(late, basis.evaluation(basis.c - f + 1), 0.0)
 
 
 def projected(waveform: Waveform, breaks: NDArray, basis: Basis, h: float, first: int, n: int) -> NDArray:
-    """A waveform at the Radau points of n slabs from number `first` on, shape (n, s).
+    """Project a waveform to the Radau points of n slabs from number `first` on, shape (n, s).
 
-    Without breakpoints that travel a slab with a jump is L2-projected: that keeps the moments across it, so that what
-    passes it is right again at the slab's end.
+    Without travelling breakpoints a slab with a jump is L2-projected: that keeps the moments across it, so that the
+    wave after the jump is right again at the slab's end.
     """
     start = (first + np.arange(n)) * h
     values = sampled(waveform, basis, h, first, n)
@@ -193,7 +193,7 @@ def projected(waveform: Waveform, breaks: NDArray, basis: Basis, h: float, first
 
 
 def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF) -> BaselineRun:
-    """The slabs of the production method, with interpolation in place of the projection; n slabs per delay."""
+    """Slabs of the production method, with interpolation in place of the projection; n slabs per delay."""
 
     h = shortest_delay(scene) / (n + offset)
     steps = count_steps(scene, h)
@@ -205,7 +205,7 @@ def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF
     shift = np.array([pointwise(assembly.basis, f) for f in rests])
     rows = np.where(assembly.network.shift_row < 0, -1, np.arange(len(rests)))
     network = assembly.network._replace(shift=shift, shift_row=rows)
-    record = np.full((2 * len(assembly.recorded), 2, steps * order), np.inf)  # what stays so grew beyond all bounds
+    record = np.full((2 * len(assembly.recorded), 2, steps * order), np.inf)  # entries left infinite: unbounded growth
     advance(network, assembly.state, 0, np.zeros((len(assembly.excitations), 0)), record, 0)
     begun = time.perf_counter()
     excitation = np.zeros((len(assembly.excitations), steps, order))

@@ -1,4 +1,4 @@
-"""The compiled loops of methods that step in time, beside which the production method stands."""
+"""Compiled loops of the baseline methods that step in time."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from tline.compiled.unit import function, unit
 class BaselineSignals(NamedTuple):
     """Arrays over the steps of a loop."""
 
-    drive: Floats2  # (nodes, steps + 1) what sources give
+    drive: Floats2  # (nodes, steps + 1) output of the sources
     seen: Integers  # (rows,) nodes whose efforts are recorded
     record: Floats2  # (rows, steps + 1)
 
@@ -27,7 +27,7 @@ TINY = 1e-150  # waves below are flushed to zero, as in the production kernel
 
 
 class NodeScattering(NamedTuple):
-    """Nodes as arrays: from the waves that arrive at their ends to those sent back; m states a load."""
+    """Nodes as arrays, mapping the waves that arrive at line ends to those sent back; m states per load."""
 
     first: Integers  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
     ends: Integers
@@ -41,7 +41,7 @@ class NodeScattering(NamedTuple):
 
 
 class NodeState(NamedTuple):
-    """What is known of nodes and line ends at an instant."""
+    """State of nodes and line ends at an instant."""
 
     w: Floats  # (nodes,)
     u: Floats  # (nodes,)
@@ -52,14 +52,14 @@ class NodeState(NamedTuple):
 
 
 def at_rest(net: NodeScattering) -> NodeState:
-    """Nothing moves."""
+    """Return the state at rest."""
     nodes, ends, m = len(net.row), len(net.ends), net.x_x.shape[1]
     return NodeState(np.zeros(nodes), np.zeros(nodes), np.zeros((len(net.x_x), m)), np.zeros(m), *np.zeros((2, ends)))
 
 
 @function
 def scatter(net, now, signals, step):
-    """All nodes at one instant: w, x and u are brought up to it, sent is what leaves the ends, and u is recorded."""
+    """Scatter at all nodes at one instant: update w, x and u, set the waves sent from the ends, and record u."""
     w, x, new, u, arriving, sent = now.w, now.x, now.new, now.u, now.arriving, now.sent
     for k in range(net.row.size):
         wave, r = signals.drive[k, step], net.row[k]
@@ -83,7 +83,7 @@ def scatter(net, now, signals, step):
 
 
 class Histories(NamedTuple):
-    """Lines and nodes."""
+    """Lines, with their histories, and nodes."""
 
     net: NodeScattering
     now: NodeState
@@ -94,7 +94,7 @@ class Histories(NamedTuple):
 
 
 def advance_moc(net, late, taps, drive, seen, steps, record):
-    """Advance a network at rest by so many steps."""
+    """Advance a network at rest by a number of steps."""
     history = np.zeros((2 * len(late), steps + 1 + late.max() + 2))
     advance_histories(
         pack(Histories(net, at_rest(net), BaselineSignals(drive, seen, record), late, taps, history)), steps
@@ -103,7 +103,7 @@ def advance_moc(net, late, taps, drive, seen, steps, record):
 
 @unit
 def advance_histories(run: Histories, steps: int) -> int:
-    """Take what arrives from the histories, scatter it, and note what is sent."""
+    """Read the arriving waves from the histories, scatter them, and store those sent."""
     history, late, taps, now = run.history, run.late, run.taps, run.now
     ends, pad = history.shape[0], history.shape[1] - steps - 1
     for k in range(steps + 1):
@@ -121,7 +121,7 @@ def advance_histories(run: Histories, steps: int) -> int:
 
 
 class AdvectedCells(NamedTuple):
-    """Lines and nodes."""
+    """Lines in cells, and nodes."""
 
     net: NodeScattering
     now: NodeState
@@ -133,7 +133,7 @@ class AdvectedCells(NamedTuple):
 
 
 def advance_cells(net, cells, courant, diffusion, drive, seen, steps, record):
-    """Advance a network at rest by so many steps."""
+    """Advance a network at rest by a number of steps."""
     a = np.zeros((2 * len(cells), cells.max() + 1))
     signals = BaselineSignals(drive, seen, record)
     advance_advection(pack(AdvectedCells(net, at_rest(net), signals, cells, courant, diffusion, a)), steps)
@@ -141,7 +141,7 @@ def advance_cells(net, cells, courant, diffusion, drive, seen, steps, record):
 
 @unit
 def advance_advection(run: AdvectedCells, steps: int) -> int:
-    """Carry waves from cell to cell, and scatter what arrives."""
+    """Carry waves from cell to cell, and scatter the arriving ones."""
     a, arriving, sent = run.a, run.now.arriving, run.now.sent
     ends = a.shape[0]
     for k in range(steps + 1):
@@ -160,7 +160,7 @@ def advance_advection(run: AdvectedCells, steps: int) -> int:
 
 
 class Grid(NamedTuple):
-    """Lines in reaches and nodes that hold an effort or conduct, as arrays."""
+    """Lines in reaches, and nodes that prescribe an effort or conduct, as arrays."""
 
     first: Integers  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
     ends: Integers
@@ -172,7 +172,7 @@ class Grid(NamedTuple):
 
 
 class GridPoints(NamedTuple):
-    """A grid and what is on it, at this step and the next by turns."""
+    """Grid and its values, at this step and the next in turn."""
 
     net: Grid
     signals: BaselineSignals
@@ -182,7 +182,7 @@ class GridPoints(NamedTuple):
 
 
 def advance_grid(net, ends, flows, drive, seen, steps, record):
-    """Advance by so many steps a grid that begins on straight lines between the efforts at the ends, (lines, 2)."""
+    """Advance a grid, initially linear between the efforts at the ends, (lines, 2), by a number of steps."""
     lines, most = len(net.reaches), net.reaches.max() + 1
     u, y, effort = np.zeros((2, lines, most)), np.zeros((2, lines, most)), ends.ravel()[net.ends[net.first[:-1]]]
     for j, last in enumerate(net.reaches):
@@ -194,7 +194,7 @@ def advance_grid(net, ends, flows, drive, seen, steps, record):
 
 @unit
 def advance_points(run: GridPoints, steps: int) -> int:
-    """Go from point to point along the lines, and to the nodes."""
+    """Advance the points along the lines, and the nodes."""
     net, effort, drive = run.net, run.effort, run.signals.drive
     for step in range(1, steps + 1):
         u, y, new_u, new_y = run.u[(step + 1) % 2], run.y[(step + 1) % 2], run.u[step % 2], run.y[step % 2]
@@ -217,7 +217,7 @@ def advance_points(run: GridPoints, steps: int) -> int:
 
 @function
 def arriving(net, end, u, y):
-    """What comes to an end of a line: an effort behind an impedance."""
+    """Thévenin equivalent of the line at one of its ends: an effort behind an impedance."""
     j, place, sign = end // 2, (net.reaches[end // 2] - 1) * (end % 2) + 1 - end % 2, 2.0 * (end % 2) - 1.0
     before = y[j, place]
     return u[j, place] + sign * net.z0[j] * before, net.z0[j] + net.friction[j] * abs(before)
@@ -225,7 +225,7 @@ def arriving(net, end, u, y):
 
 @function
 def inside(u, y, new_u, new_y, reaches, z0, friction):
-    """The points of a line between its ends."""
+    """Advance the points of a line between its ends."""
     for i in range(1, reaches):
         before, after = y[i - 1], y[i + 1]
         z_plus, z_minus = z0 + friction * abs(before), z0 + friction * abs(after)
@@ -235,7 +235,7 @@ def inside(u, y, new_u, new_y, reaches, z0, friction):
 
 
 class Staggered(NamedTuple):
-    """Lines and nodes."""
+    """Lines on staggered grids, and nodes."""
 
     cells: Integers  # (lines,)
     courant: Floats  # (lines,)
@@ -254,7 +254,7 @@ class Staggered(NamedTuple):
 
 
 def advance_fdtd(cells, courant, z0, at, held, x_x, x_i, drive, seen, steps, record):
-    """Advance a network at rest by so many steps."""
+    """Advance a network at rest by a number of steps."""
     lines, nodes, m, most = len(cells), len(held), x_x.shape[1], cells.max()
     work = np.zeros((lines, most + 1)), np.zeros((lines, most)), np.zeros((nodes, m)), np.zeros(m)
     signals, at = BaselineSignals(drive, seen, record), np.array(at, np.int64)

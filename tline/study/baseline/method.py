@@ -1,4 +1,4 @@
-"""A baseline method, and what it takes from a scene: delays, impedances, steps, samples, limits of work."""
+"""Base of baseline methods, and their data from a scene: delays, impedances, steps, samples, limits of work."""
 
 import time
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from tline.words.wording import place
 
 
 class BaselineRun(NamedTuple):
-    """Instants, effort of each probe at these, and the seconds that time stepping took."""
+    """Instants, effort of each probe at these, and the time of the time stepping, s."""
 
     t: NDArray
     u: dict[str, NDArray]
@@ -29,7 +29,7 @@ class BaselineRun(NamedTuple):
 
 @dataclass(frozen=True)
 class Baseline:
-    """A method beside which the production method stands.
+    """Baseline method for comparison with the production method.
 
     Attributes
     ----------
@@ -38,13 +38,13 @@ class Baseline:
     order : int
         Of the error in 1/n, for smooth waves between resistances.
     load_order : int
-        The same for dynamic loads; the lower of both holds.
+        Of the error in 1/n for dynamic loads; the lower of both holds.
     solve : callable
         From a scene and n to a trace.
     unfit : callable
-        From a scene to why this method cannot do it, or None.
+        From a scene to the reason why this method is not applicable, or None.
     knows : str
-        What lines may lose by: "nothing", "resistance", or "friction", then also from a steady start.
+        Losses of lines supported: "nothing", "resistance", or "friction", then also from a steady start.
     """
 
     label: str
@@ -55,7 +55,7 @@ class Baseline:
     knows: str = "nothing"
 
     def incompatibility(self, scene: Scene) -> str | None:
-        """Why this method cannot do a scene; None if it can."""
+        """Reason why this method is not applicable to a scene; None if it is."""
         for part, name in scene.laws:
             return f"{place(part, name)}: baseline methods know linear elements only"
         for name in with_cavities(scene.lines):
@@ -85,7 +85,7 @@ class Baseline:
 
 
 def _takes(losses: Losses, known: str) -> bool:
-    """Whether a method that knows that much can do a line."""
+    """Whether a method that supports these losses is applicable to a line."""
     if known == "friction":
         return losses.only_quadratic
     return known == "resistance" and losses.constant is not None and not losses.constant[1]
@@ -93,7 +93,7 @@ def _takes(losses: Losses, known: str) -> bool:
 
 MOST_WORK = 2e9  # cells times steps
 MOST_KEPT = 1e8  # samples
-HALF = 0.5  # of a step, by which methods that interpolate miss the shortest delay: the worst case
+HALF = 0.5  # of a step, offset of the shortest delay in methods that interpolate: the worst case
 COURANT = 0.9  # of methods that would be exact, or could not run, at 1
 
 
@@ -114,7 +114,7 @@ def decays_of(scene: Scene) -> NDArray:
 
 
 def shortest_delay(scene: Scene) -> float:
-    """The shortest delay, s."""
+    """Shortest delay, s."""
     return float(delays_of(scene).min())
 
 
@@ -136,14 +136,14 @@ def sections_of(scene: Scene, n: float) -> NDArray:
 
 
 def within(work: float, most: float) -> None:
-    """Refuse a number of operations or samples beyond the most allowed."""
+    """Raise an error if the number of operations or samples is beyond the most allowed."""
     if work > most:
         problem = f"takes {work:.2g} numbers, for the delays are far apart or the run is long"
         raise InputError("n", problem, f"at most {most:.0e}")
 
 
 def probed(scene: Scene) -> list[int]:
-    """Numbers of the nodes that the probes see."""
+    """Numbers of the nodes with probes."""
     names = list(dict.fromkeys(name for line in scene.lines.values() for name in line.nodes))
     return [names.index(str(probe.at)) for probe in scene.probes.values()]
 
@@ -169,24 +169,24 @@ Euler = tuple[NDArray, NDArray, NDArray]  # x_next = first x + second w_now + th
 
 
 def forward_euler(A: NDArray, b: NDArray) -> Euler:
-    """x' = A x + b w by its value at the step's start; A and b count time in steps."""
+    """Integrate x' = A x + b w by forward Euler; A and b count time in steps."""
     return np.eye(len(A)) + A, b, 0 * b
 
 
 def backward_euler(A: NDArray, b: NDArray) -> Euler:
-    """The same by its value at the step's end."""
+    """Integrate x' = A x + b w by backward Euler; A and b count time in steps."""
     inverse = np.linalg.inv(np.eye(len(A)) - A)
     return inverse, 0 * b, inverse @ b
 
 
 def trapezoid(A: NDArray, b: NDArray) -> Euler:
-    """The same by the mean of both."""
+    """Integrate x' = A x + b w by the trapezoidal rule; A and b count time in steps."""
     inverse = np.linalg.inv(np.eye(len(A)) - A / 2)
     return inverse @ (np.eye(len(A)) + A / 2), inverse @ b / 2, inverse @ b / 2
 
 
 def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArray, NDArray], Euler]) -> NodeScattering:
-    """The nodes of a scene, their loads integrated by a rule."""
+    """Scattering at the nodes of a scene, with their loads integrated by a rule."""
     z0 = np.array([line.parameters.z0 for line in scene.lines.values()])
     own = [1 / z0[np.array(node.ends) // 2] / (np.inf if node.held else node.total) for node in nodes]
     dynamic = [node.load is not None and node.held is None for node in nodes]
@@ -205,7 +205,7 @@ def scattering(scene: Scene, nodes: list[Node], dt: float, rule: Callable[[NDArr
 
 
 class NodeSystem(NamedTuple):
-    """A node: x' = A x + B v, effort = C x + D v, v what the lines and what the sources drive; k states."""
+    """Node as a system x' = A x + B v, effort = C x + D v, v the input of lines and of sources; k states."""
 
     A: NDArray  # (k, k)
     B: NDArray  # (k, 2)
@@ -217,7 +217,7 @@ HELD = NodeSystem(np.zeros((0, 0)), np.zeros((0, 2)), np.zeros((1, 0)), np.array
 
 
 def _companion(tops: list[NDArray], bottom: NDArray) -> NodeSystem:
-    """Transfer functions of one denominator; coefficients with the highest power first. The effort is x[0] + D v."""
+    """State space of transfer functions of one denominator, highest power first. The effort is x[0] + D v."""
     bottom = np.trim_zeros(bottom, "f")
     k, a = len(bottom) - 1, bottom / bottom[0]
     b = np.array([np.pad(top, (k + 1 - len(top), 0)) for top in tops]).T / bottom[0]
@@ -227,7 +227,7 @@ def _companion(tops: list[NDArray], bottom: NDArray) -> NodeSystem:
 
 
 def _admittance(node: Node, unit: float) -> tuple[NDArray, NDArray]:
-    """Numerator and denominator of what stands at a node, lines apart; s counts in 1/unit."""
+    """Numerator and denominator of the admittance at a node without its lines; s counts in 1/unit."""
     if node.load is None:
         return np.array([node.conductance]), np.ones(1)
     p, q = (
@@ -239,13 +239,13 @@ def _admittance(node: Node, unit: float) -> tuple[NDArray, NDArray]:
 
 
 def half_sections(scene: Scene, nodes: dict[str, Node], cells: NDArray) -> list[tuple[Node, float]]:
-    """Nodes and the capacitance of the half cells there."""
+    """Nodes, each with the capacitance of the half cells there."""
     half = np.repeat(delays_of(scene) / cells / impedances_of(scene) / 2, 2)
     return [(node, float(half[node.ends].sum())) for node in nodes.values()]
 
 
 def on_capacitor(node: Node, capacitance: float, unit: float) -> NodeSystem:
-    """From the flows into a node with a capacitance to its effort."""
+    """Return the system from the flows into a node with a capacitance to its effort."""
     if node.held:
         return HELD
     over, under = _admittance(node, unit)
@@ -253,7 +253,7 @@ def on_capacitor(node: Node, capacitance: float, unit: float) -> NodeSystem:
 
 
 def behind_inductor(node: Node, inductance: float, unit: float) -> NodeSystem:
-    """From the effort behind an inductance, in units of time times z0, and the flow of the sources to the effort."""
+    """System from the effort behind an inductance, in units of time times z0, and the sources' flow to the effort."""
     if node.held:
         return HELD
     over, under = _admittance(node, unit)

@@ -32,12 +32,12 @@ from tline.study.baseline.method import (
 )
 
 MOST_EVALUATIONS = 3_000_000  # of a differential equation
-STIFF = 30  # times the rate of a section: beyond, implicitly
-TINY = 1e-150  # no efforts are smaller
+STIFF = 30  # times the rate of a section: above, the integration is implicit
+TINY = 1e-150  # floor of the efforts
 
 
 class Chain(NamedTuple):
-    """A line: x' = A x + b (efforts at its ends); c x is what drives the nodes there; k states."""
+    """Line as a system x' = A x + b (efforts at its ends); c x is its input to the nodes there; k states."""
 
     A: Any  # (k, k)
     b: Any  # (k, 2)
@@ -47,7 +47,7 @@ class Chain(NamedTuple):
 def integrated(
     scene: Scene, n: float, chains: list[Chain], systems: list[NodeSystem], order: int, thevenin: bool = False
 ) -> BaselineRun:
-    """Join lines and nodes, and integrate to a hundredth of the error that the sections leave."""
+    """Connect lines and nodes, and integrate to a hundredth of the error of the sections."""
     from scipy import sparse
     from scipy.linalg import block_diag
 
@@ -69,9 +69,9 @@ def integrated(
 
 
 def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol: float) -> BaselineRun:
-    """x' = A x + B v from rest with time in shortest delays; efforts x + directly v at every step.
+    """Integrate x' = A x + B v from rest, time in shortest delays; efforts x + directly v at every step.
 
-    Explicitly (DOP853), or implicitly (Radau) where a load is far faster than the sections.
+    The method is explicit (DOP853), or implicit (Radau) if a load is far faster than the sections.
     """
     from scipy.integrate import solve_ivp
 
@@ -116,7 +116,7 @@ def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol:
 
 
 def lumped_pi(scene: Scene, n: float) -> BaselineRun:
-    """Each line a chain of sections, half of their capacitance before and half behind their inductance."""
+    """Chains of pi sections, with half of the capacitance before and half behind each inductance."""
     nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     chains = []
     widths = delays_of(scene) / cells / unit
@@ -131,7 +131,7 @@ def lumped_pi(scene: Scene, n: float) -> BaselineRun:
 
 
 def lumped_t(scene: Scene, n: float) -> BaselineRun:
-    """Each line a chain of sections, half of their inductance before and half behind their capacitance."""
+    """Chains of T sections, with half of the inductance before and half behind each capacitance."""
     nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
     widths = delays_of(scene) / cells / unit
     half = np.repeat(widths * impedances_of(scene) / 2, 2)  # inductance at each end
@@ -149,7 +149,7 @@ def lumped_t(scene: Scene, n: float) -> BaselineRun:
 
 
 def pade(scene: Scene, n: float) -> BaselineRun:
-    """Each delay a chain of sections (6 - 2s)/(6 + 4s + s²), the Padé approximant [1/2] of exp(-s)."""
+    """Chains of sections (6 - 2s)/(6 + 4s + s²), the Padé approximant [1/2] of exp(-s), for each delay."""
     from scipy import sparse
 
     nodes, unit, cells = describe(scene).nodes, shortest_delay(scene), sections_of(scene, n)
@@ -160,7 +160,7 @@ def pade(scene: Scene, n: float) -> BaselineRun:
     for j, (N, width) in enumerate(zip(cells, delays_of(scene) / cells / unit, strict=True)):
         one_way = sparse.kron(sparse.eye_array(N), A) + sparse.kron(sparse.eye_array(N, k=-1), b @ c)
         enter, leave = np.vstack([b, np.zeros((2 * N - 2, 1))]), np.hstack([np.zeros((1, 2 * N - 2)), c])
-        back, none = -enter @ sparse.csr_array(leave), np.zeros((1, 2 * N))  # sent is 2 u less what arrives
+        back, none = -enter @ sparse.csr_array(leave), np.zeros((1, 2 * N))  # wave sent: 2 u less the arriving one
         both = sparse.block_array([[one_way, back], [back, one_way]]) / width
         sides = np.block([[none, share[2 * j] * leave], [share[2 * j + 1] * leave, none]])
         chains.append(Chain(both, 2 / width * np.kron(np.eye(2), enter), sides))
@@ -173,18 +173,18 @@ def pade(scene: Scene, n: float) -> BaselineRun:
 
 
 def _differences(N: int) -> Any:
-    """Each of N + 1 values less the next, shape (N, N + 1)."""
+    """Difference matrix of N + 1 values, each less the next, shape (N, N + 1)."""
     return np.eye(N, N + 1) - np.eye(N, N + 1, k=1)
 
 
 def _skew(D: NDArray) -> NDArray:
-    """[[0, D], [-D', 0]]."""
+    """Skew matrix [[0, D], [-D', 0]]."""
     n, m = D.shape
     return np.block([[np.zeros((n, n)), D], [-D.T, np.zeros((m, m))]])
 
 
 def pushes_inductors(scene: Scene) -> str | None:
-    """Why sections that end in inductances cannot do a scene; None if they can."""
+    """Reason why sections that end in inductances are not applicable to a scene; None if they are."""
     for source in scene.sources.values():
         node = describe(scene).nodes[source.terminals[0]]
         if node.held is None and node.conductance == 0.0:

@@ -1,1 +1,1 @@
-"""Charts of speed against accuracy: measured, never typed."""
+"""Charts of speed against accuracy, from measurements."""

@@ -7,22 +7,22 @@ are lossless, g = 1.
 import numpy as np
 from numpy.typing import NDArray
 
-ANGLES = np.linspace(0.0, np.pi, 721)  # by which a wave turns from cell to cell
+ANGLES = np.linspace(0.0, np.pi, 721)  # phase of a wave from cell to cell
 
 
 def upwind(courant: float, cells: int) -> float:
-    """Von Neumann: amplification 1 - C + C exp(-i theta) per step."""
+    """Von Neumann growth rate of upwind: amplification 1 - C + C exp(-i theta) per step."""
     return _per_transit(np.abs(1 - courant + courant * np.exp(-1j * ANGLES)).max(), courant, cells)
 
 
 def lax_wendroff(courant: float, cells: int) -> float:
-    """Von Neumann: amplification 1 - i C sin(theta) - C² (1 - cos(theta)) per step."""
+    """Von Neumann growth rate of Lax-Wendroff: amplification 1 - i C sin(theta) - C² (1 - cos(theta)) per step."""
     factor = 1 - 1j * courant * np.sin(ANGLES) - courant**2 * (1 - np.cos(ANGLES))
     return _per_transit(np.abs(factor).max(), courant, cells)
 
 
 def leapfrog(courant: float, cells: int) -> float:
-    """Von Neumann: z + 1/z = 2 - 4 C² sin²(theta/2) per step, so 2 arcosh(C) beyond C = 1."""
+    """Von Neumann growth rate of leapfrog: z + 1/z = 2 - 4 C² sin²(theta/2), so 2 arcosh(C) beyond C = 1."""
     half = 1 - 2 * (courant * np.sin(ANGLES / 2)) ** 2
     return _per_transit(np.abs(half - np.sqrt(half**2 - 1 + 0j)).max(), courant, cells)
 
@@ -32,7 +32,7 @@ def _per_transit(factor: float, courant: float, cells: int) -> float:
 
 
 def delay_roots(weights: tuple[float, float, float, float], late: int, delay: float) -> float:
-    """Roots of z^late = ±(w0 z + w1 + w2/z + w3/z²): a lossless loop, what arrives interpolated among four samples."""
+    """Growth rate from the roots of z^late = ±(w0 z + w1 + w2/z + w3/z²): a lossless loop with interpolation."""
     largest = 0.0
     for sign in (1.0, -1.0):
         polynomial = np.zeros(late + 3)
@@ -53,22 +53,22 @@ def slab_matrix(now: NDArray, before: NDArray, late: int, delay: float) -> float
 
 
 def euler_load(x: float, steps: int) -> float:
-    """Forward Euler behind a matched line: its own factor 1 - x over a step, x = step times rate of the load."""
+    """Growth rate of forward Euler behind a matched line: factor 1 - x per step, x = step times rate of the load."""
     return steps * float(np.log(abs(1 - x)))
 
 
 def backward_load(x: float, steps: int) -> float:
-    """Backward Euler: 1/(1 + x)."""
+    """Growth rate of backward Euler behind a matched line: factor 1/(1 + x) per step."""
     return -steps * float(np.log1p(x))
 
 
 def trapezoid_load(x: float, steps: int) -> float:
-    """The trapezoid: (1 - x/2)/(1 + x/2)."""
+    """Growth rate of the trapezoidal rule behind a matched line: factor (1 - x/2)/(1 + x/2) per step."""
     return steps * float(np.log(abs((1 - x / 2) / (1 + x / 2))))
 
 
 def euler_loop(x: float, steps: int, share: float) -> float:
-    """Roots of z^(2 steps) = R(z) = 2 share x/(z - 1 + x) - 1: forward Euler beside a line with a lossless other end.
+    """Growth rate of forward Euler at a line with a lossless other end: z^(2 steps) = R(z) = 2 share x/(z - 1 + x) - 1.
 
     |R| > 1 at z = -1 for every x > 0: the passive load has become an active one.
     """
@@ -79,7 +79,7 @@ def euler_loop(x: float, steps: int, share: float) -> float:
 
 
 def gain(g: float) -> float:
-    """The line itself: ln|g|/2, since each round trip of 2 multiplies by g."""
+    """Growth rate of the line itself: ln|g|/2, since each round trip of 2 multiplies by g."""
     return float(np.log(g)) / 2
 
 
@@ -91,7 +91,7 @@ def pi_chain(near: float, far: float, cells: int) -> float:
 
 
 def t_chain(near: float, far: float, cells: int) -> float:
-    """The same of T sections: the dual chain, between resistances."""
+    """Largest real part of the eigenvalues of a chain of T sections: the dual chain, between resistances."""
     return pi_chain(1 / near, 1 / far, cells)
 
 

@@ -1,8 +1,8 @@
-"""Error growth: what ten thousand passes along a lightly damped line leave of a pulse, method by method.
+"""Error growth: change of a pulse in ten thousand passes along a lightly damped line, method by method.
 
 A pulse runs to and fro between an open end and a source of high resistance. In each round trip the whole line passes by
-the far end, so one window of 2T holds all there is. Three numbers say what a method did to it: it came back weaker or
-stronger (damping), early or late (phase), and, shifted and scaled to fit best, still in another shape (dispersion).
+the far end, so one window of 2T holds all there is. Three numbers describe the error of a method: loss or gain of
+amplitude (damping), delay or advance (phase), and the remaining difference after the best shift and scale (dispersion).
 """
 
 import warnings
@@ -36,18 +36,18 @@ LOWEST, HIGHEST = 1e-10, 10.0  # drawn
 
 @dataclass(frozen=True)
 class GrowthCurve:
-    """What one method did to the pulse, relative to the exact one, after each number of transits."""
+    """Errors of one method's pulse, relative to the exact one, after each number of transits."""
 
     transits: NDArray  # (n,)
     error: NDArray  # (n,) L2 norm of the difference over that of the pulse
     damping: NDArray  # (n,) share of the pulse's L2 norm that is lost; negative where it grew
-    phase: NDArray  # (n,) by how much it is late, in transits, at most 1 to either side
-    dispersion: NDArray  # (n,) what the best shift and scale leave of the difference, over the norm of what arrived
+    phase: NDArray  # (n,) delay in transits, at most 1 to either side
+    dispersion: NDArray  # (n,) difference left by the best shift and scale, over the norm of the arriving pulse
     seconds: float  # time stepping of the whole run
 
 
 def light_line(transits: int) -> Scene:
-    """A line of delay 1 between an open end and a resistance that leaves exp(-LOSS) of each wave; one smooth pulse."""
+    """Line of delay 1 between an open end and a resistance that reflects exp(-LOSS) of each wave; one smooth pulse."""
     reflection = np.exp(-LOSS)
     pulse = {"shape": "sine", "amplitude": 0.5, "offset": 0.5, "phase": -np.pi / 2, "frequency": 1.0, "until": 1.0}
     return Scene(
@@ -62,7 +62,7 @@ def light_line(transits: int) -> Scene:
 
 
 def exact(scene: Scene, t: NDArray) -> NDArray:
-    """Effort at the far end, t in the order of time and of one window [2m, 2m + 2): the pulse that came m times."""
+    """Exact effort at the far end, t in the order of time and of one window [2m, 2m + 2), after m round trips."""
     (source,) = scene.sources.values()
     m = np.floor(t[0] / 2 + 1e-9)
     at = t - 2 * m - 1
@@ -90,7 +90,7 @@ def compare(arrived: NDArray, expected: NDArray) -> tuple[float, float, float, f
 
 
 def methods(*, quick: bool = False) -> dict[str, Callable[[Scene], tuple[NDArray, NDArray, float]]]:
-    """By label: from a scene to instants, efforts at the far end there, and seconds; quickly without `solve_ivp`."""
+    """Methods by label: from a scene to instants, efforts at the far end, and seconds; without `solve_ivp` if quick."""
     from tline.study.baseline import BASELINES
     from tline.study.baseline.explicit import slabs_pointwise
     from tline.study.baseline.method import BaselineRun
@@ -107,7 +107,7 @@ def methods(*, quick: bool = False) -> dict[str, Callable[[Scene], tuple[NDArray
 
 
 def _slabs(scene: Scene, order: int) -> tuple[NDArray, NDArray, float]:
-    """The production method, with half a slab left over in every delay, so that it has to project."""
+    """Run the production method with half a slab left over in every delay, so that it has to project."""
     from tline.solver.simulate import UnresolvedWarning, simulate
 
     slab = 1 / (STEPS // order + 0.5)
@@ -119,7 +119,7 @@ def _slabs(scene: Scene, order: int) -> tuple[NDArray, NDArray, float]:
 
 
 def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, GrowthCurve]:
-    """Run all methods and compare what they leave of the pulse.
+    """Run all methods and compare the remaining pulses.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def save(curves: dict[str, GrowthCurve], path: str | Path) -> None:
 
 @styled
 def draw(curves: dict[str, GrowthCurve]) -> Figure:
-    """Four panels over the number of transits, logarithmic."""
+    """Draw four panels over the number of transits, logarithmic."""
     picture = figure(10.0, 8.6, f"A pulse on a lightly damped line, {STEPS} steps per transit")
     panels = picture.subplots(2, 2, sharex=True, sharey=True)
     own = [label for label in curves if label.startswith("slabs, s")]

@@ -1,4 +1,4 @@
-"""A line in scikit-rf: two-ports in a row, and the inverse FFT of what they make of the source's spectrum."""
+"""Line in scikit-rf: cascaded two-ports, and the inverse FFT of their response to the source's spectrum."""
 
 import time
 from importlib.util import find_spec
@@ -10,13 +10,13 @@ from tline.scene.rational import RationalImpedance
 from tline.scene.scene import Scene
 from tline.study.charts.measure import TimedRun
 
-DAMPING = 12.0  # nepers over the window: what wraps round is e^-12 of itself
+DAMPING = 12.0  # nepers over the window: aliasing in time is damped by e^-12
 REFERENCE = 50.0  # ohm, of its two-ports
 WINDOW = 2.0  # of the run
 
 
 def incompatibility(scene: Scene) -> str | None:
-    """Why it cannot do a scene; None if it can."""
+    """Reason why scikit-rf is not applicable to a scene; None if it is."""
     if find_spec("skrf") is None:
         return "not installed: pip install 'tline[peers]'"
     if scene.medium != "electrical" or any(len(each) != 1 for each in (scene.lines, scene.sources, scene.loads)):
@@ -33,7 +33,7 @@ def incompatibility(scene: Scene) -> str | None:
 
 
 def run(scene: Scene, n: int) -> TimedRun:
-    """u = E(s) times 1/A of the chain matrix, on a line of s right of the axis, so that nothing wraps round."""
+    """Invert u = E(s) times 1/A of the chain matrix, on a line of s right of the axis, so that nothing wraps round."""
     import skrf
 
     line, source, load = _parts(scene)
@@ -61,7 +61,7 @@ def _parts(scene: Scene) -> list[Any]:
 
 
 def _two_port(f: Any, b: Any = 0.0, c: Any = 0.0) -> Any:
-    """A series impedance b or a shunt admittance c."""
+    """Two-port of a series impedance b or a shunt admittance c."""
     import skrf
     from skrf.network import a2s
 

@@ -1,4 +1,4 @@
-"""The five stability maps: what is varied, and how each method is run and predicted there.
+"""Five stability maps: their parameters, and the runs and predictions of each method.
 
 All runs are one line of delay 1 and z0 = 1, shaken for two transits by random currents and then left alone.
 """
@@ -30,20 +30,20 @@ from tline.study.baseline.method import COURANT, backward_euler, forward_euler, 
 from tline.study.charts import boundaries as theory
 
 CELLS, LATE, STEPS = 20, 8, 10  # per transit: grid cells; steps of methods that interpolate; steps beside a load
-SLABS_LATE = 2  # whole slabs per transit where their order is the question
-SHARE = 2 / 3  # R/(R + z0) of the load that is integrated
-SOURCE = 0.5  # reflection of the source where the load is active
+SLABS_LATE = 2  # whole slabs per transit in maps over their order
+SHARE = 2 / 3  # R/(R + z0) of the integrated load
+SOURCE = 0.5  # reflection of the source in the map of an active load
 SHAKEN = 2.0
-TONES = range(1, 21)  # whole waves while it is shaken
-BLOWN_UP = 1e200  # amplitude at which growth has been seen
-FADED = 1e-3  # of the largest peak so far: below, tolerances of the integrators are seen instead
-FLAT = 1e-2  # growth per transit that counts as none where nothing decays
+TONES = range(1, 21)  # whole waves during the excitation
+BLOWN_UP = 1e200  # amplitude at which growth is certain
+FADED = 1e-3  # of the largest peak so far: below, the tolerances of the integrators dominate
+FLAT = 1e-2  # growth per transit that counts as zero where nothing decays
 Measure = Callable[[float], tuple[NDArray, NDArray]]
 
 
 @dataclass(frozen=True)
 class Strip:
-    """A method along the axis of a map: a run at x gives instants and efforts, theory a growth rate per transit."""
+    """Method along the axis of a map: a run at x gives instants and efforts, theory a growth rate per transit."""
 
     label: str
     run: Measure
@@ -53,7 +53,7 @@ class Strip:
 
 @dataclass(frozen=True)
 class Map:
-    """A parameter and the methods that are run over it."""
+    """Parameter and the methods that are run over it."""
 
     name: str
     title: str
@@ -64,7 +64,7 @@ class Map:
 
 
 def line(transits: float, *, near: float = np.inf, far: dict[str, Any] | None = None, tones: bool = False) -> Scene:
-    """A line between a source of resistance `near` and a load, open where there is none.
+    """Build a line between a source of resistance `near` and a load, open where there is none.
 
     Slabs carry straight pieces between travelling breakpoints exactly; `tones` give them curves to project as well.
     """
@@ -91,7 +91,7 @@ def line(transits: float, *, near: float = np.inf, far: dict[str, Any] | None = 
 
 
 def rate(t: NDArray, u: NDArray) -> float:
-    """Growth rate per transit: slope of the logarithm of the peaks, over the later half of what is within bounds."""
+    """Growth rate per transit: slope of the logarithm of the peaks, over the later half of the bounded ones."""
     with np.errstate(invalid="ignore"):
         beyond = ~(np.abs(u) < BLOWN_UP)
     end = int(np.argmax(beyond)) if beyond.any() else len(u)
@@ -111,7 +111,7 @@ def _baseline(solve: Callable[..., Any], scene: Scene, n: float, **settings: Any
 
 
 def slabs(scene: Scene, order: int, slab: float) -> tuple[NDArray, NDArray]:
-    """The production method at slab ends, unasked whether its loads are passive."""
+    """Run the production method at slab ends, without a check of the loads for passivity."""
     from tline.solver.assembly.assemble import assemble
     from tline.solver.loop.march import march
 
@@ -125,7 +125,7 @@ def slabs(scene: Scene, order: int, slab: float) -> tuple[NDArray, NDArray]:
 
 
 def courant(points: int) -> Map:
-    """Grid methods beyond Courant 1."""
+    """Map of grid methods beyond Courant 1."""
 
     lossless = line(60.0)
 
@@ -151,7 +151,7 @@ def courant(points: int) -> Map:
 
 
 def load_rate(points: int) -> Map:
-    """Integrators of a load, by step times the rate of the load."""
+    """Map of integrators of a load, by step times the rate of the load."""
 
     step = 1 / STEPS
 
@@ -191,7 +191,7 @@ def load_rate(points: int) -> Map:
 
 
 def fraction(points: int) -> Map:
-    """Interpolation of what arrives, and extrapolation beyond the samples it lies between."""
+    """Map of the interpolation of arriving waves, and their extrapolation beyond the adjacent samples."""
 
     lossless = line(400.0)
 
@@ -225,7 +225,7 @@ def fraction(points: int) -> Map:
 
 
 def order(points: int, *, projected: bool) -> Map:
-    """Slabs of every order over the fraction of a slab in the delay: read off pointwise, or projected."""
+    """Map of slabs of every order over the fraction of a slab in the delay: pointwise, or projected."""
     from tline.solver.radau import basis
 
     lossless = line(300.0 if projected else 4000.0, tones=projected)
@@ -254,7 +254,7 @@ def order(points: int, *, projected: bool) -> Map:
 
 
 def loop_gain(points: int) -> Map:
-    """A load that gives back more than it takes: the wave truly grows as ln|H_s H_2|/(2T)."""
+    """Map of an active load: the true wave grows as ln|H_s H_2|/(2T)."""
 
     near = (1 + SOURCE) / (1 - SOURCE)
 

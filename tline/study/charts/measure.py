@@ -1,4 +1,4 @@
-"""Runs of a chart: how their time is taken, how wrong they are against the exact solution, and the table they fill.
+"""Runs of a chart: measurement of their time and of their errors against the exact solution, and the table of results.
 
 Two clocks: one runs while time is stepped, sampling of sources included; the other from the call to its answer, as a
 user waits for it. Compiling is in neither. A time is the median of several runs.
@@ -30,7 +30,7 @@ DEGREE = 16  # between fronts
 
 
 class Effort(NamedTuple):
-    """How far a chart goes."""
+    """Effort spent on a chart."""
 
     instants: int  # compared
     longest: float  # s of one run; refinement ends beyond
@@ -46,7 +46,7 @@ Traces = dict[str, NDArray]
 class TimedRun(NamedTuple):
     """Instants, efforts by probe, seconds of stepping alone and in all, and the error as estimated, if it is.
 
-    Between its instants a run is what its method says, or the straight line that programs draw.
+    Between its instants a run is defined by its method, or by the straight line that programs draw.
     """
 
     t: NDArray
@@ -62,8 +62,8 @@ class TimedRun(NamedTuple):
 
 
 def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
-    """A run with the medians of its times: of at least as many runs as asked, of more if they are short."""
-    run()  # compiles, or loads what is compiled
+    """Repeat a run for the medians of its times: at least as many runs as asked, more if they are short."""
+    run()  # compiles, or loads compiled code
     runs, spent = [], 0.0
     while len(runs) < effort.runs or (spent < effort.longest and len(runs) < MOST_RUNS * effort.runs):
         runs.append(run())
@@ -72,19 +72,19 @@ def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
 
 
 class Closed:
-    """An exact solution as it is."""
+    """Exact solution evaluated directly."""
 
     def __init__(self, scene: Scene, probe: str):
         self._solution = Solution(scene, probe)
         self.fronts = self._solution.fronts
 
     def efforts(self, t: NDArray) -> NDArray:
-        """At times within the run."""
+        """Efforts at times within the run."""
         return self._solution.at(t.tolist(), DIGITS).efforts
 
 
 class Interpolated:
-    """An exact solution that is slow, by a polynomial between any two fronts: there it is analytic."""
+    """Slow exact solution, interpolated by a polynomial between any two fronts: there it is analytic."""
 
     def __init__(self, scene: Scene, probe: str):
         solution, t_end = LossySolution(scene, probe), scene.t_end
@@ -97,26 +97,26 @@ class Interpolated:
         self._series = chebyshev.chebfit(nodes, u.T, DEGREE)
 
     def efforts(self, t: NDArray) -> NDArray:
-        """At times within the run."""
+        """Efforts at times within the run."""
         k = np.clip(np.searchsorted(self._edges, t) - 1, 0, len(self._edges) - 2)
         x = 2 * (t - self._edges[k]) / np.diff(self._edges)[k] - 1
         return chebyshev.chebval(x, self._series[:, k], tensor=False)
 
 
 class Stepped:
-    """What stands for an exact solution where none is known."""
+    """Substitute for an exact solution where none is known."""
 
     def __init__(self, solution: FrictionSolution, probe: str):
         self._solution, self._probe = solution, probe
         self.fronts, self.error = solution.fronts[probe], solution.error
 
     def efforts(self, t: NDArray) -> NDArray:
-        """At times within the run."""
+        """Efforts at times within the run."""
         return self._solution.at(self._probe, t)
 
 
 class Judge:
-    """Errors of efforts on a scene, at random instants, the same for all runs.
+    """Errors of efforts on a scene, at random instants, equal for all runs.
 
     Errors are largest behind fronts: a tenth as many fronts are followed by instants at distances from the shortest
     delay down to a 2^14th of it.
@@ -154,7 +154,7 @@ class Judge:
 
 
 def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:
-    """By probe: what is exact, or stands for it."""
+    """Exact solutions by probe, or their substitutes."""
     if all(line.losses is None or line.losses.linear for line in scene.single_lines.values()):
         solve = Interpolated if describe(scene).lossy else Closed
         return {probe: solve(scene, probe) for probe in scene.probes}
@@ -168,27 +168,27 @@ class Row:
 
     method: str  # label of the curve
     kind: str  # "ours", "tolerance", "baseline" or "peer"
-    setting: str  # what was refined, such as "8 slabs per shortest delay"
+    setting: str  # refined quantity, such as "8 slabs per shortest delay"
     error: float  # largest error of the efforts at any instant, relative to the largest effort
-    error_at_own: float  # the same at the instants that the method itself computes
+    error_at_own: float  # largest relative error at the instants that the method itself computes
     seconds: float  # median time from the call to its answer, compiled code at hand
     stepping: float  # median time of stepping alone (peers: as `peers` says)
-    # asked, estimated: for a run to a tolerance: what was asked, and what the solver thinks it reached; else infinite
+    # asked, estimated: of a run to a tolerance: tolerance asked, and error estimated by the solver; else infinite
     asked: float = inf
     estimated: float = inf
 
 
 @dataclass
 class ChartTable:
-    """The rows of one chart."""
+    """Rows of one chart."""
 
     name: str  # name, title: of the scene
     title: str
     rows: list[Row] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)  # what is absent and why, and what stands beside the clock
+    notes: list[str] = field(default_factory=list)  # absent programs with the reason, and remarks
 
     def curves(self) -> Iterator[tuple[str, list[Row]]]:
-        """Methods and their rows, in the order in which they were measured."""
+        """Methods and their rows, in the order of measurement."""
         for method, rows in groupby(self.rows, key=lambda row: row.method):
             yield method, list(rows)
 

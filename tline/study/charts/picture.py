@@ -10,13 +10,13 @@ from matplotlib.ticker import LogLocator, NullLocator
 from tline.study.charts.measure import ChartTable, Row
 from tline.style import COLOURS, DASHES, FAINT, INK, figure, styled
 
-LOWEST, HIGHEST = 1e-16, 10.0  # errors; what blows up or is exact stands at the edge
+LOWEST, HIGHEST = 1e-16, 10.0  # errors; diverging and exact results are drawn at the edge
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*")
 OURS = ("#9ECAE1", "#6BAED6", "#4292C6", "#08519C", "#08306B")  # one hue, darker with the order
 
 
-SIDES = (  # what is drawn of a row: the time, the error, and what they are called
+SIDES = (  # quantities drawn of a row: the time, the error, and their names
     ("seconds", "error", "What you wait for, and get", "time from call to answer [s]", "at any instant"),
     ("stepping", "error_at_own", "The arithmetic alone", "time stepping [s]", "at the method's own instants"),
 )
@@ -24,9 +24,9 @@ SIDES = (  # what is drawn of a row: the time, the error, and what they are call
 
 @styled
 def draw(table: ChartTable) -> Figure:
-    """Error against run time, one curve for each method; all axes logarithmic.
+    """Draw error against run time, one curve for each method; all axes logarithmic.
 
-    To the left the time of the whole call, and the error at any instant; to the right what the method itself does.
+    To the left the time of the whole call, and the error at any instant; to the right those of the method itself.
     """
     from tline.study.baseline import BASELINES
 
@@ -80,7 +80,7 @@ def _look(kind: str, rank: int) -> dict[str, Any]:
 
 
 def _tolerances(axes: Any, rows: list[Row], x: list[float], y: list[float], whole: bool) -> None:
-    """What was true as filled stars; on the whole, what was estimated as hollow ones and what was asked as dashes."""
+    """Draw true errors as filled stars; for whole runs also estimated ones as hollow stars and tolerances as dashes."""
     axes.plot(x, y, color=INK, marker="*", markersize=9, label="to a tolerance: true")
     if not whole:
         return

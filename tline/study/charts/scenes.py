@@ -1,4 +1,4 @@
-"""The scenes of the charts; most linear and from rest, so that their exact solutions are known."""
+"""Scenes of the charts; most are linear and from rest, so that their exact solutions are known."""
 
 from typing import Any, NamedTuple
 
@@ -8,7 +8,7 @@ from tline.words.wording import nearest
 
 
 class ChartScene(NamedTuple):
-    """A scene and what it is there to show."""
+    """Scene of a chart with its title."""
 
     title: str
     scene: Scene
@@ -39,7 +39,7 @@ def _cable(
 
 
 def _lossy() -> ChartScene:
-    """A ramp that ends on a slab's edge from eight slabs per transit on: inside slabs cells do not follow corners."""
+    """Scene of a ramp that ends on a slab's edge from eight slabs per transit on: inside slabs cells ignore corners."""
     title, end = "Ramp of 0.125 ns into 0.2 m of 20 Ω/m, 20 transits", {"kind": "resistor", "resistance": 100}
     given = _cable(title, end, RAMP | {"duration": "0.125 ns"}).scene
     line = given.table()["lines"]["line"] | {"length": "0.2 m", "resistance": "20 ohm/m"}
@@ -95,7 +95,7 @@ def _chain() -> ChartScene:
 
 
 def _behind_inductor() -> ChartScene:
-    """A source behind an inductance is a current, the integral of its voltage over L, beside that inductance."""
+    """Source behind an inductance as a current, the integral of its voltage over L, parallel to that inductance."""
     return _scene(
         "100 km line behind a 50 mH source of 1 V",
         t_end="20 ms",
@@ -151,14 +151,14 @@ NAMES = tuple(MAKERS)
 
 
 def chart_scene(name: str) -> ChartScene:
-    """A scene of the charts."""
+    """Look up a scene of the charts."""
     if name not in MAKERS:
         raise InputError("scene", "no such chart scene", nearest(name, list(NAMES)), f"'{name}'")
     return MAKERS[name]()
 
 
 def hammer() -> Scene:
-    """A pipe of 12 inches and 1 s, closed at rest; pressures count from that of its reservoir."""
+    """Pipe of 12 inches and 1 s, closed at rest; pressures count from that of its reservoir."""
     pipe = {"nodes": ["tank", "far"], "length": "4000 ft", "delay": 1, "density": 1000, "radius": "6 in"}
     drawn = {"shape": "ramp", "to": "-30 L/s", "duration": 0.5}
     return Scene(
@@ -173,7 +173,7 @@ def hammer() -> Scene:
 
 
 def friction() -> Scene:
-    """The same pipe runs at 2.74 m/s, and friction takes 13.5 % of the surge; pressures count from the reservoir's."""
+    """Pipe of `hammer` at 2.74 m/s, with friction of 13.5 % of the surge; pressures count from the reservoir's."""
     given = hammer().table()
     pipe = given["lines"]["pipe"] | {"friction": {"kind": "darcy", "factor": 0.03}}
     shut = {"shape": "ramp", "from": "-200 L/s", "to": 0, "duration": 0.5}
@@ -183,7 +183,7 @@ def friction() -> Scene:
 
 
 def network() -> Scene:
-    """Two loops, a branch and a dead end; delays are whole multiples of the shortest, and flows leave at ends alone."""
+    """Two loops, a branch and a dead end; delays are multiples of the shortest, and flows leave at ends alone."""
     pipes = {  # nodes, how many times 1000 ft and 0.25 s, radius in inches
         "main": ("tank", "gate", 4, 7),
         "north": ("gate", "mill", 2, 5),

@@ -1,4 +1,4 @@
-"""Stability maps: growth rates measured from runs, and beside them the boundaries that theory predicts."""
+"""Stability maps: growth rates measured from runs, and the boundaries that theory predicts."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -27,25 +27,25 @@ class MeasuredStrip:
     """One method of a map."""
 
     label: str
-    x: NDArray  # (n,) where it was run
+    x: NDArray  # (n,) values of the parameter
     rates: NDArray  # rates, predicted: (n,) growth per transit, measured and by theory
     predicted: NDArray
-    boundaries: NDArray  # where the measured rate passes the map's level
-    expected: NDArray  # where the predicted one does
+    boundaries: NDArray  # where the measured rate crosses the map's level
+    expected: NDArray  # where the predicted rate crosses the map's level
 
 
 @dataclass(frozen=True)
 class Stability:
-    """A finished map."""
+    """Finished map."""
 
     map: Map
     strips: list[MeasuredStrip]
 
     def differences(self) -> list[tuple[str, float, float, float]]:
-        """Of each method and boundary: predicted, measured, and the difference over the axis; NaN where there is none.
+        """Predicted and measured boundaries by method, and their difference over the axis; NaN for a missing one.
 
-        Methods without a boundary on the axis stand with NaN in both, and a difference of 0 if theory and runs agree
-        on which side they are.
+        Methods without a boundary on the axis have NaN for both, and a difference of 0 if theory and runs agree
+        on the side.
         """
         found, width = [], float(np.ptp(self.map.x))
         for strip in self.strips:
@@ -62,7 +62,7 @@ class Stability:
 
 
 def crossings(x: NDArray, rates: NDArray, level: float) -> NDArray:
-    """Where a curve through the points passes a level, straight lines between them."""
+    """Crossings of a level by a curve of straight lines through the points."""
     height = np.maximum(rates, level - 1.0) - level
     k = np.flatnonzero((height[:-1] > 0) != (height[1:] > 0))
     return x[k] + (x[k + 1] - x[k]) * height[k] / (height[k] - height[k + 1])
@@ -118,7 +118,7 @@ def save_boundaries(maps: Iterable[Stability], path: str | Path) -> None:
 
 @styled
 def draw(found: Stability) -> Figure:
-    """One band for each method; pale blue where nothing grows, lines where theory expects the boundary."""
+    """Draw one band for each method; pale blue for no growth, lines at the predicted boundary."""
     rows = len(found.strips)
     picture = figure(9.0, 1.7 + 0.36 * rows, found.map.title)
     axes = picture.subplots()

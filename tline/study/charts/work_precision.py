@@ -1,6 +1,6 @@
 """Error against run time on one scene: the production method, runs to a tolerance, baseline methods, other programs.
 
-Programs are measured in the same run as all else; those that are absent are named.
+Programs are measured in the same run as all else; absent ones are named.
 
 | peer | how | its clock of stepping | of all |
 |---|---|---|---|
@@ -9,7 +9,7 @@ Programs are measured in the same run as all else; those that are absent are nam
 | rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included | the same |
 | TSNet | in an environment of its own, one pipe as two | its MOCSimulator() | the process |
 
-Where friction depends on the flow, the textbook's grid of characteristics stands beside them.
+Where friction depends on the flow, the textbook's grid of characteristics is added.
 """
 
 import time
@@ -40,12 +40,12 @@ PEERS: dict[str, Any] = {
 
 
 class Rival(NamedTuple):
-    """What stands beside the production method on a chart."""
+    """Method or program compared with the production method on a chart."""
 
     label: str
     kind: str
-    why: str | None  # it is absent
-    run: Callable[[int], TimedRun]  # with so many steps per shortest delay
+    why: str | None  # reason for its absence
+    run: Callable[[int], TimedRun]  # with a number of steps per shortest delay
 
 
 def work_precision(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
@@ -81,7 +81,7 @@ def work_precision(name: str, quick: bool = False, progress: bool = False) -> Ch
 
 
 def peers(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
-    """Measure other programs, and the production method beside them, on one scene of the charts.
+    """Measure other programs, and the production method for comparison, on one scene of the charts.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def _baseline(key: str, scene: Scene, idle: str = "") -> Rival:
 
 
 def _chart(name: str, rivals: Iterable[Rival], quick: bool, effort: Effort, progress: bool) -> ChartTable:
-    """The production method on a scene, and rivals beside it, or why they are absent."""
+    """Measure the production method on a scene, and rivals or the reasons for their absence."""
     from tqdm import tqdm
 
     with warnings.catch_warnings():
@@ -141,7 +141,7 @@ def _chart(name: str, rivals: Iterable[Rival], quick: bool, effort: Effort, prog
 
 @cache
 def begin(name: str, quick: bool) -> tuple[Judge, tuple[Row, ...]]:
-    """Who judges runs of a scene, and the production method on it, measured once for all charts."""
+    """Return the judge of runs of a scene, and the production method on it, measured once for all charts."""
     effort = QUICK if quick else FULL
     scene = chart_scene(name).scene
     judge = Judge(scene, effort.instants)
@@ -149,7 +149,7 @@ def begin(name: str, quick: bool) -> tuple[Judge, tuple[Row, ...]]:
 
 
 def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
-    """The production method: each order over its slabs, and runs to tolerances; reading a scene does not count."""
+    """Measure the production method: each order over its slabs, and runs to tolerances, without reading of scenes."""
     for s in ORDERS:
         cut = cache(partial(_cut, scene, s))
         yield from refined(f"slabs s = {s}", "ours", lambda n, cut=cut: simulated(cut(n)), "slabs", judge, effort)
@@ -157,7 +157,7 @@ def production(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
 
 
 def add(table: ChartTable, label: str, kind: str, run: Callable[[int], TimedRun], judge: Judge, effort: Effort) -> None:
-    """Put a method on a table, or say why it is absent."""
+    """Add a method to a table, or the reason for its absence."""
     try:
         table.rows += refined(label, kind, run, "steps", judge, effort)
     except InputError as error:
@@ -167,7 +167,7 @@ def add(table: ChartTable, label: str, kind: str, run: Callable[[int], TimedRun]
 def refined(
     label: str, kind: str, run: Callable[[int], TimedRun], unit: str, judge: Judge, effort: Effort
 ) -> Iterator[Row]:
-    """One method, its step halved until it is too slow or as good as exact."""
+    """Measure one method, its step halved until it is too slow or nearly exact."""
     ran = False
     for k in range(effort.refinements):
         n = 2**k
@@ -176,9 +176,9 @@ def refined(
         except InputError:
             if k + 1 == effort.refinements and not ran:
                 raise
-            if ran:  # so many steps are too many
+            if ran:  # this many steps are too many
                 return
-            continue  # so few are too few
+            continue  # this few are too few
         ran = True
         yield row(label, kind, f"{n} {unit} per shortest delay", done, judge)
         if done.seconds > effort.longest or judge.errors(done)[1] < GOOD:
@@ -186,26 +186,26 @@ def refined(
 
 
 def row(label: str, kind: str, setting: str, done: TimedRun, judge: Judge, asked: float = np.inf) -> Row:
-    """A run as judged."""
+    """Build the row of a run from the judge's errors."""
     return Row(label, kind, setting, *judge.errors(done), done.seconds, done.stepping, asked, done.estimated)
 
 
 def _cut(scene: Scene, order: int, n: int) -> Scene:
-    """The scene with so many slabs per shortest delay."""
+    """Return the scene with a number of slabs per shortest delay."""
     shortest = min(line.parameters.delay or 0.0 for line in scene.lines.values())
     return fixed(scene, order, shortest / n)
 
 
 def fixed(scene: Scene, order: int, slab: float) -> Scene:
-    """The scene with order and slab fixed."""
+    """Return the scene with order and slab fixed."""
     return Scene(**scene.table() | {"solver": {"order": order, "slab": slab}})
 
 
 def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
-    """One run of the production method, or all that a tolerance takes."""
+    """Time one run of the production method, or all attempts for a tolerance."""
     from tline.solver.simulate import simulate
 
-    describe(scene).known.clear()  # of searches before, which would be repeated as they ended
+    describe(scene).known.clear()  # of earlier searches, which would be repeated as they ended
     begun = time.perf_counter()
     result = simulate(scene, tol=tol, ledger=False)
     seconds = time.perf_counter() - begun
@@ -218,9 +218,9 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
 
 
 def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
-    """What runs to a tolerance cost, all attempts counted, what they think they reached, and what is true.
+    """Cost of runs to a tolerance, all attempts counted, their estimated and their true error.
 
-    A tolerance below what the judge knows is left out.
+    A tolerance below the judge's own error is left out.
     """
     for tol in TOLERANCES[:: 3 if effort is QUICK else 1]:
         if tol < judge.own:

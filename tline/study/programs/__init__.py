@@ -1,1 +1,1 @@
-"""Other programs on the scenes of the charts, each told what it needs to know."""
+"""Other programs on the scenes of the charts, each with an adapted input."""

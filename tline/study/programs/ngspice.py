@@ -1,4 +1,4 @@
-"""A scene in ngspice: T and O elements, sources of straight pieces, the largest step refined."""
+"""Scene in ngspice: T and O elements, sources of straight pieces, the largest step refined."""
 
 import re
 import shutil
@@ -19,11 +19,11 @@ from tline.study.charts.measure import TimedRun
 from tline.study.reference.network import decimal, level, straight
 
 HALF_TICK = 5e-4  # s; ngspice counts time in milliseconds
-PATIENCE = 60.0  # s, after which it is stopped
+PATIENCE = 60.0  # s, after which the program is stopped
 
 
 def incompatibility(scene: Scene) -> str | None:
-    """Why it cannot do a scene; None if it can."""
+    """Reason why ngspice is not applicable to a scene; None if it is."""
     if shutil.which("ngspice") is None:
         return "not installed: apt install ngspice"
     if scene.medium != "electrical":
@@ -32,7 +32,7 @@ def incompatibility(scene: Scene) -> str | None:
 
 
 def incompatible_sources(scene: Scene) -> str | None:
-    """Why PWL sources cannot drive a scene; None if they can."""
+    """Reason why PWL sources cannot drive a scene; None if they can."""
     if any(corners(source.value, scene.t_end) is None for source in scene.sources.values()):
         return "a PWL source neither jumps nor curves"
     return None
@@ -51,13 +51,13 @@ def corners(waveform: Shape, t_end: float) -> list[tuple[float, float]] | None:
 
 
 def netlist(scene: Scene, longest: float) -> str:
-    """The scene in SPICE, its steps no longer than so many seconds."""
+    """Format the scene in SPICE, with a largest step in s."""
     cards, tran, end = spice_text(scene, step=longest).rpartition("\n.tran")
     return f"{cards}\n.options acct{tran}{end}"
 
 
 def run(scene: Scene, n: int) -> TimedRun:
-    """A run with steps no longer than an n-th of the shortest delay."""
+    """Run with steps no longer than an n-th of the shortest delay."""
     shortest = min(float(line.parameters.delay or 0) for line in scene.lines.values())
     columns, stepping, seconds = transient(netlist(scene, shortest / n))
     u = {name: columns[f"v({str(probe.at).lower()})"] for name, probe in scene.probes.items()}
@@ -65,7 +65,7 @@ def run(scene: Scene, n: int) -> TimedRun:
 
 
 def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
-    """What a netlist with ``.options acct`` saves by name, and the seconds of its transient analysis and of all."""
+    """Run a netlist with ``.options acct``; return the saved variables, and the seconds of the transient and of all."""
     with tempfile.TemporaryDirectory() as folder:
         deck, raw = Path(folder, "scene.cir"), Path(folder, "scene.raw")
         deck.write_text(text, encoding="utf-8")
@@ -83,7 +83,7 @@ def transient(text: str) -> tuple[dict[str, NDArray], float, float]:
 
 
 def columns_of(content: bytes) -> dict[str, NDArray]:
-    """Variables of a binary raw file by name."""
+    """Parse the variables of a binary raw file by name."""
     head, data = content.split(b"Binary:\n", 1)
     names = re.findall(r"^\t\d+\t(\S+)\t", head.decode(), re.MULTILINE)
     return dict(zip(names, np.frombuffer(data).reshape(-1, len(names)).T, strict=True))

@@ -1,8 +1,8 @@
-"""Pipes in rthym-moc: held pressures and demands, begun from the steady state that is told to it.
+"""Pipes in rthym-moc: held pressures and demands, from a given steady state.
 
-It turns the Hazen-Williams C of a pipe into a Darcy factor, at the flow that the pipe starts with, and keeps that
-factor; so a C is found that gives the factor of the scene. Friction cannot be switched off: without a flow to start
-with the factor is 0.02, whatever C is. Its instants are one step late, and are taken as one step earlier.
+It turns the Hazen-Williams C of a pipe into a Darcy factor, at the pipe's initial flow, and keeps that
+factor; so a C is found that gives the factor of the scene. Friction cannot be switched off: without an initial
+flow the factor is 0.02, for any C. Its instants are one step late, and are taken as one step earlier.
 """
 
 import time
@@ -26,14 +26,14 @@ SMOOTH = 1e9  # Hazen-Williams C
 
 
 def incompatibility(scene: Scene) -> str | None:
-    """Why it cannot do a scene; None if it can."""
+    """Reason why rthym-moc is not applicable to a scene; None if it is."""
     if scene.medium != "hydraulic":
         return "for water only"
     return None if find_spec("rthym_moc") else "not installed: pip install 'tline[peers]'"
 
 
 def run(scene: Scene, n: int) -> TimedRun:
-    """A run of n reaches in the shortest pipe; heads count from that of the reservoir."""
+    """Run n reaches in the shortest pipe; heads count from that of the reservoir."""
     moc: Any = import_module("rthym_moc")
     unit = moc.GPM_TO_CFS * FOOT**3  # of flow, m³/s, as it has it
     head = DENSITY * moc.G_FT_S2 * FOOT**2  # of a foot, Pa, as it has it
@@ -63,9 +63,9 @@ def run(scene: Scene, n: int) -> TimedRun:
 
 
 def roughness(factor: float, length: float, diameter: float, flow_gpm: float, moc: Any) -> float:
-    """The Hazen-Williams C from which it takes a Darcy factor; length in ft, diameter in inches.
+    """Hazen-Williams C that gives a Darcy factor in rthym-moc; length in ft, diameter in inches.
 
-    Its head loss is 10.44 L Q^1.852/(C^1.852 d^4.871), and the factor that of f L v²/(2 g D).
+    The program's head loss is 10.44 L Q^1.852/(C^1.852 d^4.871), and the factor that of f L v²/(2 g D).
     """
     if not factor * flow_gpm:
         return SMOOTH

@@ -31,7 +31,7 @@ from tline.study.programs.ngspice import corners
 PYTHON = "TSNET_PYTHON"  # variable that names the interpreter
 DENSITY, G, HEAD = 1000.0, 9.8, 2000.0  # kg/m³; m/s², as it has it; m, so high that nothing boils
 WIDE = 1000  # mm, of valves
-PATIENCE = 300.0  # s, after which it is stopped
+PATIENCE = 300.0  # s, after which the program is stopped
 RUN = """
 import contextlib, json, sys, time, warnings
 import numpy as np
@@ -62,7 +62,7 @@ np.savez(result, t=t, seconds=seconds, **heads)
 
 
 def incompatibility(scene: Scene) -> str | None:
-    """Why it cannot do a scene; None if it can."""
+    """Reason why TSNet is not applicable to a scene; None if it is."""
     if scene.medium != "hydraulic":
         return "for water only"
     if scene.start != "steady":
@@ -73,7 +73,7 @@ def incompatibility(scene: Scene) -> str | None:
 
 
 def run(scene: Scene, n: int) -> TimedRun:
-    """A run of n reaches in the shortest pipe; heads count from that of the reservoir."""
+    """Run n reaches in the shortest pipe; heads count from that of the reservoir."""
     halves = 2 if len(scene.lines) == 1 else 1
     if n < 2 * halves:
         raise InputError("n", "its pipes have two reaches at least", f"{2 * halves}", f"{n}")
@@ -97,7 +97,7 @@ def run(scene: Scene, n: int) -> TimedRun:
 
 
 def _told(scene: Scene, n: int, halves: int) -> tuple[str, dict[str, Any]]:
-    """The network for EPANET, and what replaces what EPANET finds."""
+    """Format the network for EPANET, and the values that replace EPANET's results."""
     description = describe(scene)
     nodes, (efforts, flows) = description.nodes, steady_state(description)
     heads = {name: HEAD + u / (DENSITY * G) for name, u in efforts.items()}

@@ -21,35 +21,35 @@ from tline.study.reference.network import ReferenceNetwork, decimal
 from tline.study.reference.rays import Begun, arrivals, sampled
 
 FEW_BITS, MOST_BITS = 64, 20_000
-GUARD_DIGITS = 15  # digits carried beyond those that are asked
+GUARD_DIGITS = 15  # digits carried beyond those asked
 
 
 @dataclass(frozen=True)
 class Exact:
-    """What a probe sees: effort and flow, Pa and m³/s or V and A."""
+    """Effort and flow at a probe, Pa and m³/s or V and A."""
 
     u: tuple[Decimal, ...]
     y: tuple[Decimal, ...]
 
     @property
     def efforts(self) -> NDArray:
-        """The efforts as floats, rounded once."""
+        """Efforts as floats, rounded once."""
         return np.array(self.u, float)
 
     @property
     def flows(self) -> NDArray:
-        """The flows as floats, rounded once."""
+        """Flows as floats, rounded once."""
         return np.array(self.y, float)
 
 
 class Solution:
     """Exact solution at a probe of a scene that starts at rest, by its rays; with switches, by its lattice.
 
-    Lines are lossless, loads linear, sources of straight, exponential or sine pieces; floats count as the shortest
-    decimals that they are.
+    Lines are lossless, loads linear, sources of straight, exponential or sine pieces; floats count as their shortest
+    decimals.
 
-    Rays are computed in ball arithmetic: every number comes with a bound of its error, and the working precision is
-    doubled until the bounds are below what is asked.
+    Rays are computed in ball arithmetic: every number comes with an error bound, and the working precision is
+    doubled until the bounds are small enough for the digits asked.
 
     Examples
     --------
@@ -73,13 +73,13 @@ class Solution:
 
     @property
     def fronts(self) -> NDArray:
-        """Instants at which jumps or corners of the sources pass the probe, on any way, in order, s."""
+        """Instants at which jumps or corners of the sources pass the probe, on any path, in order, s."""
         if self._switched:
             raise InputError("loads", "the fronts that switches send out are not known", "a scene without switches")
         return np.array(sorted({instant for wave in self._arriving(FEW_BITS) for instant, _ in wave}), float)
 
     def at(self, times: Iterable[Any], digits: int = 20) -> Exact:
-        """What the probe sees; for arguments see `exact`."""
+        """Effort and flow at the probe; for arguments see `exact`."""
         instants = [instant(t) for t in times]
         self._check(instants, digits)
         if self._switched:
@@ -127,7 +127,7 @@ class Solution:
 
 
 def exact(scene: Scene, times: Iterable[Any], probe: str, digits: int = 20) -> Exact:
-    """Exact solution of a scene, once; `Solution` says of which scenes and how.
+    """Compute the exact solution of a scene once; for scenes and method see `Solution`.
 
     Errors of u and z0 y are below 10^-digits (1 to 1000) of the largest of them at these times, s, in any order; at a
     jump the value is that before it.
@@ -148,7 +148,7 @@ def _divided(value: Fraction, digits: int) -> Decimal:
 
 
 def _rounded(values: list[Decimal], largest: Decimal, digits: int) -> tuple[Decimal, ...]:
-    """To what is known: so many digits of the largest."""
+    """Round to a number of digits of the largest."""
     with localcontext() as context:
         context.prec = digits + GUARD_DIGITS
         return tuple(v.quantize(Decimal(1).scaleb(largest.adjusted() - digits)) if largest else v for v in values)

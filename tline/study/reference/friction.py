@@ -1,8 +1,8 @@
-"""Pipes with quadratic friction, by the textbook's grid of characteristics, extrapolated; it says how good it is.
+"""Pipes with quadratic friction, by the textbook's grid of characteristics, extrapolated, with an error estimate.
 
 Along dx = ±c dt, u ± z0 y falls by K |y| y for each metre. The integral over a reach is taken by the trapezoidal rule,
-with y at both ends, so that errors go with the square of the reach; Richardson takes that out. What is left comes from
-where a flow turns, and |y| y has no second derivative: it falls with the third power.
+with y at both ends, so that errors go with the square of the reach; Richardson extrapolation removes that term. The
+rest comes from flow reversals, where |y| y has no second derivative, and falls with the third power.
 """
 
 from fractions import Fraction
@@ -26,7 +26,7 @@ DEGREE = 5  # of splines between fronts
 
 
 class FrictionSolution:
-    """Efforts at the probes of pipes that run steadily, held by pressures, until flows into their nodes are changed.
+    """Efforts at the probes of pipes in steady flow, with prescribed pressures, after changes of the flows into nodes.
 
     Lines have Darcy's friction alone, and flows straight pieces. Of three grids the finest has `finest` reaches, a
     multiple of 8, in the shortest line.
@@ -36,7 +36,7 @@ class FrictionSolution:
     fronts : dict of str to ndarray
         By probe: instants at which corners of the flows, or their echoes, are there, s.
     error : float
-        Largest difference to the same from grids of half as many reaches, Pa; errors are some eighth of it.
+        Largest difference to solutions from grids of half as many reaches, Pa; errors are some eighth of it.
 
     Examples
     --------
@@ -83,7 +83,7 @@ class FrictionSolution:
 
 
 def _splined(u: NDArray, dt: float, fronts: NDArray) -> list[tuple[float, BSpline]]:
-    """Where each stretch between fronts begins, and a spline on it."""
+    """Start of each stretch between fronts, and a spline on it."""
     edges = np.unique([0, *np.round(fronts / dt).astype(int), len(u) - 1])
     t = np.arange(len(u)) * dt
     return [(float(t[a]), make_interp_spline(t[a : b + 1], u[a : b + 1], DEGREE)) for a, b in pairwise(edges)]
@@ -98,7 +98,7 @@ def _read(splines: list[tuple[float, BSpline]], t: NDArray) -> NDArray:
 
 
 def _pipes(scene: Scene) -> tuple[Pipes, list[str]]:
-    """The pipes of a scene as arrays, and the names of the nodes."""
+    """Pipes of a scene as arrays, and the names of the nodes."""
     refuse_heights(scene, "exact solutions")
     if scene.links or scene.start != "steady":
         raise InputError("scene", "has links, or does not start from the steady state")
@@ -132,7 +132,7 @@ def _pressure(name: str, load: Load) -> float:
 def _echoes(
     pipes: Pipes, delays: list[Fraction], flows: list[tuple[int, Shape]], end: Fraction
 ) -> list[list[Fraction]]:
-    """By node: when corners of the flows are there, or what they send through the lines."""
+    """Instants by node of corners of the flows, and of their echoes through the lines."""
     node = {e: k for k, (a, b) in enumerate(pairwise(pipes.first)) for e in pipes.ends[a:b]}
     corners = {(t, k) for k, flow in flows for t, *_ in straight(flow, end) or [] if t is not None and t < end}
     waiting, known = list(corners), set(corners)
@@ -156,5 +156,5 @@ def _grid(
     t = np.arange(steps + 1) * dt
     given = np.zeros((len(pipes.held), steps + 1))
     for k, flow in flows:
-        given[k] += flow.value(t, t - dt / 2)  # of a jump, what is before
+        given[k] += flow.value(t, t - dt / 2)  # at a jump, the value before
     return march(pipes, reaches, *steady(pipes, given[:, 0]), given, np.array(seen))[:, ::2]

@@ -9,11 +9,13 @@ from tline.compiled.structure import Floats, Floats2, Integers, pack
 from tline.compiled.unit import function, unit
 
 ROUNDS = 60  # of Newton's method for the steady state
-LAST_STEP = 1e-9  # a step of Newton's method at a node, relative to what arrives; what is left is its square
+LAST_STEP = (
+    1e-9  # a step of Newton's method at a node, relative to the arriving wave; the remaining error is its square
+)
 
 
 class Pipes(NamedTuple):
-    """End 2j is end 1 of line j, end 2j + 1 its end 2."""
+    """Pipes as arrays; end 2j is end 1 of line j, end 2j + 1 its end 2."""
 
     first: Integers  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
     ends: Integers
@@ -23,20 +25,20 @@ class Pipes(NamedTuple):
 
 
 def joined(node: list[int], nodes: int, held: NDArray, z0: NDArray, lost: NDArray) -> Pipes:
-    """Pipes from the number of the node at each end."""
+    """Build pipes from the number of the node at each end."""
     first = np.cumsum([0, *np.bincount(node, minlength=nodes)])
     return Pipes(first, np.argsort(node, kind="stable"), held, z0, lost)
 
 
 def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
-    """Effort of each node and flow of each line, from end 1 to end 2, for the flows that are given into the nodes.
+    """Effort of each node and flow of each line, from end 1 to end 2, for given flows into the nodes.
 
     Newton's method on all drops and balances at once.
     """
     nodes, lines = len(given), len(pipes.z0)
     node = np.empty(2 * lines, int)
     node[pipes.ends] = np.repeat(np.arange(nodes), np.diff(pipes.first))
-    incidence = np.zeros((nodes, lines))  # what a flow brings to a node
+    incidence = np.zeros((nodes, lines))  # contribution of a flow to a node
     incidence[node[::2], np.arange(lines)] -= 1
     incidence[node[1::2], np.arange(lines)] += 1
     fixed = ~np.isnan(pipes.held)
@@ -53,7 +55,7 @@ def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
 
 
 class GridState(NamedTuple):
-    """Pipes in reaches, and what is at their points."""
+    """Pipes in reaches, and the values at their points."""
 
     pipes: Pipes
     reaches: Integers  # (lines,)
@@ -63,14 +65,14 @@ class GridState(NamedTuple):
     effort: Floats  # (nodes,)
     u: Floats2  # (lines, points)
     y: Floats2
-    plus: Floats2  # what travels on
+    plus: Floats2  # wave toward end 2
     minus: Floats2
 
 
 def march(
     pipes: Pipes, reaches: NDArray, effort: NDArray, flow: NDArray, given: NDArray, seen: NDArray
 ) -> NDArray[np.float64]:
-    """Efforts at some nodes at all steps, from a steady state, for the flows that are given into the nodes."""
+    """Efforts at some nodes at all steps, from a steady state, for given flows into the nodes."""
     record, (u, y, plus, minus) = np.zeros((len(seen), given.shape[1])), np.zeros((4, len(reaches), max(reaches) + 1))
     at_end = np.empty(2 * len(reaches))
     at_end[pipes.ends] = np.repeat(effort, np.diff(pipes.first))
@@ -84,7 +86,7 @@ def march(
 
 @unit
 def march_on(state: GridState) -> int:
-    """Go from point to point, step by step."""
+    """Advance all points, step by step."""
     pipes, reaches, effort = state.pipes, state.reaches, state.effort
     u, y, plus, minus = state.u, state.y, state.plus, state.minus
     for step in range(1, state.given.shape[1]):
@@ -104,7 +106,7 @@ def march_on(state: GridState) -> int:
 
 @function
 def inside(u, y, plus, minus, n, z0, K):
-    """One step at the points between the ends of a line; what travels on is left in plus and minus."""
+    """Advance the points between the ends of a line by one step; the travelling waves are left in plus and minus."""
     for i in range(n + 1):
         half = K / 2 * abs(y[i]) * y[i]
         plus[i], minus[i] = u[i] + z0 * y[i] - half, u[i] - z0 * y[i] + half
@@ -116,7 +118,7 @@ def inside(u, y, plus, minus, n, z0, K):
 
 @function
 def arriving(pipes, reaches, end, effort, plus, minus):
-    """Flow out of an end of a line at an effort there, by how much it falls with that, and what arrives."""
+    """Flow out of an end of a line at an effort there, its decrease per effort, and the arriving wave."""
     j = end // 2
     w = plus[j, reaches[j] - 1] if end % 2 else minus[j, 1]  # effort + z0 flow + K/2 |flow| flow
     z0, K = pipes.z0[j], pipes.lost[j] / reaches[j]
@@ -126,7 +128,7 @@ def arriving(pipes, reaches, end, effort, plus, minus):
 
 @function
 def at_node(pipes, reaches, k, effort, given, plus, minus):
-    """The effort at which as much flows into a node as out of it, by Newton's method from the one before."""
+    """Solve for the effort at which the flows into a node balance, by Newton's method from the previous effort."""
     if not np.isnan(pipes.held[k]):
         return
     for _ in range(50):

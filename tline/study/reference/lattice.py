@@ -1,4 +1,4 @@
-"""The exact lattice of a resistive scene: every wave traced back to the sources, in whatever numbers it is given."""
+"""Exact lattice of a resistive scene: every wave traced back to the sources, in numbers of any type."""
 
 from collections.abc import Callable, Iterable
 from fractions import Fraction
@@ -23,7 +23,7 @@ def lattice(
     float, mpmath.mpf. Instants are in s; a float counts as its shortest decimal.
 
     A wave that arrives at an end left the other end one delay before, when 2u - w left a node where w arrived. Instants
-    are fractions, so waves that arrive together are told to; at a jump the value is that before it.
+    are fractions, so simultaneous arrivals are exactly equal; at a jump the value is that before it.
 
     References
     ----------
@@ -34,7 +34,7 @@ def lattice(
     line, share = network.seen_by(probe)
     instants, delay = [instant(t) for t in times], network.delay[line]
     trace = _Trace(network, number, max(instants, default=Fraction(0)))
-    # a arrives at end 2 later by what is left of the way, b at end 1
+    # a arrives at end 2 later by the rest of the way, b at end 1
     ways = [(2 * line + 1, (1 - share) * delay), (2 * line, share * delay)]
     a, b = ([trace.wave((t + way, end)) for t in instants] for end, way in ways)
     half = number(1) / number(2)
@@ -43,12 +43,12 @@ def lattice(
 
 
 def instant(t: Any) -> Fraction:
-    """An instant as a fraction; a float counts as its shortest decimal."""
+    """Convert an instant to a fraction; a float counts as its shortest decimal."""
     return t if isinstance(t, Fraction) else Fraction(repr(float(t)) if isinstance(t, float) else str(t))
 
 
 def refuse_unless_resistive(network: ReferenceNetwork) -> None:
-    """Refuse what has no lattice."""
+    """Raise an error for elements that have no lattice."""
     for node in network.loaded():
         raise InputError(f"node '{node}'", "not resistive: the lattice has no place for its load", "resistances")
     for name, source in network.scene.sources.items():
@@ -57,7 +57,7 @@ def refuse_unless_resistive(network: ReferenceNetwork) -> None:
 
 
 class _Trace:
-    """Waves that are known, and how they follow from each other."""
+    """Known waves, and their dependence on each other."""
 
     def __init__(self, network: ReferenceNetwork, number: Callable[[Any], Any], until: Fraction):
         self.network, self.number, self.known = network, number, {}
@@ -70,7 +70,7 @@ class _Trace:
         return self.number(value.numerator) / self.number(value.denominator)
 
     def wave(self, wanted: Arrival) -> Any:
-        """The wave that arrives; all that it depends on is worked out first, latest last."""
+        """Wave of an arrival; all earlier ones that it depends on are computed first."""
         waiting = [wanted]
         while waiting:
             arrival = waiting[-1]
@@ -91,12 +91,12 @@ class _Trace:
         return t - self.network.delay[end // 2], self.network.junctions[name], name, end ^ 1
 
     def _before(self, arrival: Arrival) -> list[Arrival]:
-        """Waves at the node it left, when it left."""
+        """Waves at the node of departure, at that instant."""
         t, junction, _, end = self._left(arrival)
         return [] if t <= 0 else [(t, end)] if junction.held else [(t, other) for other in junction.ends]
 
     def _follows(self, arrival: Arrival) -> Any:
-        """2u - w at the node it left, from what arrived there."""
+        """Compute 2u - w at the node of departure, from the waves that arrived there."""
         t, junction, name, end = self._left(arrival)
         if t <= 0:
             return self.number(0)

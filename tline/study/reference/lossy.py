@@ -1,4 +1,4 @@
-"""What a step, ramp or impulse does on a lossy line, and a source in a lossy scene, to any number of digits."""
+"""Response of a lossy line to a step, ramp or impulse, and to a source in a lossy scene, to any number of digits."""
 
 from collections.abc import Callable, Iterable
 from decimal import Decimal, localcontext
@@ -35,7 +35,7 @@ Transform = Callable[[acb], Pair]
 
 
 class Drive(IntEnum):
-    """What the source does from t = 0 on: its transform is 1/s to this power."""
+    """Excitation from t = 0 on: its transform is 1/s to this power."""
 
     IMPULSE = 0
     STEP = 1
@@ -65,8 +65,8 @@ def lossy_response(
     source, load : float
         Resistances, ohm or Pa s/m³, from 0; the load up to infinity (an open end).
     drive : Drive
-        Effort behind the source's resistance: unit step, unit slope, or unit impulse (of which the answer is given
-        between fronts: what jumps in the step response is an impulse there).
+        Effort behind the source's resistance: unit step, unit slope, or unit impulse (whose response is given
+        between fronts: jumps of the step response are impulses there).
     digits : int
         1 to 100: errors of u and of Zc·y are below 10^-digits of the largest of them at these times, Zc taken at s =
         1/t of the last. Two sums of Talbot, the second with a quarter more nodes, agree to that, and the second is
@@ -75,15 +75,15 @@ def lossy_response(
     Raises
     ------
     InputError
-        A bad argument, more than 1000 passages of a wave or 100000 over all times, or digits that cannot be had.
+        A bad argument, more than 1000 passages of a wave or 100000 over all times, or digits out of reach.
 
     Notes
     -----
     With reflections ρ at the ends, u = Zc/(Zc + Rs) Σ (ρs ρl)^k (e^-Γ(2kl + x) + ρl e^-Γ(2(k+1)l - x)) V. Each term is
     a pure delay, shifted out exactly, times a function that is analytic off the negative real axis (see `Law`); a
     Talbot contour round that axis then converges geometrically, from just after the front on. A line without a delay
-    needs no expansion. The sums are computed in balls, which bound their rounding; the truncation is what the
-    comparison shows.
+    needs no expansion. The sums are computed in balls, which bound their rounding; the comparison
+    shows the truncation error.
 
     References
     ----------
@@ -146,12 +146,12 @@ def _checked(
 def _terms(
     line: LossyLine, end: Fraction, x: float, source: float, load: float, drive: Drive
 ) -> list[tuple[arb, Transform]]:
-    """Delays, and transforms of effort and flow without them, of all that passes until the end."""
+    """Delays, and transforms of effort and flow without them, of all passages until the end."""
     slowness = (acb(line.series.storage) * line.shunt.storage).real.sqrt()
     far = line.length
 
     def waves(s: acb) -> tuple[acb, acb, acb, acb, acb]:
-        """First wave's effort, Γ, Zc, and the reflections at source and load."""
+        """Return the first wave's effort, Γ, Zc, and the reflections at source and load."""
         gamma, zc = line.waves(s, BALLS)
         at_load = acb(1) if isinf(load) else (load - zc) / (zc + load)
         return zc / (zc + source) / s ** int(drive), gamma, zc, (source - zc) / (zc + source), at_load
@@ -188,12 +188,12 @@ def _sums(parts: list[Pair], instants: list[int], count: int) -> list[Pair]:
 
 
 def _close(new: Pair, old: Pair, zc: arb, bound: arb) -> bool:
-    """Certainly, rounding included."""
+    """Whether two results agree for certain, rounding included."""
     return abs(new[0] - old[0]) <= bound and abs((new[1] - old[1]) * zc) <= bound
 
 
 def _contour(nodes: int) -> list[tuple[acb, acb]]:
-    """Places s·t, and weights times t, of the midpoint rule on a Talbot contour."""
+    """Points s·t, and weights times t, of the midpoint rule on a Talbot contour."""
     n, found = 2 * ((nodes + 1) // 2), []
     for k in range(n // 2):
         theta = (2 * k + 1) * arb.pi() / n
@@ -206,7 +206,7 @@ def _contour(nodes: int) -> list[tuple[acb, acb]]:
 
 
 def _inverse(transform: Transform, t: arb, contour: list[tuple[acb, acb]]) -> Pair:
-    """Both inverse Laplace transforms at t > 0."""
+    """Compute both inverse Laplace transforms at t > 0."""
     u, y = arb(0), arb(0)
     for z, weight in contour:
         at_u, at_y = transform(z / t)
@@ -215,7 +215,7 @@ def _inverse(transform: Transform, t: arb, contour: list[tuple[acb, acb]]) -> Pa
 
 
 def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
-    """Rounded to so many digits of the largest."""
+    """Round to a number of digits of the largest."""
     exact = [Decimal(v.mid().str(digits + SPARE_TERMS, radius=False)) for v in values]
     largest = max(map(abs, exact))
     with localcontext() as context:
@@ -225,10 +225,10 @@ def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
 
 
 class LossySolution:
-    """What a probe at an end sees, from rest, to as many digits as asked.
+    """Effort and flow at a probe at an end, from rest, to any number of digits.
 
-    Of one line with linear losses, a source of straight pieces behind a resistance at one end, and a resistor, or
-    nothing, at the other.
+    The scene has one line with linear losses, a source of straight pieces behind a resistance at one end, and a
+    resistor, or nothing, at the other.
     """
 
     def __init__(self, scene: Scene, probe: str):
@@ -267,7 +267,7 @@ class LossySolution:
         return np.array(sorted({t + 2 * k * self._delay for t in starts for k in range(hops)}), float)
 
     def at(self, times: Iterable[Any], digits: int = 20) -> Exact:
-        """What the probe sees; for arguments see `lossy_response`."""
+        """Effort and flow at the probe; for arguments see `lossy_response`."""
         instants = [instant(t) for t in times]
         u, y = ([Decimal(0)] * len(instants) for _ in range(2))
         for start, drive, factor in self._parts:
@@ -284,7 +284,7 @@ class LossySolution:
 
 
 def _parts(shape: Shape, end: Fraction, where: str) -> list[tuple[Fraction, Drive, Fraction]]:
-    """Steps and ramps that add up to a waveform: when each begins, which it is, and how large."""
+    """Steps and ramps that add up to a waveform: start, kind and size of each."""
     pieces = straight(shape, end)
     if pieces is None:
         raise InputError(where, "its waveform is curved", "straight pieces")

@@ -15,7 +15,7 @@ ZERO = acb(0)
 
 
 class Pole:
-    """An exponent p; poles of the same key are equal."""
+    """Exponent p; poles of the same key are equal."""
 
     __slots__ = ("key", "value")
 
@@ -30,12 +30,12 @@ class Pole:
 
 
 def rational(value: Fraction) -> fmpq:
-    """The same number in the other library."""
+    """Convert a fraction to the number type of python-flint."""
     return fmpq(value.numerator, value.denominator)
 
 
 def roots(polynomial: fmpq_poly) -> list[Pole]:
-    """All roots, multiple ones as often."""
+    """All roots, repeated by multiplicity."""
     found = []
     for factor, multiplicity in polynomial.factor()[1]:
         monic = tuple(str(c / factor.leading_coefficient()) for c in factor.coeffs())
@@ -45,12 +45,12 @@ def roots(polynomial: fmpq_poly) -> list[Pole]:
 
 
 def rate(value: Fraction) -> Pole:
-    """A rational exponent."""
+    """Rational exponent."""
     return roots(fmpq_poly([rational(-value), 1]))[0]
 
 
 def rotation(frequency: Fraction, sign: int) -> Pole:
-    """The exponent sign · 2 pi i · frequency."""
+    """Exponent sign · 2 pi i · frequency."""
     return Pole((frequency, sign), acb(0, 2 * sign * arb.pi() * rational(frequency)))
 
 
@@ -70,20 +70,20 @@ class ExponentialSum:
         return ExponentialSum({pole: polynomial * acb(factor) for pole, polynomial in self.parts.items()})
 
     def shifted(self, by: Fraction) -> "ExponentialSum":
-        """The same motion as seen from an instant later by so much."""
+        """Shift the motion to a time origin later by this."""
         if not by:
             return self
         later = acb_poly([acb(rational(by)), 1])
         return ExponentialSum({p: P(later) * (p.value * rational(by)).exp() for p, P in self.parts.items()})
 
     def at(self, t: Fraction) -> arb:
-        """Its value, which is real."""
+        """Value at t, which is real."""
         now = acb(rational(t))
         return sum((P(now) * (p.value * now).exp() for p, P in self.parts.items()), ZERO).real
 
 
 class Ray:
-    """A rational function of s as partial fractions: direct + sum of c[m] / (s - p)^(m + 1)."""
+    """Rational function of s as partial fractions: direct + sum of c[m] / (s - p)^(m + 1)."""
 
     __slots__ = ("direct", "parts")
 
@@ -104,11 +104,11 @@ class Ray:
 
     @property
     def silent(self) -> bool:
-        """Whether it is zero, exactly."""
+        """Whether the function is exactly zero."""
         return self.direct == 0 and all(a == 0 for c in self.parts.values() for a in c)
 
     def over(self, pole: Pole) -> "Ray":
-        """Divided by s - p."""
+        """Divide by s - p."""
         parts, residue = {}, self.direct
         for q, c in self.parts.items():
             if q != pole:
@@ -123,7 +123,7 @@ class Ray:
         return Ray(ZERO, parts)
 
     def through(self, gain: fmpq, zeros: Iterable[Pole], poles: Iterable[Pole]) -> "Ray":
-        """Multiplied by gain · product of (s - z) / product of (s - p), no fewer poles than zeros."""
+        """Multiply by gain · product of (s - z) / product of (s - p), with no fewer poles than zeros."""
         ray, zeros = self * gain, list(zeros)
         for k, pole in enumerate(poles):
             divided = ray.over(pole)
@@ -131,7 +131,7 @@ class Ray:
         return ray
 
     def driven(self, motion: ExponentialSum) -> ExponentialSum:
-        """The motion that a motion from t = 0 on becomes."""
+        """Response to a motion that starts at t = 0."""
         total = ExponentialSum()
         for pole, polynomial in motion.parts.items():
             ray = Ray()
@@ -141,5 +141,5 @@ class Ray:
         return total
 
     def motion(self) -> ExponentialSum:
-        """In time, the direct part aside."""
+        """Inverse Laplace transform without the direct part."""
         return ExponentialSum({p: acb_poly([a / factorial(m) for m, a in enumerate(c)]) for p, c in self.parts.items()})

@@ -1,4 +1,4 @@
-"""A scene as reference solutions take it: nodes, delays and impedances as fractions, waveforms as pieces."""
+"""Scene as the reference solutions use it: nodes, delays and impedances as fractions, waveforms as pieces."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ Straight = tuple[Fraction | None, Fraction, Fraction]  # start (None: ever since
 
 
 def straight(shape: Shape, t_end: Fraction) -> list[Straight] | None:
-    """A waveform as straight pieces in order of time; None if it is curved."""
+    """Split a waveform into straight pieces in order of time; None if it is curved."""
     match shape:
         case Constant():
             return [(None, decimal(shape.level), Fraction(0))]
@@ -66,7 +66,7 @@ def level(pieces: list[Straight], t: Fraction) -> Fraction:
 
 
 def motions(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction | None, ExponentialSum]]:
-    """A waveform as motions, each counted from its start."""
+    """Split a waveform into motions, each counted from its start."""
     pieces = straight(shape, t_end)
     if pieces is not None:
         return [(start, _polynomial(first, slope)) for start, first, slope in pieces]
@@ -108,7 +108,7 @@ def _surge(surge: DoubleExponential) -> ExponentialSum:
 
 
 def starts(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction, ExponentialSum]]:
-    """Motions that begin at instants from 0 on and add up to the waveform, silent before."""
+    """Motions that begin at instants from 0 on and add up to the waveform, zero before."""
     pieces = motions(shape, t_end, where)
     past = [piece for piece in pieces if piece[0] is None or piece[0] <= 0]
     start, motion = past[-1]
@@ -121,7 +121,7 @@ def starts(shape: Shape, t_end: Fraction, where: str) -> list[tuple[Fraction, Ex
 
 
 def decimal(value: float) -> Fraction:
-    """The shortest decimal that is this float."""
+    """Shortest decimal that gives this float."""
     return value if isinstance(value, Fraction) else Fraction(repr(float(value)))
 
 
@@ -207,7 +207,7 @@ class ReferenceNetwork:
         return list(lines).index(line), decimal(own.fraction(lines[line]))
 
     def loaded(self) -> Iterator[str]:
-        """Nodes with a load that is no resistance."""
+        """Nodes with a load other than a resistance."""
         return (name for name, junction in self.junctions.items() if junction.load is not None and not junction.held)
 
 

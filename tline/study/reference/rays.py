@@ -1,4 +1,4 @@
-"""Waves of a linear scene as rays: each left its source once and is scattered at every node it comes to.
+"""Waves of a linear scene as rays: each left its source once and is scattered at every node on its path.
 
 A ray that has passed lines of delays T1, T2, ... is exp(-s (T1 + T2 + ...)) times a rational function of s; the delay
 is kept as a fraction and the function as partial fractions, so that each ray in time is a closed form that begins at an
@@ -22,7 +22,7 @@ Begun = list[tuple[Fraction, ExponentialSum]]  # motions and the instants at whi
 
 
 class Scatterer:
-    """A junction in s: effort u = F (sum of w/z0 + J), with F = 1/(Y + 1/Z); 2u - w leaves each end."""
+    """Junction in s: effort u = F (sum of w/z0 + J), with F = 1/(Y + 1/Z); 2u - w leaves each end."""
 
     def __init__(self, name: str, junction: ReferenceNode, z0: list[Fraction]):
         self.held, self.ends = junction.held, junction.ends
@@ -45,11 +45,11 @@ class Scatterer:
         self.zeros, self.poles = roots(p), roots(f)
 
     def effort(self, flow: Ray) -> Ray:
-        """Effort that a flow into the junction brings about."""
+        """Effort caused by a flow into the junction."""
         return flow.through(self.gain, self.zeros, self.poles)
 
     def scattered(self, arriving: dict[int, Ray]) -> Iterable[tuple[int, Ray]]:
-        """What leaves each end when these waves arrive."""
+        """Waves that leave each end when these waves arrive."""
         if self.held or self.poles:
             u = Ray() if self.held else self.effort(_sum(w * self.admittance[end] for end, w in arriving.items()))
             return [(end, u * fmpq(2) + arriving.get(end, Ray()) * fmpq(-1)) for end in self.ends]
@@ -68,9 +68,9 @@ def _sum(rays: Iterable[Ray]) -> Ray:
 def rays(
     network: ReferenceNetwork, scatterers: dict[str, Scatterer], node: str, until: Fraction, line: int
 ) -> tuple[dict[Fraction, Ray], dict[Fraction, Ray]]:
-    """Waves that leave ends 1 and 2 of a line after a unit impulse at a node, by the delay that they have behind them.
+    """Waves that leave ends 1 and 2 of a line after a unit impulse at a node, by the delay so far.
 
-    The impulse is one of effort where that is held, else of flow.
+    The impulse is one of effort where that is prescribed, else of flow.
     """
     first = scatterers[node]
     u = Ray(acb(1)) if first.held else first.effort(Ray(acb(1)))
@@ -102,7 +102,7 @@ def rays(
 
 
 def arrivals(network: ReferenceNetwork, probe: str, until: Fraction) -> tuple[Begun, Begun]:
-    """What waves a and b at a probe are made of: motions, and the instants before `until` at which they begin."""
+    """Components of waves a and b at a probe: motions, and the instants before `until` at which they begin."""
     line, share = network.seen_by(probe)
     delay = network.delay[line]
     scatterers = {name: Scatterer(name, each, network.z0) for name, each in network.junctions.items()}
