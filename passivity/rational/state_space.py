@@ -19,6 +19,7 @@ from passivity.rational.polynomial_matrix import check_work
 from passivity.status import Kind
 
 MAX_STATES = 400
+_ZERO = fmpq(0)
 MAX_WORK = 40_000_000_000  # states^4 bits: some seconds
 MAX_VALUE_WORK = 5_000_000_000  # states^3 bits: half a minute
 MAX_BITS = 10_000  # of an entry, and of the denominator common to all of a matrix
@@ -328,6 +329,9 @@ def _matrix(name: str, rows: list[list[Any]], height: int, width: int) -> fmpq_m
     entries, unit = [], 1
     for i, row in enumerate(rows):
         for k, given in enumerate(row):
+            if isinstance(given, float) and given == 0.0:  # most are
+                entries.append(_ZERO)
+                continue
             x = exact(given, f"{name}[{i}][{k}]")
             unit = lcm(unit, x.denominator)
             if max(unit, abs(x.numerator)).bit_length() > MAX_BITS:

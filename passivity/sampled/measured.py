@@ -4,7 +4,8 @@ S(s) = exp(-s (T + T')) S'(s) between ports of delays T and T'. A delay has no r
 taken out first. It is searched: of all T the one that leaves a rest which few poles fit best. Too small a T costs
 poles, too large a one leaves a rest that answers before it is asked, which no stable poles fit. Delays in front of
 several ports are looked for in the ratio of what the phases of all entries say. Where a port reflects before its delay
-is over, as a line does that is not matched, none can be taken out, and there are poles for each turn of the phase.
+is over, as a line does that is not matched, none can be taken out, and there are poles for each turn of the phase; what
+looks alike from two sides is then taken apart (`mirrored`). The search ends by orders and samples alone, never by time.
 
 References
 ----------
@@ -16,7 +17,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from time import process_time
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,6 +29,7 @@ from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
 from passivity.sampled.extremes import FEW_PORTS, bands_of, seen, verdict_of, worst_of
 from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
+from passivity.sampled.mirror import ALIKE, joined, mirrored, on_grid, proved_on_grid
 from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
@@ -42,7 +43,6 @@ STEP = 1 / 8  # of the shortest period; a shorter delay is left to the poles
 FINE = 1e-9  # radians at the highest frequency, to which a delay is narrowed
 MOST_STEPS = 12  # on the way
 FARTHEST_STEP = 0.5  # radians at the highest frequency
-SECONDS = 10.0  # of the processor, after which no more poles are tried
 SEEN = 1e-6  # of what the best seen delays change; of others nothing is known
 Tried: TypeAlias = Callable[[int, float], object]  # told order and misfit of each model on the way
 
@@ -61,17 +61,26 @@ class DelayedModel:
         The fit, if `model` is the nearest passive one to it; else the same.
     samples : SampledResponse
         Of S', the delays taken out.
+    parts : tuple of PoleResidueModel
+        Of which `model` is the exact sum between waves that do not see each other, if it is; see `mirrored`.
     """
 
     delay: Any
     model: PoleResidueModel
     original: PoleResidueModel
     samples: SampledResponse
+    parts: tuple[PoleResidueModel, ...] = ()
 
     @cached_property
     def verdict(self) -> Verdict:
-        """Exact, of `model`. Passive if and only if it is `PROVED`."""
-        return verdict_of(self.model)
+        """Exact, of `model`, or of the first of its parts that is not proved. Passive if and only if it is `PROVED`."""
+        return verdict_of(self.decisive)
+
+    @cached_property
+    def decisive(self) -> PoleResidueModel:
+        """The model, or the part of it on which its verdict rests."""
+        parts = self.parts or (self.model,)
+        return next((part for part in parts if not verdict_of(part).proved), parts[0])
 
     @property
     def order(self) -> int:
@@ -130,8 +139,8 @@ class DelayedModel:
         """Why it is passive, or where it is not."""
         if self.verdict.status is not Status.REFUTED:
             return self.verdict.why
-        bands, (size, f) = bands_of(self.model)[0], worst_of(self.model)
-        what = "|S| > 1" if self.model.ports == 1 else "S has a singular value above 1"
+        bands, (size, f) = bands_of(self.decisive)[0], worst_of(self.decisive)
+        what = "|S| > 1" if self.decisive.ports == 1 else "S has a singular value above 1"
         near = [band for band in bands if band[0] <= 2 * np.pi * f <= band[1]]
         if not near:
             return f"{what} by no more than rounding, at or near {f:.4g} Hz"
@@ -186,8 +195,11 @@ def fit_scattering(
     if not nearest:
         what = "one-port" if response.ports == 1 else "network"
         check_samples(response).refuse_beyond(tolerance * response.ports, what)
-    reached, tried, begun = Reached(), [], process_time()
+    reached, tried = Reached(), []
+    halves = mirrored(response, tolerance) if not np.any(delays) else None
     for found in _candidates(response, delays):
+        if halves and found.order > MANY:
+            return _joined(response, *halves, tolerance * (1 - ALIKE), nearest, progress)
         fitted, noise = found.misfit <= tolerance, found.is_left_by_noise
         found = found.nearest if fitted and nearest else found
         if progress:
@@ -196,7 +208,7 @@ def fit_scattering(
             return found
         tried.append(found)
         several = fitted and found.samples.ports > 1
-        if reached.is_enough(found.error, found.order, several, noise) or process_time() - begun > SECONDS:
+        if reached.is_enough(found.error, found.order, several, noise):
             break
     if nearest and (passive := _nearest_of(tried)):
         return passive
@@ -204,6 +216,16 @@ def fit_scattering(
     of_delay = delays is None and response.ports == 1
     otherwise = f", or the delay, if it may be over {longest:.3g} s" if of_delay else ""
     raise reached.refusal(tolerance, nearest, otherwise)
+
+
+def _joined(response: SampledResponse, swap: NDArray, halves: list[SampledResponse], *asked: Any) -> DelayedModel:
+    """The sum of the models of two halves, without delays."""
+    tolerance, nearest, progress = asked
+    found = [fit_scattering(half, tolerance, nearest, 0.0, progress) for half in halves]
+    models = [each.model if each.parts else proved_on_grid(each.model) for each in found]
+    parts = tuple(part for each, own in zip(found, models, strict=True) for part in each.parts or (own,))
+    whole, fitted = joined(swap, models), joined(swap, [each.original for each in found])
+    return DelayedModel(np.zeros(len(swap)), whole, fitted, replace(response, rounding=None), parts)
 
 
 def _nearest_of(tried: list[DelayedModel]) -> DelayedModel | None:
@@ -237,6 +259,7 @@ def _candidates(response: SampledResponse, delays: ArrayLike | None) -> Iterator
 
 
 def _behind(delays: NDArray, model: PoleResidueModel, rest: SampledResponse) -> DelayedModel:
+    model = on_grid(model)
     return DelayedModel(delays if rest.ports > 1 else float(delays[0]), model, model, rest)
 
 

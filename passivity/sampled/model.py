@@ -159,7 +159,10 @@ class PoleResidueModel(Presentation):
         return total
 
     def realised(self) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-        """A, B, C, D of dx/dt = A x + B a, b = C x + D a, without E: for each pole one state a port, for each pair two.
+        """A, B, C, D of dx/dt = A x + B a, b = C x + D a, without E.
+
+        For each pole there is one state, for each pair two, for each port, but for those whose column of the residue is
+        another's or its opposite.
 
         Examples
         --------
@@ -171,16 +174,18 @@ class PoleResidueModel(Presentation):
         from scipy.linalg import block_diag
 
         p, (parts, inputs, outputs) = self.ports, ([], [], [])
-        one, none = np.eye(p), np.zeros((p, p))
-        for a, R in zip(self.poles, self.residues, strict=True):
+        for a, R in zip(self.poles, self.residues.reshape(-1, p, p), strict=True):
             size = 2.0 ** np.round(np.log2(np.linalg.norm(R)) / 2) if R.any() else 1.0  # nothing is rounded
+            alike = (R[:, :, None] == R[:, None]).all(0) * 1.0 - (R[:, :, None] == -R[:, None]).all(0)
+            first = np.flatnonzero((alike != 0).argmax(0) == np.arange(p))
+            R, of, one = R[:, first], size * alike[first], np.eye(len(first))
             if a.imag > 0:
                 parts.append(np.kron([[a.real, a.imag], [-a.imag, a.real]], one))
-                inputs += [2 * size * one, none]
+                inputs += [2 * of, 0 * of]
                 outputs += [R.real / size, R.imag / size]
             else:
                 parts.append(a.real * one)
-                inputs.append(size * one)
+                inputs.append(of)
                 outputs.append(R.real / size)
         A = np.asarray(block_diag(*parts)) if parts else np.zeros((0, 0))
         return (

@@ -197,6 +197,8 @@ def test_a_measured_channel_and_its_report(folder: Path) -> None:
     assert page.count("<img") == 4
     assert "proved passive" in page
     assert (folder / "c.png").stat().st_size > 10_000
+    assert run("channel scenes/filter.s2p --report r.pdf").exit_code == 0
+    assert (folder / "r.pdf").read_bytes().count(b"/Subtype /Image") == 3  # no eye
 
 
 def test_mistakes_of_channels(folder: Path) -> None:
@@ -205,7 +207,7 @@ def test_mistakes_of_channels(folder: Path) -> None:
         ("--ports 1,2", "--ports: not ports or pairs"),
         ("--ports '1 3'", "--ports: not single ports and pairs"),
         ("--noise 0.1", "--noise: is of an eye, expected --bit beside it"),
-        ("--report r.pdf", "--report"),
+        ("--report r.txt", "--report"),
     ):
         done = CliRunner().invoke(main, shlex.split(f"channel pair.s2p {more}"))
         assert (done.exit_code, said in done.stderr) == (2, True), done.output

@@ -93,6 +93,8 @@ def test_a_scenario_that_cannot_be_run_is_a_sentence(tmp_path):
 
 def test_the_page_stands_alone(study, tmp_path):
     study.save(tmp_path / "page.html")
+    study.save(tmp_path / "page.pdf")
+    assert (tmp_path / "page.pdf").read_bytes().count(b"/Subtype /Image") == 4
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     assert page.count("data:image/png") == 4  # a map and a profile of each variant
     assert not re.search(r'(src|href)="(?!data:)', page)

@@ -202,7 +202,7 @@ def _told(seen: "StatisticalEye", taps: list[float], gain: float | None, mask: s
     names={"": "channel"},
     files={
         "plot": picture("Losses, crosstalk and conversion"),
-        "report": FileKind((".html",), "One page: losses, impedances, eye, passivity, inputs, versions"),
+        "report": FileKind((".html", ".pdf"), "Losses, impedances, eye, passivity, inputs, versions"),
     },
     omit=["pulse", "aggressors", "period", "rise", "probe", "source"],
     epilog="""\b

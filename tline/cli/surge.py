@@ -19,7 +19,7 @@ OPERATING = (*OPERATIONS, "when", "inertia", "rated_speed", *READING)
 KNOWN = {"wave_speed": "wave speed", "material": "wave speed", "inertia": "inertia"}  # options, by assumption replaced
 NAMES = {"t_end": "for", "hour": "at_hour"}  # of options
 STUDY = {
-    "report": FileKind((".html",), "All in one page: tables, maps, profiles"),
+    "report": FileKind((".html", ".pdf"), "All in one: tables, maps, profiles"),
     "csv": FileKind((".csv",), "A row for each scenario"),
 }
 

@@ -1,9 +1,11 @@
-"""Reports as self-contained HTML pages of headings, tables and pictures; they print well."""
+"""Reports of headings, tables and pictures, as self-contained HTML pages or as PDF."""
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from pathlib import Path
 from typing import Any
 
+from tline.atomic import replacing
 from tline.errors import InputError
 from tline.presentation import as_image
 
@@ -20,6 +22,17 @@ def page(title: str, parts: Iterable[str]) -> str:
     title = escape(title)
     head = f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}</title><style>{STYLE}</style>'
     return "\n".join([head, f"<h1>{title}</h1>", *parts, "</html>"])
+
+
+def save_page(text: str, path: str | Path) -> None:
+    """Write a page, ``.html``, or ``.pdf`` on sheets of A4."""
+    with replacing(path) as temporary:
+        if temporary.suffix.lower() == ".pdf":
+            from tline.pictures.printed import print_page
+
+            print_page(text, temporary)
+        else:
+            temporary.write_text(text, encoding="utf-8")
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], marks: Sequence[str] = ()) -> str:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from passivity import DelayedModel, SampledResponse, SampleVerdict
     from tline.signal.all_patterns import StatisticalEye
 
+REPORTS = ".html", ".pdf"
 FLOOR = 1e-6  # -120 dB, what is told of zeros
 PROFILE = 2000  # instants of an impedance profile
 TURNS = 3.0  # times the delay of the channel: how long that is
@@ -211,7 +212,7 @@ class Channel(Presentation):
         rise: float | str | None = None,
         inputs: Mapping[str, str] | None = None,
     ) -> None:
-        """Write a report, ``.html``, one page that stands alone.
+        """Write a report, ``.html``, one page that stands alone, or ``.pdf``.
 
         Parameters
         ----------
@@ -230,14 +231,11 @@ class Channel(Presentation):
         """
         from importlib import import_module
 
-        from tline.atomic import replacing
-
-        if Path(path).suffix.lower() != ".html":
-            raise InputError(str(path), "unknown kind of file", ".html", f"'{Path(path).suffix}'")
+        if (suffix := Path(path).suffix.lower()) not in REPORTS:
+            raise InputError(str(path), "unknown kind of file", " or ".join(REPORTS), f"'{suffix}'")
         profile = self.reflections(0.5 / self.measured.f[-1] if rise is None else rise)
         text = import_module("tline.pictures.channel").report(self, profile, seen, inputs or {})
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
+        import_module("tline.pictures.page").save_page(text, path)
 
 
 def measured_channel(

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WRITTEN = ".html", ".csv"
+WRITTEN = ".html", ".pdf", ".csv"
 BAR = 1e5  # Pa
 SHOWN = 4  # decimals of pressures in tables
 # of what a node saw, Pa: what is largest where a surge hit hardest
@@ -148,7 +148,7 @@ class SurgeStudy(Presentation):
         return worst_map(self, AS_READ, ax)
 
     def save(self, path: str | Path) -> None:
-        """Write the report, ``.html``, or the table of scenarios, ``.csv``.
+        """Write the report, ``.html`` or ``.pdf``, or the table of scenarios, ``.csv``.
 
         Raises
         ------
@@ -161,10 +161,10 @@ class SurgeStudy(Presentation):
         if suffix == ".csv":
             write_table(path, *self.table())
             return
+        from tline.pictures.page import save_page
         from tline.surge.study_page import study_page
 
-        with replacing(path) as temporary:
-            temporary.write_text(study_page(self), encoding="utf-8")
+        save_page(study_page(self), path)
 
 
 def surge_study(
