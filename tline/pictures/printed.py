@@ -1,132 +1,51 @@
-"""Reports on paper: a page of HTML as PDF, headings, paragraphs, tables and pictures from top to bottom."""
+"""PDF reports: pages of HTML on sheets of A4, set by fpdf2."""
 
-import base64
-import io
-from html.parser import HTMLParser
+import re
+from datetime import UTC, datetime
 from pathlib import Path
-from textwrap import wrap
-from typing import Any
 
-import numpy as np
-from matplotlib.backends.backend_pdf import PdfPages
-from matplotlib.figure import Figure
-from matplotlib.image import imread
+from matplotlib import get_data_path
 
-from tline.style import INK, styled
+from tline.errors import import_extra
+from tline.style import INK
 
-WIDTH, HEIGHT, MARGIN = 8.27, 11.69, 0.75  # of A4, inches
-POINT, LEADING = 1 / 72, 1.4  # inches; lines of text apart, of their size
-LETTER = 0.56  # mean width, of the size
-SIZES = {"h1": 17.0, "h2": 12.5, "p": 9.0, "li": 9.0}  # points
-TABLE, LEAST = 8.0, 4.5  # points: of cells, and down to which they shrink
-LONGEST, GAP = 44, 2  # letters: in a line of a cell, between columns
-PICTURE = 4.4  # inches, highest
+MARGIN, WIDE = 16, 500  # mm; points, of pictures
+SIZES = {"h1": 17.0, "h2": 12.5, "p": 9.0, "li": 9.0, "ul": 9.0}  # points
+CELL = 7.5  # points
+FAILED = "#fbe9e0"  # rows of scenarios that fail
+FONTS = {"": "DejaVuSans", "b": "DejaVuSans-Bold"}  # those of Matplotlib: they have Greek letters and signs
 
 
-class _Blocks(HTMLParser):
-    """Texts with the names of their elements, tables as rows of cells, some of them marked, and pictures."""
-
-    def __init__(self):
-        super().__init__()
-        self.found: list[tuple[str, list]] = []
-        self.inside: list[str] | None = None
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        if tag in SIZES:
-            self.inside = []
-            self.found.append((tag, self.inside))
-        elif tag == "table":
-            self.found.append((tag, []))
-        elif tag == "tr":
-            self.found[-1][1].append((given.get("class") == "no", []))
-        elif tag in ("td", "th"):
-            self.inside = []
-            self.found[-1][1][-1][1].append(self.inside)
-        elif tag == "br" and self.inside is not None:
-            self.inside.append("\n")
-        elif tag == "img":
-            data = (given.get("src") or "").partition("base64,")[2]
-            self.found.append((tag, [imread(io.BytesIO(base64.b64decode(data)), "png")]))
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag in (*SIZES, "td", "th"):
-            self.inside = None
-
-    def handle_data(self, data: str) -> None:
-        if self.inside is not None:
-            self.inside.append(data)
-
-
-class _Paper:
-    """Sheets that are filled from above."""
-
-    def __init__(self, file: PdfPages):
-        self.file, self.sheet, self.y = file, Figure(figsize=(WIDTH, HEIGHT)), MARGIN
-
-    def end(self) -> None:
-        self.file.savefig(self.sheet)
-
-    def take(self, height: float, more: float = 0.0) -> float:
-        """Where something of that height begins, on the next sheet if it, and more below it, has no room here."""
-        if self.y + height + more > HEIGHT - MARGIN and self.y > MARGIN:
-            self.end()
-            self.sheet, self.y = Figure(figsize=(WIDTH, HEIGHT)), MARGIN
-        self.y += height
-        return self.y - height
-
-    def write(self, x: float, y: float, text: str, size: float, **look: Any) -> None:
-        self.sheet.text(x / WIDTH, 1 - y / HEIGHT, text, size=size, va="top", color=INK, parse_math=False, **look)
-
-    def paragraph(self, tag: str, text: str, below: float) -> None:
-        size, heading = SIZES[tag], tag.startswith("h")
-        letters, height = int((WIDTH - 2 * MARGIN) / (LETTER * size * POINT)), LEADING * size * POINT
-        self.take(height / 2)
-        for line in (part for each in text.splitlines() for part in wrap(each.strip(), letters)):
-            y = self.take(height, below if heading else 0.0)
-            self.write(MARGIN, y, line, size, weight="bold" if heading else "normal")
-
-    def table(self, rows: list[tuple[bool, list[str]]]) -> None:
-        cells = [[wrap(cell, LONGEST) or [""] for cell in row] for _, row in rows]
-        letters = np.array([max(len(line) for row in cells for line in row[k]) for k in range(len(cells[0]))]) + GAP
-        room = (WIDTH - 2 * MARGIN) / POINT
-        size = max(min(TABLE, room / (LETTER * letters.sum())), LEAST)
-        right = MARGIN + letters.cumsum() * LETTER * size * POINT
-        line = LEADING * size * POINT
-        self.take(line / 2)
-        for (marked, _), row in zip(rows, cells, strict=True):
-            y = self.take(max(map(len, row)) * line)
-            if marked:
-                self.write(MARGIN - 0.12, y, "▸", size)
-            for k, lines in enumerate(row):
-                left = k in (0, len(row) - 1)
-                x = right[k] - letters[k] * LETTER * size * POINT if left else right[k] - GAP * LETTER * size * POINT
-                weight = "bold" if row is cells[0] else "normal"
-                self.write(x, y, "\n".join(lines), size, weight=weight, ha="left" if left else "right")
-
-    def picture(self, image: np.ndarray) -> None:
-        tall, wide = image.shape[:2]
-        width = min(WIDTH - 2 * MARGIN, PICTURE * wide / tall)
-        height = width * tall / wide
-        self.take(0.1)
-        y = self.take(height)
-        axes = self.sheet.add_axes((MARGIN / WIDTH, 1 - (y + height) / HEIGHT, width / WIDTH, height / HEIGHT))
-        axes.imshow(image, aspect="auto", interpolation="none")
-        axes.set_axis_off()
-
-
-@styled
 def print_page(text: str, path: Path) -> None:
-    """Write a page of HTML, made by `tline.pictures.page`, as PDF."""
-    blocks = _Blocks()
-    blocks.feed(text)
-    with PdfPages(path, metadata={"CreationDate": None}) as file:
-        paper = _Paper(file)
-        for (tag, held), (following, _) in zip(blocks.found, [*blocks.found[1:], ("", [])], strict=True):
-            if tag == "img":
-                paper.picture(held[0])
-            elif tag == "table":
-                paper.table([(marked, ["".join(cell) for cell in row]) for marked, row in held])
-            else:
-                paper.paragraph(tag, "• " * (tag == "li") + "".join(held), PICTURE if following == "img" else 1.0)
-        paper.end()
+    """Write a page of HTML, made by `tline.pictures.page`, as PDF.
+
+    Raises
+    ------
+    MissingExtraError
+        fpdf2 is not installed.
+    """
+    fpdf = import_extra("fpdf", "fpdf2", "pdf", str(path))
+    paper = fpdf.FPDF(format="A4")
+    paper.set_creation_date(datetime.fromtimestamp(0, UTC))
+    paper.set_margin(MARGIN)
+    for style, name in FONTS.items():
+        paper.add_font("report", style, Path(get_data_path(), "fonts", "ttf", f"{name}.ttf"))
+    paper.add_page()
+    paper.set_font("report", size=SIZES["p"])
+    look = {"color": INK, "b_margin": 1}
+    styles = {
+        tag: fpdf.TextStyle(font_style="B" * (tag[0] == "h"), font_size_pt=size, t_margin=size / 3, **look)
+        for tag, size in SIZES.items()
+    }
+    paper.write_html(_plain(text), font_family="report", tag_styles=styles, li_prefix_color=INK)
+    paper.output(str(path))
+
+
+def _plain(text: str) -> str:
+    """Reduce a page to HTML for fpdf2: no style sheet, coloured cells of failed rows, pictures below their heading."""
+    text = re.sub(r"<!doctype.*?</style>|</html>|</?(?:div|figure|code)[^>]*>", "", text, flags=re.DOTALL)
+    text = re.sub(r"<h2>([^<]*</h2>\s*<img)", r'<h2 style="break-before: page">\1', text)
+    text = re.sub(r'width="\d+"', f'width="{WIDE}"', text)
+    cell = f'<td bgcolor="{FAILED}">'
+    text = re.sub(r'<tr class="no">.*?</tr>', lambda row: row[0].replace("<td>", cell), text, flags=re.DOTALL)
+    return re.sub(r"<table>(.*?)</table>", rf'<font size="{CELL}"><table>\1</table></font>', text, flags=re.DOTALL)
