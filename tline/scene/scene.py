@@ -261,7 +261,7 @@ class Scene(Element):
         return as_html(self)
 
     def with_changes(self, **tables: Any) -> "Scene":
-        """Replace some tables; the folder of files stays the same."""
+        """Return the scene with other tables in place of some, and the same folder of files."""
         return Scene(self._folder, **self.with_lines() | tables)
 
     @property
