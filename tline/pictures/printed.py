@@ -1,4 +1,4 @@
-"""Reports on paper: a page of HTML as PDF, headings, paragraphs, tables and pictures from top to bottom."""
+"""Reports as PDF: headings, paragraphs, tables and pictures of an HTML page from top to bottom."""
 
 import base64
 import io
@@ -16,15 +16,15 @@ from tline.style import INK, styled
 
 WIDTH, HEIGHT, MARGIN = 8.27, 11.69, 0.75  # of A4, inches
 POINT, LEADING = 1 / 72, 1.4  # inches; lines of text apart, of their size
-LETTER = 0.56  # mean width, of the size
+LETTER = 0.56  # mean width of a letter, relative to its size
 SIZES = {"h1": 17.0, "h2": 12.5, "p": 9.0, "li": 9.0}  # points
 TABLE, LEAST = 8.0, 4.5  # points: of cells, and down to which they shrink
 LONGEST, GAP = 44, 2  # letters: in a line of a cell, between columns
-PICTURE = 4.4  # inches, highest
+PICTURE = 4.4  # inches, largest height
 
 
 class _Blocks(HTMLParser):
-    """Texts with the names of their elements, tables as rows of cells, some of them marked, and pictures."""
+    """Parser of texts with the names of their elements, tables as rows of cells, some of them marked, and pictures."""
 
     def __init__(self):
         super().__init__()
@@ -59,7 +59,7 @@ class _Blocks(HTMLParser):
 
 
 class _Paper:
-    """Sheets that are filled from above."""
+    """Sheets of paper, filled from above."""
 
     def __init__(self, file: PdfPages):
         self.file, self.sheet, self.y = file, Figure(figsize=(WIDTH, HEIGHT)), MARGIN
@@ -68,7 +68,7 @@ class _Paper:
         self.file.savefig(self.sheet)
 
     def take(self, height: float, more: float = 0.0) -> float:
-        """Where something of that height begins, on the next sheet if it, and more below it, has no room here."""
+        """Reserve a height, on the next sheet if it, with more below it, does not fit; return where it begins."""
         if self.y + height + more > HEIGHT - MARGIN and self.y > MARGIN:
             self.end()
             self.sheet, self.y = Figure(figsize=(WIDTH, HEIGHT)), MARGIN

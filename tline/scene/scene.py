@@ -72,7 +72,7 @@ class Scene(Element):
         Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
     start : str
         "rest": the liquid stands still, filled up to the highest node; or "steady": the state that the sources imply by
-        what they are just before t = 0.
+        their values just before t = 0.
     solver : Solver
         The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
     units : str
