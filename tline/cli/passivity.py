@@ -1,4 +1,4 @@
-"""`tline passivity`: is an impedance positive real, or a reflection bounded real? With proof or witness."""
+"""Command `tline passivity`: prove or refute that an impedance is positive real, or a reflection bounded real."""
 
 import re
 from typing import TYPE_CHECKING, Literal

@@ -77,7 +77,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
 
 
 def _delay(t: float, order: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Matrices A, b, c, d of the Padé approximation of exp(-ts) with a numerator of one degree less; none for t = 0."""
+    """Matrices A, b, c, d of the Padé approximation of exp(-ts), numerator of one degree less; no states for t = 0."""
     control = import_extra("control", "python-control", "control", "state space")
 
     if t == 0:

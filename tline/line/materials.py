@@ -1,7 +1,7 @@
 """Density and bulk modulus of named fluids, and Young's modulus of named wall materials.
 
 Bulk moduli are isentropic (density times speed of sound squared): a wave is too fast to exchange heat. Plastics creep:
-a fast wave sees a higher modulus than a lasting load, and it falls with temperature. Glass-reinforced plastic is absent
+a fast wave meets a higher modulus than a lasting load; it falls with temperature. Glass-reinforced plastic is absent
 since its winding decides: give youngs_modulus.
 
 References

@@ -136,7 +136,7 @@ class SwameeJain(RoughPipe):
 
 
 def side_by_side(laws: Iterable[FlowLaw | None]) -> list[tuple[NDArray, FlowLaw]]:
-    """Merge laws of each kind into one with arrays of parameters, after their indices; None stands for no law."""
+    """Merge laws of each kind into one with arrays of parameters, after their indices; None is not a law."""
     kinds: dict[type[FlowLaw], list[tuple[int, FlowLaw]]] = {}
     for k, law in enumerate(laws):
         if law is not None:

@@ -20,7 +20,7 @@ FINEST = 1e-10  # least tolerance: errors are measured in doubles
 MOST_TERMS = 40
 SAMPLES = 2_000
 ROUNDS, LEVEL = 8, 1.2  # of moving points; largest over smallest peak where that ends
-STEEPEST = 1e-3  # smallest peak, relative to the largest
+STEEPEST = 1e-3  # smallest peak that counts, relative to the largest
 
 
 def interpolate(law: Law, w: NDArray) -> tuple[NDArray, NDArray]:

@@ -44,12 +44,12 @@ class MovingQuantities(NamedTuple):
 
     @property
     def wave_range(self) -> tuple[float, float]:
-        """Least and largest half of a wave."""
+        """Axis limits of half a wave."""
         return spread(float(self.waves.min()), float(self.waves.max()))
 
     @property
     def range(self) -> tuple[float, float]:
-        """Least and largest effort."""
+        """Axis limits of the effort, with its extremes and bounds."""
         shown = np.concatenate([self.lowest, self.highest, *(bound.effort for bound in self.bounds)])
         return spread(np.nanmin(shown), np.nanmax(shown))
 

@@ -46,7 +46,7 @@ def lines_to_map(scene: Scene) -> list[str]:
     Raises
     ------
     InputError
-        The scene has coupled conductors, or too many nodes of which not all have positions.
+        The scene has coupled conductors, or too many nodes, not all with positions.
 
     Examples
     --------

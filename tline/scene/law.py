@@ -34,7 +34,7 @@ class Volume(NamedTuple):
 class LawKind:
     """Properties of a kind of law; a subclass states its differences from a smooth, passive law without a state.
 
-    Methods take the constants of an element, the first of which is the effort beyond it.
+    Methods take the constants of an element, beginning with the effort beyond it.
     """
 
     name: ClassVar[str]

@@ -72,7 +72,7 @@ class Scene(Element):
         Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
     start : str
         "rest": the liquid stands still, filled up to the highest node; or "steady": the state that the sources imply by
-        what they are just before t = 0.
+        their values just before t = 0.
     solver : Solver
         The tolerance (1e-6 without it), or order and slab width, where they are to be fixed by hand.
     units : str
@@ -261,7 +261,7 @@ class Scene(Element):
         return as_html(self)
 
     def with_changes(self, **tables: Any) -> "Scene":
-        """Replace some tables; the folder of files stays the same."""
+        """Return the scene with other tables in place of some, and the same folder of files."""
         return Scene(self._folder, **self.with_lines() | tables)
 
     @property

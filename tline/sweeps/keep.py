@@ -37,7 +37,7 @@ class Keep(NamedTuple):
         return [*(["extremes"] if self.extremes else []), *self.functions]
 
     def of(self, result: Result) -> dict[str, Floats]:
-        """Arrays by name of one run, with probes as first axis where there are several."""
+        """Arrays by name of one run; those over probes have these as first axis."""
         kept: dict[str, Floats] = {ESTIMATE: np.array(result.accuracy.worst if result.accuracy else np.nan)}
         probes = result.probes.values()
         if self.extremes:

@@ -86,7 +86,7 @@ def sweep(
     Sweep
         All inputs, and the results kept. A run that fails has a sentence in place of numbers. The numbers do not depend
         on where and in which batches runs are made: every search for order and slab begins where that of one run in the
-        middle ended. After Ctrl-C, the runs done until then, with a warning; KeyboardInterrupt if there are none.
+        middle ended. After Ctrl-C, the runs done until then, with a warning; KeyboardInterrupt otherwise.
 
     Raises
     ------

@@ -43,7 +43,7 @@ def delay_roots(weights: tuple[float, float, float, float], late: int, delay: fl
 
 
 def slab_matrix(now: NDArray, before: NDArray, late: int, delay: float) -> float:
-    """Spectral radius over one slab of a lossless loop, v[k] = ±(now v[k - late] + before v[k - late - 1])."""
+    """Growth rate of slabs on a lossless loop, v[k] = ±(now v[k - late] + before v[k - late - 1]), per delay."""
     s, largest = len(now), 0.0
     for sign in (1.0, -1.0):
         step = np.eye(s * (late + 1), k=-s)
@@ -84,19 +84,19 @@ def gain(g: float) -> float:
 
 
 def pi_chain(near: float, far: float, cells: int) -> float:
-    """Largest real part of the eigenvalues of a chain of pi sections between two conductances, in units of 1/z0."""
+    """Growth rate of a chain of pi sections between two conductances, 1/z0: largest real part of its eigenvalues."""
     D, heavy, G = _chain(near, far, cells)
     A = np.block([[-G / heavy[:, None], D.T / heavy[:, None]], [-D, np.zeros((cells, cells))]])
     return cells * float(np.linalg.eigvals(A).real.max())
 
 
 def t_chain(near: float, far: float, cells: int) -> float:
-    """Largest real part of the eigenvalues of a chain of T sections: the dual chain, between resistances."""
+    """Growth rate of a chain of T sections: that of the dual chain, between resistances, in units of z0."""
     return pi_chain(1 / near, 1 / far, cells)
 
 
 def leapfrog_chain(near: float, far: float, courant: float, cells: int) -> float:
-    """Spectral radius of one leapfrog step on that pi chain, conductances by the mean of old and new effort."""
+    """Growth rate of leapfrog on a chain of pi sections, conductances by the mean of old and new effort."""
     D, heavy, G = _chain(near, far, cells)
     flow = np.hstack([-courant * D, np.eye(cells)])
     drive = np.hstack([np.diag(heavy) - courant * G / 2, np.zeros((cells + 1, cells))]) + courant * D.T @ flow

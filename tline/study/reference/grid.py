@@ -9,9 +9,7 @@ from tline.compiled.structure import Floats, Floats2, Integers, pack
 from tline.compiled.unit import function, unit
 
 ROUNDS = 60  # of Newton's method for the steady state
-LAST_STEP = (
-    1e-9  # a step of Newton's method at a node, relative to the arriving wave; the remaining error is its square
-)
+LAST_STEP = 1e-9  # a step of Newton's method at a node, relative to the arriving wave; the error left is its square
 
 
 class Pipes(NamedTuple):
