@@ -121,7 +121,7 @@ class Transformer(_TwoPort):
 
 
 class Gyrator(_TwoPort):
-    """Gyrator: u₁ = -R·i₂ and u₂ = R·i₁, with flows into it; with a capacitor C behind it an inductor R²·C."""
+    """Gyrator: u₁ = -R·i₂ and u₂ = R·i₁, with flows into it; a capacitor C behind it acts as an inductor R²·C."""
 
     kind: Literal["gyrator"] = "gyrator"
     resistance: PositiveResistance = Field(description="R, of gyration")

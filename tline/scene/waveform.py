@@ -20,7 +20,7 @@ MOST_PULSES = 1_000_000
 
 
 class Sine(Shape):
-    """Sine offset + amplitude·sin(2π·frequency·(t - at) + phase) from `at` to `until`; constant outside."""
+    """Sine: offset + amplitude·sin(2π·frequency·(t - at) + phase) from `at` to `until`; constant outside."""
 
     shape: Literal["sine"] = "sine"
     amplitude: Level = Field(description="half of peak to peak")
@@ -88,7 +88,7 @@ class ModulatedSine(Shape):
 
 
 class Exponential(Shape):
-    """Exponential to + (from - to)·e^(-(t - at)/time_constant); `from` before it begins."""
+    """Exponential: to + (from - to)·e^(-(t - at)/time_constant); `from` before it begins."""
 
     shape: Literal["exponential"] = "exponential"
     from_: Level = Field(default=ZERO, alias="from", description="level before")
@@ -108,7 +108,7 @@ class Exponential(Shape):
 
 
 class DoubleExponential(Shape):
-    """Surge peak·k·(e^(-(t - at)/decay) - e^(-(t - at)/rise)), with k so that the peak is reached; 0 before."""
+    """Surge: peak·k·(e^(-(t - at)/decay) - e^(-(t - at)/rise)), with k so that the peak is reached; 0 before."""
 
     shape: Literal["double exponential"] = "double exponential"
     peak: Level = Field(description="highest level")
