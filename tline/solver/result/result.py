@@ -57,8 +57,10 @@ class Wave:
         cls, waves: NDArray, noted: "Noted", row: int, side: int, before: float, lift: float, basis: Basis, h: float
     ) -> "Wave":
         """Make the arriving (side 0) or leaving wave of a row of a record, raised by `lift`; `before` already is."""
-        here = noted.row == row if len(noted.row) else slice(0)
-        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + lift)
+        pieces = Pieces(noted.slab, noted.span, noted.values[:, side])
+        if len(noted.row):
+            here = noted.row == row
+            pieces = Pieces(noted.slab[here], noted.span[here], pieces.values[here] + lift)
         values = waves[row, side].reshape(-1, basis.s)
         return cls(values + lift if lift else values, before, basis, h, pieces)
 
