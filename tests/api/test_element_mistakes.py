@@ -136,6 +136,22 @@ def test_a_flow_that_nothing_takes_has_no_steady_state():
         simulate(Scene(**SOUND | {"loads": shut, "links": {}, "sources": sources, "start": "steady"}))
 
 
+def test_a_flow_that_nothing_limits_has_no_steady_state():
+    lines = {"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}}
+    given = {
+        "medium": "electrical",
+        "t_end": "40 ns",
+        "start": "steady",
+        "lines": lines,
+        "probes": {"far": {"at": "far"}},
+    }
+    given["loads"] = {"clamp": {"at": "far", "kind": "diode", "saturation": 1e-12}}
+    source = {"at": "near", "kind": "voltage", "value": 3.3}
+    with pytest.raises(InputError, match=r"loads\.clamp: no steady state: nothing limits the flow"):
+        simulate(Scene(**given, sources={"s": source}))
+    simulate(Scene(**given, sources={"s": source | {"resistance": 1e-3}}))
+
+
 def test_linear_methods_refuse_a_valve_by_name():
     from tline.frequency.response import respond
     from tline.study.baseline import BASELINES

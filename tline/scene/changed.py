@@ -85,11 +85,10 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
     if any(isinstance(element, NOT_ALONE) for part in (scene.loads, scene.links) for element in part.values()):
         return _read_anew(scene, values)
     places = [(path, *parts_of(path)) for path in values]
-    for _, section, *names in places:
+    for path, section, *names in places:
         if section not in SECTIONS or len(names) < SINGLE:
             return _read_anew(scene, values)
-    for path, section, name, *_ in places:
-        _element(scene, path, section, name)
+        _element(scene, path, section, names[0])
     try:
         numbers = _numbers(scene, places, values)
         found = numbers or _elements(scene, places, values)

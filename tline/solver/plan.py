@@ -28,8 +28,9 @@ from tline.solver.loop.march import March, Signals, Stepper, concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import chebyshev
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.merged import probed
 from tline.solver.result.result import Result
-from tline.solver.run import given_out, run, with_ledger
+from tline.solver.run import Again, given_out, line_record, run, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, as_computed, compare, relative
 from tline.solver.tolerance.difference import at_same_places
 
@@ -75,7 +76,7 @@ class OneOrder:
         return self.kernel.takes(assembly.network, assembly.state, None)
 
     def write(self, g: int, group: Group, before: Group, z0: NDArray) -> None:
-        """Put a group of nodes in place of another."""
+        """Put a group of nodes in place of another, before a run."""
         network, order, h = self.assembly.network, self.assembly.basis, self.slabs.width
         row, at = network.step_row[g], network.load_at[g]
         if row >= 0:
@@ -84,12 +85,19 @@ class OneOrder:
             at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
             self.initial[at : at + len(at_rest)] = at_rest
         for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
-            if (node.conductance, node.held, node.flows) == (old.conductance, old.held, old.flows):
-                continue  # which has the same line ends
+            if node.drives_as(old):
+                continue
             network.weight[network.first[k] : network.first[k + 1]] = node.weights(z0)
             if node.excitations:
                 parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
                 self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
+
+    def rest(self) -> None:
+        """Put in place what a scene without heights is before t = 0 from rest."""
+        state = self.assembly.state
+        for part in (state.waves, state.slot, state.side, state.before):
+            part.fill(0)
+        state.load[...] = self.initial
 
     def march(self) -> bool:
         """Advance to the end; whether all waves are finite."""
@@ -118,8 +126,9 @@ class Pair:
     def run(self, description: Description) -> Result | None:
         """The result for the scene with other values; None if it is not as accurate as asked, or not resolved."""
         try:
-            if self.smooth and self._put(description) and all(one.march() for one in self.orders):
-                return self._result(description)
+            if self.smooth and self._put(description):
+                coarse, fine = self.orders
+                return self._result(description) if coarse.march() and fine.march() else None
             return self._made_anew(description) if self._resolves(description) else None
         except InputError:
             return None  # which a search tells, or finds a way round
@@ -160,22 +169,29 @@ class Pair:
         most.fill(0.0)
         for compared in packed:
             find_difference(compared)
-        found = most.max(axis=2).reshape(-1, 3, 2)
-        if description.steady:  # and so it began
-            for each, probe in zip(found[:, 2], self.description.probes.values(), strict=True):
+        found: dict[str, list[list[float]]] = {}
+        for (name, probe), each in zip(self.description.probes.items(), most.max(axis=2).tolist(), strict=True):
+            end_u, end_y, u, y, *amplitude = each
+            if description.steady:  # and so it began
                 a, b = fine.assembly.start[probe.line].reshape(2, 2)[int(probe.share)]
-                each[0] = max(each[0], abs(a + b - 2 * probe.height.above_level))
-        found[:, 1] = CAUTION * found[:, :2].max(axis=1)
-        found[:, 0] *= CAUTION
-        told = relative(dict(zip(self.description.probes, found[:, [0, 1, 1, 2]], strict=True)))
+                amplitude[0] = max(amplitude[0], abs(a + b - 2 * probe.height.above_level))
+            inside = [CAUTION * max(end_u, u), CAUTION * max(end_y, y)]
+            found[name] = [[CAUTION * end_u, CAUTION * end_y], inside, inside, amplitude]
+        told = relative(found)
         worst = max(max(estimate.u, estimate.y) for estimate in told[1].values())
         if not worst <= self.tol:
             return None
-        done = March(0.0, concatenated([], fine.assembly.basis.s), Tally(), None, raw=True)
-        attempts = tuple(one.attempt for one in self.orders)
-        accuracy = Accuracy(self.tol, *told, attempts=(replace(attempts[0], estimate=worst), attempts[1]))
-        given = description, fine.assembly, fine.slabs, fine.record.copy(), done
-        return with_ledger(given_out(*given, accuracy=accuracy), None)
+        attempts = replace(self.orders[0].attempt, estimate=worst), fine.attempt
+        return self._given_out(description, fine.record.copy(), Accuracy(self.tol, *told, attempts=attempts))
+
+    @cached_property
+    def _done(self) -> March:
+        return March(0.0, concatenated([], self.orders[1].assembly.basis.s), Tally(), None, raw=True)
+
+    def _given_out(self, description: Description, waves: NDArray, accuracy: Accuracy) -> Result:
+        fine = self.orders[1]
+        given = given_out(description, fine.assembly, fine.slabs, waves, self._done, accuracy=accuracy)
+        return with_ledger(given, None)
 
 
 class Plan(Pair):
@@ -190,25 +206,26 @@ class Plan(Pair):
         self._number = {node.name: g for g, group in enumerate(self._base) for node in group.nodes}
         self._written: dict[int, Group] = {}  # in place of those
         self._z0 = np.array([line.z0 for line in description.lines.values()])
+        self._whole = all(one.smooth for one in orders)
+        self._like: Result | None = None  # of the run before
 
     def _put(self, description: Description) -> bool:
         known = description if description.origin is None else description.origin.description
-        if known is not self.description or description.active or not self.orders[1].smooth:
+        if known is not self.description or description.active or not self._whole:
             return False
         base: list[Group] = self._base
         changed: dict[int, Group] = {}
-        for g in {self._number[name] for name in description.anew}:
-            nodes = [description.anew.get(node.name, node) for node in base[g].nodes]
-            changed[g] = Group(nodes, base[g].branches, [], [])
-            if not self._takes(changed[g], base[g]):
-                return False
+        for name in description.anew:
+            g = self._number[name]
+            if g not in changed:
+                nodes = [description.anew.get(node.name, node) for node in base[g].nodes]
+                changed[g] = Group(nodes, base[g].branches, [], [])
+                if not self._takes(changed[g], base[g]):
+                    return False
         for one in self.orders:
             for g in {**self._written, **changed}:
                 one.write(g, changed.get(g, base[g]), self._written.get(g, base[g]), self._z0)
-            state = one.assembly.state
-            for part in (state.waves, state.slot, state.side, state.before):
-                part.fill(0)
-            state.load[...] = one.initial
+            one.rest()
         self._written = changed
         return True
 
@@ -222,6 +239,8 @@ class Plan(Pair):
             if len(A) != len(old.always.A) or (len(A) and resolved * np.abs(poles_of(group.always)).max() > 1.0):
                 return False
         for node, other in zip(group.nodes, old.nodes, strict=True):
+            if node.drives_as(other):
+                continue
             ours, theirs = node.excitations, other.excitations
             if len(ours) != len(theirs):
                 return False
@@ -230,6 +249,21 @@ class Plan(Pair):
             if not slow or (anew and np.any(places_of(ours, slabs.end, slabs.width) % 1)):
                 return False
         return True
+
+    def _given_out(self, description: Description, waves: NDArray, accuracy: Accuracy) -> Result:
+        """What the run before gave out, with other waves."""
+        if self._like is None:
+            self._like = super()._given_out(description, waves, accuracy)
+        fine, accounts, scene = self.orders[1], self._like.accounts, description.scene
+        lines = {name: line_record(fine.assembly, name, waves, self._done) for name in fine.assembly.recorded}
+        return replace(
+            self._like,
+            scene=scene,
+            probes=probed(description, lines, {}, fine.slabs),
+            lines=lines,
+            accuracy=accuracy,
+            accounts=accounts._replace(scene=scene) if isinstance(accounts, Again) else accounts,
+        )
 
 
 def planned(description: Description, tol: float) -> Pair | None:

@@ -106,8 +106,7 @@ class Prepared:
 
         A plan is made once a search has begun where another had ended.
         """
-        delays, now = ([line.delay for line in each.lines.values()] for each in (self.description, description))
-        if delays != now or not (tol in self._repeated or self._fixed):
+        if not (tol in self._repeated or self._fixed) or not description.delays_as(self.description):
             return None
         with self._lock:
             if tol not in self._plans:

@@ -145,7 +145,7 @@ def given_out(
     `kinks` are those at which it was cut in pieces.
     """
     smears = done.fronts.lost > VISIBLE or description.blurred
-    lines = {name: _record(assembly, name, waves, done, smears) for name in assembly.recorded}
+    lines = {name: line_record(assembly, name, waves, done, smears) for name in assembly.recorded}
     alone = {node: _at_node(assembly, node, waves, done, smears) for node in assembly.recorded_nodes}
     chosen = assembly.resolution
     samples = len(assembly.network.ends) * slabs.number * chosen.s
@@ -266,7 +266,8 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
     return ElementRecord(wave, float(laws.source_impedance[element]), states if at >= 0 else np.empty((0, 0)))
 
 
-def _record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
+def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:
+    """What a run recorded of a line; `smears` tells whether fronts are missing."""
     row, line = assembly.recorded[name], assembly.lines[name]
     level, sides = assembly.level_of(name), ((0, 1), (0, 0), (1, 0), (1, 1))
     more = level, assembly.basis, assembly.resolution.h

@@ -76,6 +76,12 @@ class Description:
             laws |= {(part, keys[0]): new.law()} if law else {}
         return None if self._composed else (at, laws)
 
+    def delays_as(self, other: "Description") -> bool:
+        """Whether all lines delay as those of another."""
+        if self.lines is other.lines:
+            return True
+        return [line.delay for line in self.lines.values()] == [line.delay for line in other.lines.values()]
+
     @cached_property
     def _composed(self) -> bool:
         """Whether some elements are replaced by others."""

@@ -120,7 +120,7 @@ class Group:
     @cached_property
     def always(self) -> StateSpace:
         """State space from waves of the nodes to their efforts, without moving switches and laws."""
-        return self.circuits()[-1].system
+        return (self.circuit(np.inf) if self.single else self.circuits()[-1]).system
 
     def circuits(self, impedances: Sequence[float] = ()) -> list[Circuit]:
         """Circuits before the first switching instant and after each; without impedances they have no laws."""

@@ -46,7 +46,7 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     for a, b in zip(p, q, strict=True):
         numerator.append(bottom * a - top * b)
         denominator.append(bottom * a + top * b)
-    leading = denominator[0]
+    leading, too_far = denominator[0], "its coefficients are too far apart for floating-point numbers"
     if leading == 0:
         raise InputError(
             where, f"its impedance tends to minus the line's {z:.6g} at high frequency: no wave is defined"
@@ -60,25 +60,25 @@ def reflection(impedance: Ratio, z: float, where: str) -> StateSpace:
     def scaled(a: int, b: int, k: int) -> float:  # a/(b rate^k), rounded once
         return (a << max(-k * exponent, 0)) / (b << max(k * exponent, 0))
 
-    problem = InputError(where, "its coefficients are too far apart for floating-point numbers")
     try:
         rate, through = 2.0**exponent, numerator[0] / leading
         back = [-rate * scaled(denominator[k], leading, k) for k in range(1, n + 1)]
         out = [scaled(numerator[k] * leading - numerator[0] * denominator[k], leading**2, k) for k in range(1, n + 1)]
     except OverflowError:
-        raise problem from None
+        raise InputError(where, too_far) from None
     if not all(map(isfinite, (rate, through, *back, *out))):
-        raise problem
-    A, b, c, d = np.zeros((n, n)), np.zeros((n, 1)), np.array([out]), np.array([[through]])
+        raise InputError(where, too_far)
+    c, d = np.array([out]), np.array([[through]])
+    if n == 1:
+        return StateSpace(np.array([back]), np.array([[rate]]), c, d)
+    A, b = np.zeros((n, n)), np.zeros((n, 1))
     A[0], b[0] = back, rate
     A.ravel()[n :: n + 1] = rate
-    if n == 1:
-        return StateSpace(A, b, c, d)
     with np.errstate(all="ignore"):
         scale = _balance(A)
         system = StateSpace(A / scale[:, None] * scale, b / scale[:, None], c * scale, d)
     if not all(np.isfinite(part).all() for part in system):
-        raise problem
+        raise InputError(where, too_far)
     return system
 
 
@@ -108,13 +108,13 @@ def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
     size, given, integral = n * s, k * s + n, h * basis.A
     step = np.empty((given, given))
     if n == k == 1:  # most often, and then arrays of two dimensions will do
-        (A,), (b,), (c,), (d,) = (part[0].tolist() for part in system)
-        implicit, drive = -A * integral, np.ones((s, given))
-        np.multiply(integral, b, out=drive[:, :s])
+        A, b, c, d = system
+        implicit, drive = -A * integral, np.empty((s, given))
+        drive[:, :s], drive[:, s] = b * integral, 1.0
         implicit.ravel()[:: s + 1] += 1.0
         x = np.linalg.solve(implicit, drive)  # states at all points
         np.multiply(x, c, out=step[:s])
-        step.ravel()[: s * given : given + 1] += d  # of each point to itself
+        step.ravel()[: s * given : given + 1] += d[0]  # of each point to itself
         step[s] = x[-1]
         return step
     integral = integral[:, None]

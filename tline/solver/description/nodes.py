@@ -105,6 +105,10 @@ class Node:
             return [(self.held, 1.0)]
         return [(waveform, factor / self.total) for waveform, factor in self.flows]
 
+    def drives_as(self, other: "Node") -> bool:
+        """Whether the Thévenin wave is that of another node with the same line ends."""
+        return (self.conductance, self.held, self.flows) == (other.conductance, other.held, other.flows)
+
     def switched(self, t: float) -> float:
         """Conductance of the switches just before t."""
         resistances = [s.after if s.time < t else s.before for s in self.switches]

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,8 +57,10 @@ class Wave:
         cls, waves: NDArray, noted: "Noted", row: int, side: int, before: float, lift: float, basis: Basis, h: float
     ) -> "Wave":
         """Make the arriving (side 0) or leaving wave of a row of a record, raised by `lift`; `before` already is."""
-        here = noted.row == row if len(noted.row) else slice(0)
-        pieces = Pieces(noted.slab[here], noted.span[here], noted.values[here, side] + lift)
+        pieces = Pieces(noted.slab, noted.span, noted.values[:, side])
+        if len(noted.row):
+            here = noted.row == row
+            pieces = Pieces(noted.slab[here], noted.span[here], pieces.values[here] + lift)
         values = waves[row, side].reshape(-1, basis.s)
         return cls(values + lift if lift else values, before, basis, h, pieces)
 
@@ -144,19 +146,11 @@ class ElementRecord(NamedTuple):
     states: NDArray
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Samples:
-    """Effort, flow and waves at instants t, in SI; flow counts positive from end 1 to end 2 of the line."""
+class AtHeight:
+    """Efforts `u` somewhere, at a `height`."""
 
-    t: NDArray
-    u: NDArray
-    y: NDArray
-    a: NDArray
-    b: NDArray
-    height: Height = NO_HEIGHT
-
-    def __repr__(self) -> str:
-        return shortly("Samples", instants=self.t.size, of="t, u, y, a, b")
+    u: Any
+    height: Height
 
     @property
     def gauge_pressure(self) -> NDArray:
@@ -178,7 +172,22 @@ class Samples:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ProbeResult:
+class Samples(AtHeight):
+    """Effort, flow and waves at instants t, in SI; flow counts positive from end 1 to end 2 of the line."""
+
+    t: NDArray
+    u: NDArray
+    y: NDArray
+    a: NDArray
+    b: NDArray
+    height: Height = NO_HEIGHT
+
+    def __repr__(self) -> str:
+        return shortly("Samples", instants=self.t.size, of="t, u, y, a, b")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ProbeResult(AtHeight):
     """Signals at one probe."""
 
     name: str
@@ -249,22 +258,6 @@ class ProbeResult:
     def u(self) -> NDArray:
         """Effort: pressure in Pa, piezometric if nodes have elevations, or voltage in V."""
         return self.samples.u
-
-    @property
-    def gauge_pressure(self) -> NDArray:
-        """Pressure above the air's at the same height, Pa: u - density·g·elevation; u itself without elevations."""
-        return self.samples.gauge_pressure
-
-    @property
-    def head(self) -> NDArray:
-        """Piezometric head above the zero of elevations, m: u/(density·g).
-
-        Raises
-        ------
-        InputError
-            The density of the liquid is not known.
-        """
-        return self.samples.head
 
     @property
     def y(self) -> NDArray:

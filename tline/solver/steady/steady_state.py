@@ -36,6 +36,7 @@ SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equ
 LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
 MOST_DENSE = 300  # nodes
 BALANCE_ROUNDING = 1e-12  # of the flows that meet
+DROWNING = 1e9  # times such a flow: waves have no digits left for the efforts that drive it
 STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
 
 
@@ -178,6 +179,9 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
         where = edges.where[k] if k < edges.count else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
+    if driving > 0 and np.abs(found.flow).max(initial=0.0) > DROWNING * driving:
+        problem = "no steady state: nothing limits the flow that an ideal effort drives through it"
+        raise InputError(edges.where[int(np.abs(found.flow).argmax())], problem, "a resistance between")
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=driving))
     if stuck.size and driving > 0:
         _refuse_flow(parted.description, parted.number, part, int(stuck[0]), float(found.leak[stuck[0]]))

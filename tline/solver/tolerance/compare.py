@@ -6,7 +6,6 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
@@ -83,22 +82,21 @@ def as_computed(result: Result) -> Result:
 
 
 def relative(
-    all_: Mapping[str, Difference | NDArray],
+    all_: Mapping[str, Difference | list[list[float]]],
 ) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Differences over the amplitudes of their probes."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    found = {name: np.asarray(each).tolist() for name, each in all_.items()}
+    found = {name: each if isinstance(each, list) else np.asarray(each).tolist() for name, each in all_.items()}
     largest = max([max(amplitude) for *_, amplitude in found.values()])
     for name, (*each, (u, y)) in found.items():
-        least = max(SILENT * max(u, y), NOTHING * largest)
+        wave = max(u, y)
+        least, rounded = max(SILENT * wave, NOTHING * largest), EPS * wave
         for estimates, (of_u, of_y) in zip(told, each, strict=True):
-            estimates[name] = Estimate(*(_share(of, x, least, max(u, y)) for of, x in ((of_u, u), (of_y, y))))
+            estimates[name] = Estimate(
+                max(max(of_u, rounded) / u, SMALLEST_ESTIMATE) if u > least and of_u > 0 else 0.0,
+                max(max(of_y, rounded) / y, SMALLEST_ESTIMATE) if y > least and of_y > 0 else 0.0,
+            )
     return told
-
-
-def _share(error: float, amplitude: float, least: float, of_waves: float) -> float:
-    rounding = max(SMALLEST_ESTIMATE, EPS * of_waves / amplitude) if amplitude else 0.0
-    return max(error / amplitude, rounding) if amplitude > least and error > 0 else 0.0
 
 
 def caution(found: Accuracy, before: Accuracy | None = None, unknown: float = SLOWEST) -> float:
