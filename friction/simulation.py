@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sized
 from dataclasses import replace
+from functools import partial
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -24,8 +25,7 @@ if TYPE_CHECKING:
 MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
 MOST_BUDGET = 1_000_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 20_000_000, "taylor": 20_000_000}
-OWN = ("rosenbrock", "taylor")  # adaptive, with errors told
-FINE = 1e-12  # tolerance of single steps where none is given for the run
+OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with errors told; tolerance of single steps where none is given
 
 
 def simulate(
@@ -57,8 +57,8 @@ def simulate(
     tol : float, optional
         Tolerance of an adaptive method, 1e-14 to 0.1. `rosenbrock` and `taylor` refine their steps until the estimates
         of their errors, relative to the largest value of each column, meet it; without one, they make steps of 1e-12
-        and tell how good they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative tolerance of
-        single steps.
+        and 1e-14 and tell how good they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative
+        tolerance of single steps.
     times : array_like, optional
         Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Events do not depend on it. Fixed
         steps give every step, thinned evenly above 200 000.
@@ -106,13 +106,13 @@ def simulate(
             raise InputError("budget", "too large", f"at most {MOST_BUDGET:,}", f"{budget:,}")
     steps = int(budget or default)
     if chosen.step == "events":
-        return _heard(model, bench, t_end, at, lambda *room: _events(model, bench, t_end, *room, chosen, steps))
+        return _heard(model, bench, t_end, at, partial(_events, model, bench, t_end, chosen, steps))
     if tol is not None:
         check_number("tol", tol, least=1e-14 if chosen.name in OWN else 1e-13)
         if tol > 0.1:
             raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
     if chosen.name in OWN:
-        return _heard(model, bench, t_end, at, lambda *room: _smooth(model, bench, t_end, *room, chosen, tol, steps))
+        return _heard(model, bench, t_end, at, partial(_smooth, model, bench, t_end, chosen, tol, steps))
     return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
 
@@ -188,11 +188,11 @@ def _smooth(
     model: Model,
     bench: Testbench,
     t_end: float,
-    times: NDArray,
-    room: int,
     method: Method,
     tol: float | None,
     budget: int,
+    times: NDArray,
+    room: int,
 ) -> Result:
     from friction.kernel import rodas, series
     from friction.kernel.structures import RUN, Bench, SmoothRun, compared
@@ -202,7 +202,7 @@ def _smooth(
     terms = (series if method.name == "taylor" else rodas).TERMS
     both = compared(times.size, room + 1, terms)
     here = Bench(drive, mass, start, float(t_end), times)
-    run = SmoothRun(law, here, float(tol or 0.0), FINE, both)
+    run = SmoothRun(law, here, float(tol or 0.0), OWN[method.name], both)
     status, chosen = solve(pack(run), budget), both.counts[RUN]
     told = dict(zip(COLUMNS[:-1], both.errors.tolist()[:-1], strict=True))
     if list(Status)[status] not in (Status.DONE, Status.INACCURATE):
@@ -212,7 +212,7 @@ def _smooth(
 
 
 def _events(
-    model: Model, bench: Testbench, t_end: float, times: NDArray, room: int, method: Method, budget: int
+    model: Model, bench: Testbench, t_end: float, method: Method, budget: int, times: NDArray, room: int
 ) -> Result:
     from friction.kernel.automaton import automaton
     from friction.kernel.law import Z
