@@ -38,11 +38,14 @@ class Margins:
         Angular frequency there, rad/s, NaN if there is none.
     gain : float
         Smallest factor above 1 that makes the loop unstable, or infinite.
+    crossings : list of float
+        All angular frequencies at which |L| = 1, rad/s, rising.
     """
 
     phase: float
     crossover: float
     gain: float
+    crossings: list[float]
 
 
 def closed_poles(controller: "PI", plant: TransferFunction) -> list[complex]:
@@ -69,7 +72,7 @@ def margins(controller: "PI", plant: TransferFunction) -> Margins:
     c = controller.transfer
     p, q = c.p * plant.p, c.q * plant.q
     loop = TransferFunction(p, q, "L")
-    crossings = [math.sqrt(x) for x in positive_roots(squared(p) - squared(q))]
+    crossings = sorted(math.sqrt(x) for x in positive_roots(squared(p) - squared(q)))
     phases = [math.remainder(math.pi + float(loop.phase(w)), 2 * math.pi) for w in crossings]
     phase, crossover = min(zip(phases, crossings, strict=True), default=(math.inf, math.nan))
     mirrored = fmpq_poly([x if k % 2 == 0 else -x for k, x in enumerate(q.coeffs())])
@@ -77,7 +80,7 @@ def margins(controller: "PI", plant: TransferFunction) -> Margins:
     imaginary = fmpq_poly([x if k % 2 == 0 else -x for k, x in enumerate(odd)])
     imaginary //= imaginary.gcd(squared(q))  # at an undamped pole L is not real but infinite
     sizes = [-loop(1j * math.sqrt(x)).real for x in positive_roots(imaginary)]
-    return Margins(phase, crossover, min((1 / size for size in sizes if 0 < size < 1), default=math.inf))
+    return Margins(phase, crossover, min((1 / size for size in sizes if 0 < size < 1), default=math.inf), crossings)
 
 
 LEAST_PHASE_MARGIN, LEAST_GAIN_MARGIN = math.radians(60), 2.0
@@ -162,8 +165,8 @@ class Design(Presentation):
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """A sentence for each loop that is unstable or slower than asked; none if all is well."""
-        found = []
+        """A sentence for each loop that is unstable, slower than asked, or resonates at a gain of 1; else none."""
+        found, margins = [], self.margins
         for name, poles in self.poles.items():
             worst = max(poles, key=lambda z: z.real)
             band = self.bandwidths.get(name)
@@ -173,6 +176,12 @@ class Design(Presentation):
                 found.append(
                     f"the {name} loop reaches {band.reached:.4g} rad/s, not the {band.asked:.4g} rad/s asked for: "
                     f"beyond, no PI controller of this rule has a phase margin of 60° and a gain margin of 2"
+                )
+            elif len(crossings := margins[name].crossings) > 1:
+                all_of_them = ", ".join(f"{w:.4g}" for w in crossings)
+                found.append(
+                    f"the {name} loop has a gain of 1 at {all_of_them} rad/s, about a resonance: from the first of "
+                    f"these on it follows its set point less well than its bandwidth promises"
                 )
         return tuple(found)
 

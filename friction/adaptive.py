@@ -89,7 +89,7 @@ def adaptive(
     from scipy.integrate import BDF, RK45
     from scipy.optimize import brentq
 
-    motion, y = Motion(model, bench), np.array([0.0, bench.v0, 0.0, 0.0, 0.0])
+    motion, y = Motion(model, bench), bench.start
     if events:
         held = bench.v0 == 0.0 and abs(motion.applied(0.0, y)) <= motion.law.f_s
         motion.mode = 0 if held else int(np.sign(bench.v0 or motion.applied(0.0, y)))

@@ -54,7 +54,7 @@ METHODS = {
 def method_for(model: Model, name: str | None) -> Method:
     """The method of that name, or the model's default."""
     if name is None:
-        name = "events" if isinstance(model, STATIC) else "rosenbrock"
+        name = next(each for each in ("events", "taylor", "rosenbrock") if isinstance(model, METHODS[each].models))
     if name not in METHODS:
         raise InputError("method", "unknown", " or ".join(METHODS), f"'{name}'")
     method = METHODS[name]

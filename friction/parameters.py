@@ -54,6 +54,8 @@ TOLD = {
     "delay": Told("s", "From a look to the force that it leads to", least=0.0),
     "mass": Told("kg", "Mass", above=0.0),
     "v0": Told("m/s", "Velocity at t = 0"),
+    "x0": Told("m", "Place at t = 0"),
+    "z0": Told("m", "Deflection of the bristles at t = 0"),
 }
 
 

@@ -49,7 +49,7 @@ class Status(StrEnum):
     """How a run ended."""
 
     DONE = "done"
-    BUDGET = "stopped: the budget of steps is spent, a larger budget goes on"
+    BUDGET = "stopped: the budget of steps is spent, a larger budget goes on (--budget)"
     BLOWN_UP = "stopped: the velocity grows without bound"
     STALLED = "stopped: the step has shrunk to nothing"
     INACCURATE = "done, but the tolerance is not met"
@@ -183,7 +183,9 @@ class Result(History):
     @property
     def ledger(self) -> Ledger:
         """Where the energy went."""
-        kinetic, bristle = self.kinetic[-1] - 0.5 * self.bench.mass * self.bench.v0**2, self.bristle[-1]
+        bench = self.bench
+        kinetic = self.kinetic[-1] - 0.5 * bench.mass * bench.v0**2
+        bristle = self.bristle[-1] - 0.5 * self.model.law.sigma0 * bench.z0**2
         applied, friction = float(self.W_a[-1]), float(self.W_f[-1])
         size = max(np.max(np.abs(self.W_a) + np.abs(self.W_f) + self.kinetic), np.finfo(float).tiny)
         residual = (applied - friction - kinetic) / size

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sized
 from dataclasses import replace
+from functools import partial
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -21,11 +22,10 @@ if TYPE_CHECKING:
     from friction.kernel.diagram import HybridRun
     from friction.kernel.law import Drive, Law
 
-MOST_STEPS, MOST_SAMPLES, MOST_EVENTS = 5_000_000, 200_000, 1_000_000
+MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
 MOST_BUDGET = 1_000_000_000
-BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 1_000_000, "taylor": 1_000_000}
-OWN = ("rosenbrock", "taylor")  # adaptive, with errors told
-FINE = 1e-12  # tolerance of single steps where none is given for the run
+BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 20_000_000, "taylor": 20_000_000}
+OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with errors told; tolerance of single steps where none is given
 
 
 def simulate(
@@ -39,7 +39,7 @@ def simulate(
     times: ArrayLike | None = None,
     budget: int | None = None,
 ) -> Result:
-    """Motion of the testbench from rest at x = 0 (or with v0) up to t_end.
+    """Motion of the testbench from where it starts up to t_end.
 
     Parameters
     ----------
@@ -50,20 +50,20 @@ def simulate(
     t_end : float, optional
         End [s], positive.
     method : str, optional
-        A name of `METHODS`, such as euler or bdf-events; `events` for the static laws and `rosenbrock` for the others
-        if not given.
+        A name of `METHODS`, such as euler or bdf-events; if not given, `events` for the static laws, `taylor` for LuGre
+        and Dahl, which is explicit where the contact is soft, and `rosenbrock` for the others.
     h : float
         Step [s] of a fixed-step method; t_end is rounded to whole steps.
     tol : float, optional
         Tolerance of an adaptive method, 1e-14 to 0.1. `rosenbrock` and `taylor` refine their steps until the estimates
         of their errors, relative to the largest value of each column, meet it; without one, they make steps of 1e-12
-        and tell how good they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative tolerance of
-        single steps.
+        and 1e-14 and tell how good they are. To SciPy's methods (1e-13 to 0.1; 1e-6 if not given) it is the relative
+        tolerance of single steps.
     times : array_like, optional
         Where to look [s], rising, within [0, t_end]; 1001 equal steps if not given. Events do not depend on it. Fixed
         steps give every step, thinned evenly above 200 000.
     budget : int, optional
-        Most steps an adaptive method may make, up to 10⁹; 5 million for `events`, 1 million for `rosenbrock` and
+        Most steps an adaptive method may make, up to 10⁹; 5 million for `events`, 20 million for `rosenbrock` and
         `taylor`, 5000 for SciPy's methods if not given.
 
     Returns
@@ -87,6 +87,8 @@ def simulate(
     unknown = "controller" if bench.controller else "play" if bench.spring and bench.spring.play else None
     if unknown and chosen.step != "events":
         raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp")
+    if bench.z0 and not model.law.sigma0:
+        raise InputError("bench.z0", f"the {model.name} model has no bristles", "0", f"{bench.z0:g}")
     if chosen.step == "fixed":
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
             if given is not None:
@@ -104,15 +106,13 @@ def simulate(
             raise InputError("budget", "too large", f"at most {MOST_BUDGET:,}", f"{budget:,}")
     steps = int(budget or default)
     if chosen.step == "events":
-        return _heard(model, bench, t_end, at, lambda all_times: _events(model, bench, t_end, all_times, chosen, steps))
+        return _heard(model, bench, t_end, at, partial(_events, model, bench, t_end, chosen, steps))
     if tol is not None:
         check_number("tol", tol, least=1e-14 if chosen.name in OWN else 1e-13)
         if tol > 0.1:
             raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
     if chosen.name in OWN:
-        return _heard(
-            model, bench, t_end, at, lambda all_times: _smooth(model, bench, t_end, all_times, chosen, tol, steps)
-        )
+        return _heard(model, bench, t_end, at, partial(_smooth, model, bench, t_end, chosen, tol, steps))
     return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
 
@@ -130,8 +130,8 @@ def checked_times(times: ArrayLike, t_end: float) -> NDArray:
     return np.minimum(at, t_end)
 
 
-def _contact(model: Model, bench: Testbench) -> "tuple[Law, Drive, float, float]":
-    return model.law, bench.drive, float(bench.mass), float(bench.v0)
+def _contact(model: Model, bench: Testbench) -> "tuple[Law, Drive, float, NDArray]":
+    return model.law, bench.drive, float(bench.mass), bench.start
 
 
 def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: float | None) -> Result:
@@ -163,11 +163,18 @@ def _scipy(
     return _packed(model, bench, method, status, np.array([made, 0, len(met)]), record, np.reshape(met, (-1, 4)))
 
 
-def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray], Result]) -> Result:
-    """A run at these times, heard by the witness at others too."""
+def _heard(
+    model: Model, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
+) -> Result:
+    """A run at these times, heard by the witness at others too.
+
+    Room for as many events as there may be costs more than most runs, so that few are expected at first.
+    """
     windows = witness.windows(model, bench, t_end)
     all_times = np.union1d(times, windows)
-    result = run(all_times)
+    result = run(all_times, FEW_EVENTS)
+    if result.event_count > FEW_EVENTS:
+        result = run(all_times, MOST_EVENTS)
     columns, doubt = result.columns, None
     if result.status is Status.DONE and result.event_count == len(result.events):
         heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
@@ -178,17 +185,24 @@ def _heard(model: Model, bench: Testbench, t_end: float, times: NDArray, run: Ca
 
 
 def _smooth(
-    model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, tol: float | None, budget: int
+    model: Model,
+    bench: Testbench,
+    t_end: float,
+    method: Method,
+    tol: float | None,
+    budget: int,
+    times: NDArray,
+    room: int,
 ) -> Result:
     from friction.kernel import rodas, series
     from friction.kernel.structures import RUN, Bench, SmoothRun, compared
     from friction.kernel.tolerance import solve
 
-    law, drive, mass, v0 = _contact(model, bench)
+    law, drive, mass, start = _contact(model, bench)
     terms = (series if method.name == "taylor" else rodas).TERMS
-    both = compared(times.size, min(budget, MOST_EVENTS) + 1, terms)
-    here = Bench(drive, mass, v0, float(t_end), times)
-    run = SmoothRun(law, here, float(tol or 0.0), FINE, both)
+    both = compared(times.size, room + 1, terms)
+    here = Bench(drive, mass, start, float(t_end), times)
+    run = SmoothRun(law, here, float(tol or 0.0), OWN[method.name], both)
     status, chosen = solve(pack(run), budget), both.counts[RUN]
     told = dict(zip(COLUMNS[:-1], both.errors.tolist()[:-1], strict=True))
     if list(Status)[status] not in (Status.DONE, Status.INACCURATE):
@@ -197,11 +211,13 @@ def _smooth(
     return _packed(model, bench, method, status, both.counts, records, events, tol, told)
 
 
-def _events(model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, budget: int) -> Result:
+def _events(
+    model: Model, bench: Testbench, t_end: float, method: Method, budget: int, times: NDArray, room: int
+) -> Result:
     from friction.kernel.automaton import automaton
     from friction.kernel.law import Z
 
-    run = on_testbench(model, bench, float(t_end), times, min(budget, MOST_EVENTS) + 1)
+    run = on_testbench(model, bench, float(t_end), times, room + 1)
     status = automaton(pack(run), budget)
     record = np.insert(run.record, Z, 0.0, axis=1)
     return _packed(model, bench, method, status, run.counts, record, run.events)
@@ -213,22 +229,23 @@ def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, e
     from friction.mechanism import Mechanism
 
     m, drive, pid, play = Mechanism(), bench.drive, bench.controller, bench.spring and bench.spring.play
-    v, x = m.state(bench.v0), m.state(watched=False)
+    v, x = m.state(bench.v0), m.state(bench.x0, watched=False)
     works = m.state(watched=False), m.state(watched=False)
     f_a = m.input()
     if drive.stiffness or drive.integral or drive.derivative:
-        gap, closing = m.state(drive.target, watched=bool(drive.integral)), m.add({v: -1.0}, drive.speed)
+        away = drive.target - float(bench.x0)
+        gap, closing = m.state(away, watched=bool(drive.integral)), m.add({v: -1.0}, drive.speed)
         m.integrate(gap, closing)
         if play:
             pull = m.add({gap: drive.stiffness, m.limited(gap, play): -drive.stiffness})
         elif pid and pid.period:
-            total, before = m.register(0.0), m.register(drive.target)
+            total, before = m.register(0.0), m.register(away)
             total, rate = m.add({total: 1.0, gap: pid.period}), m.add({gap: 1.0, before: -1.0})
             asked = {gap: drive.stiffness, total: drive.integral, rate: drive.derivative / pid.period}
             pull = m.limited(m.add(asked), inf if pid.limit is None else pid.limit)
             (pull,) = m.sample([total, gap], [pull], pid.period, pid.delay)
         else:
-            pull = m.state(drive.stiffness * drive.target, watched=False)
+            pull = m.state(drive.stiffness * away, watched=False)
             m.integrate(pull, m.add({closing: drive.stiffness, gap: drive.integral}))
             pull = m.add({pull: 1.0, closing: drive.derivative})
             pull = m.limited(pull, inf if pid is None or pid.limit is None else pid.limit)

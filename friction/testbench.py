@@ -154,7 +154,7 @@ class PID(Parameters, example=("PID(100.0, integral=50.0).derivative", "0.0")):
 
 @dataclass(frozen=True)
 class Testbench(Parameters):
-    """A mass that starts at x = 0 with velocity v0, pushed by a force and pulled by a spring.
+    """A mass that starts at x0 with velocity v0, pushed by a force and pulled by a spring.
 
     Parameters
     ----------
@@ -168,6 +168,10 @@ class Testbench(Parameters):
         Adds stiffness·(speed·t − x) to the applied force; with play, for `events`, the method of the static laws.
     controller : PID, optional
         Adds its force, in place of a spring; for `events`, the method of the static laws.
+    x0 : float, optional
+        Place at t = 0 [m].
+    z0 : float, optional
+        Deflection of the bristles at t = 0 [m]; 0 for a law without bristles.
 
     Raises
     ------
@@ -188,6 +192,8 @@ class Testbench(Parameters):
     v0: float = 0.0
     spring: Spring | None = None
     controller: PID | None = None
+    x0: float = 0.0
+    z0: float = 0.0
     place = "bench"
 
     def __post_init__(self):
@@ -212,6 +218,11 @@ class Testbench(Parameters):
             pid = PID(self.spring.stiffness, speed=self.spring.speed)
         pull = pid.proportional, pid.speed, pid.target, pid.integral, pid.derivative
         return Drive(*self.force.pieces(), *self.force.sine, *map(float, pull))
+
+    @property
+    def start(self) -> NDArray:
+        """x, v, z and both works at t = 0."""
+        return np.array([self.x0, self.v0, self.z0, 0.0, 0.0])
 
 
 def _check_table(times: Sequence[float], values: Sequence[float]) -> None:

@@ -6,6 +6,7 @@ differ is not held against the run, and windows with an event in them prove noth
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,9 @@ FINE, ROUGH = _weights(9), _weights(5)
 RANDOM = np.random.default_rng(SEED)
 STARTS, WIDTHS = np.sort(RANDOM.random(WINDOWS)), RANDOM.uniform(0.3, 1.0, WINDOWS)
 Columns = Mapping[str, NDArray]
+Held: TypeAlias = tuple[
+    list[str], NDArray, NDArray, NDArray
+]  # names; given, by the laws, and how far these may be apart
 
 
 def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
@@ -68,12 +72,14 @@ def doubt(
     """
     with np.errstate(all="ignore"):  # what leaves the range of floats is not judged
         for found in (_of_forces(model, bench, run), _of_motion(model, bench, run, heard, told, events)):
-            for name, given, other, off in found:
-                t = run["t"] if given.size == run["t"].size else run["t"][heard[:, 0]]
-                far = np.abs(given - other) / off
-                if (far > 1.0).any():
-                    k = int(np.nanargmax(far))
-                    value = f"{name} is {given[k]:.6g}, by Newton's law and the law of friction {other[k]:.6g}"
+            for names, given, other, off in found:
+                far = np.abs(given - other)
+                if (far > off).any():
+                    n, k = np.unravel_index(np.nanargmax(far / off), far.shape)
+                    t = run["t"] if given.shape[1] == run["t"].size else run["t"][heard[:, 0]]
+                    value = (
+                        f"{names[n]} is {given[n, k]:.6g}, by Newton's law and the law of friction {other[n, k]:.6g}"
+                    )
                     return f"two methods disagree at {t[k]:.6g} s: {value}"
     return None
 
@@ -112,8 +118,8 @@ def _slip(model: Model, v: NDArray, z: NDArray) -> NDArray:
     return v - share * np.abs(v) * z / limit
 
 
-def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[str, NDArray, NDArray, NDArray]]:
-    """Applied force, friction and energy at each sample."""
+def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[Held]:
+    """Applied force and friction at each sample."""
     t, x, v, z, mode, f_a = (run[name] for name in ("t", "x", "v", "z", "mode", "F_a"))
     pull = 0.0 * t
     if spring := bench.spring:
@@ -126,7 +132,7 @@ def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[s
         after = np.minimum(np.searchsorted(corners, t), corners.size - 1)
         near = np.minimum(np.abs(t - corners[after]), np.abs(t - corners[after - 1])) <= 1e-9 * t[-1]
         found = np.where(near, f_a, found)
-    yield "F_a", f_a, found, np.full(t.size, grain)
+    yield ["F_a"], f_a[None], found[None], np.array([[grain]])
     size = np.abs(run["F_f"]).max() + model.stiction
     viscous = (_of(model, "F_v") + _of(model, "sigma2")) * v
     if isinstance(model, Tanh):
@@ -135,29 +141,40 @@ def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[tuple[s
         sliding, pushed = _steady(model, v) * np.sign(mode) + viscous, model.stiction * np.sign(mode)
         f_f = np.choose(np.abs(mode), [f_a, sliding, pushed])
         held, zone = mode == 0, _of(model, "delta")
-        speeds = np.full(t.size, DIGITS * np.abs(v).max() + np.finfo(float).tiny)
-        yield "the speed while stuck", v, np.where(held, np.clip(v, -zone, zone), v), speeds
-        yield "the speed of sliding", v, np.where(np.abs(mode) == 1, np.sign(mode) * np.abs(v), v), speeds
-        within = np.clip(f_a, -model.stiction, model.stiction)
-        yield "the force that holds", f_a, np.where(held, within, f_a), np.full(t.size, grain + DIGITS * size)
+        speed, within = DIGITS * np.abs(v).max() + np.finfo(float).tiny, np.clip(f_a, -model.stiction, model.stiction)
+        still, moving = (
+            np.where(held, np.clip(v, -zone, zone), v),
+            np.where(np.abs(mode) == 1, np.sign(mode) * np.abs(v), v),
+        )
+        names, other = (
+            ["the speed while stuck", "the speed of sliding", "the force that holds"],
+            np.where(held, within, f_a),
+        )
+        yield (
+            names,
+            np.array([v, v, f_a]),
+            np.array([still, moving, other]),
+            np.array([[speed], [speed], [grain + DIGITS * size]]),
+        )
     else:
         rate = _slip(model, v, z)
         size += _of(model, "sigma1") * np.abs(rate).max() + _of(model, "sigma0") * np.abs(z).max()
         f_f = _of(model, "sigma0") * z + _of(model, "sigma1") * rate + viscous
-    yield "F_f", run["F_f"], f_f, np.full(t.size, DIGITS * size)
+    yield ["F_f"], run["F_f"][None], f_f[None], np.array([[DIGITS * size]])
 
 
 def _of_motion(
     model: Model, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: Sequence[float]
-) -> Iterator[tuple[str, NDArray, NDArray, NDArray]]:
+) -> Iterator[Held]:
     """Energy at each sample, and changes over windows against integrals."""
     m, v = bench.mass, run["v"]
-    peak = {name: np.abs(column).max() for name, column in run.items()}
+    table = np.array([*run.values()])
+    peak = dict(zip(run, np.abs(table).max(axis=1), strict=True))
     off = {name: (DIGITS + TIMES_TOLD * told.get(name, 0.0)) * peak[name] for name in peak}
     gain = 0.5 * m * (v**2 - np.square(bench.v0))
     bar = off["W_a"] + off["W_f"] + m * peak["v"] * off["v"] + DIGITS * m * peak["v"] ** 2
-    yield "the gain of energy", gain, run["W_a"] - run["W_f"], np.full(v.size, bar)
-    at = {name: column[heard] for name, column in run.items()}
+    yield ["the gain of energy"], gain[None], (run["W_a"] - run["W_f"])[None], np.array([[bar]])
+    at = dict(zip(run, table[:, heard], strict=True))
     width = at["t"][:, -1] - at["t"][:, 0]
     thrust = off["F_a"] + off["F_f"]
     rates = [
@@ -184,12 +201,14 @@ def _of_motion(
             soft *= 1.0 + np.pi * stiffness * peak["z"] / (model.F_c - stiffness * model.z_ba)
         rates.append(("z", slip, soft * (off["v"] + stiffness * peak["v"] / _of(model, "F_c") * off["z"])))
     even = _undisturbed(model, bench, at, events)
-    for name, rate, wrong in rates:
-        change = width * (rate @ FINE)
-        unsure = UNCERTAIN * np.abs(change - width * (rate[:, ::2] @ ROUGH))
-        given = at[name][:, -1] - at[name][:, 0]
-        bar = 2.0 * off[name] + width * wrong + unsure + np.finfo(float).tiny
-        yield f"the change of {name} in {width.max():.2g} s", given, np.where(even, change, given), bar
+    names, rate = [name for name, *_ in rates], np.array([rate for _, rate, _ in rates])
+    change = width * (rate @ FINE)
+    unsure = UNCERTAIN * np.abs(change - width * (rate[:, :, ::2] @ ROUGH))
+    given = np.array([at[name][:, -1] - at[name][:, 0] for name in names])
+    known, wrong = (np.array(each)[:, None] for each in ([off[name] for name in names], [wrong for *_, wrong in rates]))
+    bar = 2.0 * known + width * wrong + unsure + np.finfo(float).tiny
+    named = [f"the change of {name} in {width.max():.2g} s" for name in names]
+    yield named, given, np.where(even, change, given), bar
 
 
 def _undisturbed(model: Model, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:

@@ -62,7 +62,7 @@ def reference(model: Model, bench: Testbench, times: NDArray) -> NDArray:
     p, found = parameters(model, bench), np.empty((times.size, 7))
     starts, values, slopes = bench.force.pieces()
     longest = min(1e-3, 5.0 / p[3]) if p[7] < 0.0 else 1e-3
-    t, y, row, stop = 0.0, np.array([0.0, bench.v0, 0.0, 0.0, 0.0]), 0, 0.0
+    t, y, row, stop = 0.0, bench.start, 0, 0.0
     while row < times.size:
         i = np.searchsorted(starts, t, side="right") - 1
         p[9], p[10], p[11] = values[i], slopes[i], starts[i]

@@ -218,6 +218,6 @@ def reference(model: Model, bench: Testbench, times: ArrayLike) -> NDArray:
         *bench.force.sine, *spring,
     ])  # fmt: skip
     times = np.asarray(times, float)
-    found, start = np.full((times.size, 7), np.nan), np.array([0.0, bench.v0, 0.0, 0.0, 0.0])
+    found, start = np.full((times.size, 7), np.nan), bench.start
     enough = march(p, *bench.force.pieces(), start, times, found)
     return found if enough and isfinite(found.sum()) else np.full_like(found, np.nan)

@@ -73,7 +73,7 @@ def automaton(run: HybridRun, budget: int) -> int:
         root, which, border = first_guard(run, h)
         h = min(h, root)
         ends = h >= left and root == inf
-        t = until if ends else start + (clock[CLOCK] + (h - clock[LOST]))
+        t = until if ends else max(t, start + (clock[CLOCK] + (h - clock[LOST])))
         if h > 0.0:
             row = sample(run, row, t, ends, start, h)
         if t > run.t_end:

@@ -61,11 +61,11 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
     explicit, since, first = compared.dense.shape[0] > TERMS, 0, parts == 1
     sizes = peaks if first else compared.weights
-    begin(compared, bench.v0, first, which)
+    begin(compared, bench.start, first, which)
     t, h, number, row, check, mode = 0.0, EARLY * tol**0.2 * period_of(law, bench.mass), 0, 0, 0, 0
     push = piece(bench.drive, 0)
     if gap(law, y[1], y[2]) >= 0.0:
-        mode = int(copysign(1.0, bench.v0))
+        mode = int(copysign(1.0, y[1]))
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
     while t <= bench.t_end:
         if counts[STEPS] + counts[REFUSED] >= budget:
@@ -135,11 +135,12 @@ def chosen(law, v, h, explicit, since, dense):
 
 
 @function
-def begin(compared, v0, first, which):
-    """The state at rest or with v0; nothing is counted or kept yet."""
+def begin(compared, start, first, which):
+    """The state at the start; nothing is counted or kept yet."""
     counts, y = compared.counts, compared.y
     counts[STEPS], counts[REFUSED], counts[EVENTS], counts[RUN] = 0, 0, 0, which
-    y[0], y[1], y[2], y[3], y[4] = 0.0, v0, 0.0, 0.0, 0.0
+    for j in range(y.size):
+        y[j] = start[j]
     for column in range(compared.peaks.size):
         compared.peaks[column] = 0.0
     if first:

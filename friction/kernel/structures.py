@@ -34,7 +34,7 @@ class Bench(NamedTuple):
 
     drive: Drive
     mass: float
-    v0: float
+    start: Floats  # (5,) x, v, z and the works
     t_end: float
     times: Floats  # of samples
 
@@ -67,11 +67,10 @@ class SmoothRun(NamedTuple):
     compared: Compared
 
 
-def fixed_run(law: Law, drive: Drive, mass: float, v0: float, h: float, samples: int, events: int) -> FixedRun:
-    """A run that begins at rest or with v0, for so many samples and events."""
-    y, record = np.array([0.0, v0, 0.0, 0.0, 0.0]), np.full((samples, 9), np.nan)
-    counts = np.zeros(4, np.int64)
-    return FixedRun(law, drive, mass, h, y, record, np.empty((events, 4)), counts, np.empty((4, 5)), np.empty(5))
+def fixed_run(law: Law, drive: Drive, mass: float, start: Floats, h: float, samples: int, events: int) -> FixedRun:
+    """A run from there, for so many samples and events."""
+    record, counts = np.full((samples, 9), np.nan), np.zeros(4, np.int64)
+    return FixedRun(law, drive, mass, h, start, record, np.empty((events, 4)), counts, np.empty((4, 5)), np.empty(5))
 
 
 def compared(samples: int, events: int, terms: int) -> Compared:

@@ -78,6 +78,13 @@ def test_far_from_the_stribeck_peak_it_comes_to_rest(ratio):
     assert away.t == pytest.approx(1.2 / 0.7, rel=1e-14)
 
 
+def test_a_stop_that_nothing_holds_is_a_reversal_whatever_is_rounded():
+    """A clock of two floats may fall by half a bit when nothing is added to it."""
+    bench = Testbench(Ramp(-7.459493256668211, 5.115062655362707), 0.5076137511574723, -0.5970605310303789)
+    run = simulate(Coulomb(1.027946492061409), bench, 2.9)
+    assert [event.kind for event in run.events] == [Kind.REVERSAL] * 2
+
+
 @pytest.mark.parametrize("amplitude", [1.0, 1.0 + 2.3e-16, 1.0 + 1e-13, 1.0 - 1e-16, 1.0 + 1e-9])
 def test_a_force_that_touches_friction_breaks_away_or_not_but_goes_on(amplitude):
     run = simulate(Coulomb(), Testbench(Sine(amplitude, 3.0)), 50.0)

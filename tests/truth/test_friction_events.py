@@ -136,6 +136,11 @@ CASES = {
     "fast": (LuGre(sigma1=3.0, v_s=0.01), Testbench(Ramp(3.0), v0=-1.0)),  # from 100 v_s through the Stribeck peak
     "stiff at times": (LuGre(sigma0=1e4, sigma1=10.0), Testbench(Ramp(0.0), spring=Spring(200.0, 0.1))),
     "corners": (Dahl(sigma0=2e3), Testbench(Table([0.0, 0.5, 0.9, 1.4], [0.0, 1.5, -1.2, 0.3]))),
+    "peak between two looks": (
+        LuGre(3.1, 4.9, 0.018, 15.0, 0.0, 1.5),
+        Testbench(Sine(13.7, 2.3, -4.2, 6.94, -3.6), 0.72),
+    ),
+    "from a deflection": (LuGre(sigma1=5.0), Testbench(Ramp(0.0), 1.0, 0.2, Spring(20.0, 0.1), x0=0.05, z0=-0.001)),
 }
 
 

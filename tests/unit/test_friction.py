@@ -135,7 +135,7 @@ SENTENCES = [
     (lambda: PID(1.0, integral=-1.0), "controller.integral: too small"),
     (
         lambda: simulate(LuGre(), Testbench(controller=PID(1.0))),
-        "method: 'rosenbrock' knows no controller, expected events, with coulomb or karnopp",
+        "method: 'taylor' knows no controller, expected events, with coulomb or karnopp",
     ),
     (lambda: simulate(LuGre(), Testbench(), budget=2 * 10**9), "budget: too large, expected at most 1,000,000,000"),
     (lambda: prescribe(LuGre(), velocity=lambda t: np.abs(t - 0.3)), "velocity: a formula with a corner, a jump"),

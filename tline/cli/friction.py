@@ -35,6 +35,8 @@ RECORDED = {"t": "s", "x": "m", "v": "m/s", "F": "N"}  # columns of records, and
 NAMED = {  # options by the package's names
     "bench.mass": "--mass",
     "bench.v0": "--v0",
+    "bench.x0": "--x0",
+    "bench.z0": "--z0",
     "times": "--samples",
     "spring.stiffness": "--spring",
     "spring.speed": "--pull",
@@ -85,6 +87,8 @@ def run(
     limit: str | None = None,
     period: str | None = None,
     delay: str | None = None,
+    x0: str | None = None,
+    z0: str | None = None,
     samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
     budget: Annotated[int | None, click.IntRange(1)] = None,
     **given: Any,
@@ -125,6 +129,10 @@ def run(
         Time between samples of a sampled controller [s]; it is continuous if not given.
     delay : TIME
         Time from a sample to its force [s].
+    x0 : m
+        Place at t = 0 [m].
+    z0 : m
+        Deflection of the bristles at t = 0 [m].
     samples : NUMBER
         Equal steps from sample to sample, 1000 if not given; errors and events do not depend on them.
     """
@@ -138,9 +146,9 @@ def run(
     if spring is not None and pid is not None:
         raise InputError("--pid", "beside a spring", "one of both")
     check_partners(numbers | moved | asked | {"pid": pid, "table": table, "hold": hold}, PARTNERS)
-    si = run.in_si(numbers | moved | asked | given)
+    si = run.in_si(numbers | moved | asked | {"x0": x0, "z0": z0} | given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
-    bench = {key: si[key] for key in ("mass", "v0") if key in si}
+    bench = {key: si[key] for key in ("mass", "v0", "x0", "z0") if key in si}
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
     laws = models_of(models, parameters, MODELS)
     runs: dict[str, Result] = {}

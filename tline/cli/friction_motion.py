@@ -8,6 +8,7 @@ import click
 from tline.cli.columns import read_columns
 from tline.cli.friction import RECORDED, beside, columns_of, friction, models_of
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
+from tline.cli.options import check_partners, options_named
 from tline.errors import InputError
 from tline.units import engineering, to_si
 from tline.words.progress import Progress
@@ -31,6 +32,8 @@ Examples:
 A file begins with the names of its columns: t [ms], x [um] or v [mm/s], F [N]; SI without units.
 """
 TIME = 1.0  # s, of a steady velocity or a formula
+SWUNG = ("phase", "offset")  # of a sine
+PLAIN = {"velocity": "m/s", "position": "m"}
 FORMULA = re.compile(r"\bt\b")  # a formula contains t
 
 
@@ -46,6 +49,8 @@ def motion(
     velocity: str | None = None,
     position: str | None = None,
     frequency: str | None = None,
+    phase: str | None = None,
+    offset: str | None = None,
     z0: str | None = None,
     t_end: str | None = None,
     hold: bool = False,
@@ -64,6 +69,10 @@ def motion(
         formula of t in SI.
     frequency : HZ
         Of the sine [Hz].
+    phase : ANGLE
+        Of the sine at t = 0 [rad].
+    offset : NUMBER
+        Velocity or place about which the sine swings, in the unit of its amplitude.
     z0 : m
         Deflection of the bristles at the beginning [m].
     t_end : TIME
@@ -82,16 +91,22 @@ def motion(
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")
+    check_partners({"phase": phase, "offset": offset, "frequency": frequency}, dict.fromkeys(SWUNG, "frequency"))
     chosen = models_of(models, parameters, PRESCRIBED)
-    si = motion.in_si({"frequency": frequency, "z0": z0, "t_end": t_end})
+    si = motion.in_si({"frequency": frequency, "phase": phase, "z0": z0, "t_end": t_end})
     kind, text = ("velocity", velocity) if velocity is not None else ("position", position)
+    if offset is not None:
+        si["offset"] = to_si(offset, PLAIN[kind], "--offset")
     runs: dict[str, Prescribed] = {}
-    for amplitude, moved, end in _motions(kind, str(text), si.get("frequency"), hold):
+    sine = {name: si[name] for name in ("frequency", *SWUNG) if name in si}
+    with options_named({f"force.{name}": f"--{name}" for name in sine}):
+        moves = _motions(kind, str(text), sine, hold)
+    for amplitude, moved, end in moves:
         last: Any = si.get("t_end", end)
         times = None if samples is None else np.linspace(0.0, last, samples + 1)
         for name, model in chosen.items():
             label = f"{name}, {amplitude}" if amplitude else name
-            with motion.named(**{"force.frequency": "--frequency", "motion": f"--{kind}", "times": "--samples"}):
+            with motion.named(motion=f"--{kind}", times="--samples"):
                 runs[label] = prescribe(model, **{kind: moved}, t_end=last, times=times, z0=si.get("z0", 0.0))  # type: ignore[arg-type]
     files = {"csv": tabled(beside(runs)), "plot": drawn("friction.pictures:draw_moved", runs)}
     text = [line.replace(run.model.name, label, 1) for label, run in runs.items() for line in run.text_lines()]
@@ -131,14 +146,14 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
     return identify.shown(found)
 
 
-def _motions(kind: str, text: str, frequency: float | None, hold: bool) -> list[tuple[str, Any, float]]:
+def _motions(kind: str, text: str, sine: dict[str, float], hold: bool) -> list[tuple[str, Any, float]]:
     """Label, motion and default end time of each motion."""
     from friction import Ramp, Sine, Steps, Table
 
     option, is_file = f"--{kind}", text.strip().lower().endswith(".csv")
     if hold and not is_file:
         raise InputError("--hold", "nothing to hold", f"{option} FILE.csv beside it")
-    if frequency is not None and (is_file or FORMULA.search(text)):
+    if sine and (is_file or FORMULA.search(text)):
         given = "file" if is_file else "formula"
         raise InputError("--frequency", f"of a {given}", f"an amplitude as {option}, or no frequency")
     if is_file:
@@ -148,13 +163,12 @@ def _motions(kind: str, text: str, frequency: float | None, hold: bool) -> list[
         from tline.interchange.spice_expression import computed
 
         return [("", lambda times: [computed(text, {"t": t}, option) for t in times.tolist()], TIME)]
-    unit, parts = ("m/s" if kind == "velocity" else "m"), text.split(",")
+    unit, parts = PLAIN[kind], text.split(",")
     sizes = [to_si(part, unit, option) for part in parts]
     labels = [engineering(size, unit) if len(sizes) > 1 else "" for size in sizes]
-    if frequency is not None:
-        if frequency <= 0.0:
-            raise InputError("--frequency", "too small", "more than 0", f"{frequency:g}")
-        return [(label, Sine(size, frequency), 2.0 / frequency) for label, size in zip(labels, sizes, strict=True)]
+    if sine:
+        waves = [Sine(size, **sine) for size in sizes]
+        return [(label, wave, 2.0 / wave.frequency) for label, wave in zip(labels, waves, strict=True)]
     if kind == "position":
         raise InputError("--position", "needs its partner", "--position and --frequency together, or FILE.csv")
     return [(label, Ramp(0.0, size), TIME) for label, size in zip(labels, sizes, strict=True)]
