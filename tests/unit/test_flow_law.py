@@ -85,7 +85,7 @@ def test_laws_side_by_side_are_the_same():
     laws = [*LAWS, None, PowerLaw(5.0, 0.0, 1.7), Colebrook(1.0, 0.0, 1e5, 0.0)]
     flow = np.array(0.02)
     seen = {}
-    for places, law in side_by_side(laws):
+    for places, law in side_by_side(laws, np.arange(len(laws))):
         drop, slope = law(np.full(len(places), 0.02))
         seen |= dict(zip(places.tolist(), zip(drop, slope, strict=True), strict=True))
     assert seen.keys() == {k for k, law in enumerate(laws) if law is not None}

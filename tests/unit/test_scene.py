@@ -373,3 +373,19 @@ def test_a_probe_at_a_measured_load_sees_the_flow_of_its_cable():
     scene = read_scene(Path(__file__).parents[2] / "scenes" / "antenna.toml")
     assert len(scene.lines) == 2  # the cable, and the delay of the antenna
     assert scene.probed_line("far") == "cable"
+
+
+def test_pipes_that_are_alike_share_all_but_their_nodes():
+    pipe = {"length": "100 m", "diameter": 0.2, "wave_speed": 1000, "density": 1000}
+    pipe |= {"friction": {"kind": "darcy", "factor": 0.02}}
+    lines = {name: pipe | {"nodes": [name, "hub"]} for name in "ab"} | {
+        "c": pipe | {"nodes": ["c", "hub"], "length": 100}
+    }
+    scene = Scene(medium="hydraulic", t_end=1, lines=lines, probes={"p": {"at": "hub", "line": "a"}})
+    a, b, c = scene.lines.values()
+    assert a.losses is b.losses
+    assert a.losses is not c.losses
+    assert (b.nodes, b.length.typed, c.length.typed) == (("b", "hub"), "100 m", 100)
+    assert scene.change({"lines.b.length": 50}).lines["a"].length == 100
+    with pytest.raises(InputError, match=r"lines\.b\.nodes: not two nodes"):
+        Scene(**scene.table() | {"lines": lines | {"b": pipe | {"nodes": ["b"]}}})

@@ -9,7 +9,7 @@ from tline.errors import InputError, import_extra
 from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.description.nodes import node_of_end
+from tline.solver.description.nodes import node_of_end, weights_of
 
 if TYPE_CHECKING:
     from control import StateSpace
@@ -59,7 +59,7 @@ def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "St
     m = len(own)
     arriving = np.zeros((2 * len(lines), n + m + 1))
     arriving[:, :n] = c[[e ^ 1 for e in range(2 * len(lines))]]
-    thevenin = np.array([node.weights(z0) @ arriving[node.ends] for node in nodes])
+    thevenin = np.array([weights_of([node], z0) @ arriving[node.ends] for node in nodes])
     thevenin[:, -1] = [
         sum(f * float(w.value(np.array(1.0), np.array(1.0))) for w, f in node.excitations) for node in nodes
     ]

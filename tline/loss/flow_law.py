@@ -4,7 +4,7 @@ A law is independent of the method that computes its line. Its parameters are nu
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import log
@@ -135,14 +135,16 @@ class SwameeJain(RoughPipe):
         return value, np.select(ways, [-1.0, steep], -3.6 / log(10) * part / (y2 * y3))
 
 
-def side_by_side(laws: Iterable[FlowLaw | None]) -> list[tuple[NDArray, FlowLaw]]:
-    """Merge laws of each kind into one with arrays of parameters, after their indices; None is not a law."""
-    kinds: dict[type[FlowLaw], list[tuple[int, FlowLaw]]] = {}
-    for k, law in enumerate(laws):
-        if law is not None:
-            kinds.setdefault(type(law), []).append((k, law))
-    found = []
-    for kind, numbered in kinds.items():
-        places, same = zip(*numbered, strict=True)
-        found.append((np.array(places), kind(*np.array([[*vars(law).values()] for law in same]).T)))
+def side_by_side(laws: Sequence[FlowLaw | None], like: NDArray) -> list[tuple[NDArray, FlowLaw]]:
+    """Merge laws of each kind into one with arrays of parameters, after the indices at which `like` names them.
+
+    `like` are indices of laws; None is not a law.
+    """
+    kinds, found = {type(law) for law in laws if law is not None}, []
+    for kind in sorted(kinds, key=lambda kind: kind.__name__):
+        same = [k for k, law in enumerate(laws) if type(law) is kind]
+        number, parameters = np.full(len(laws), -1), np.array([[*vars(laws[k]).values()] for k in same])
+        number[same] = np.arange(len(same))
+        places = np.flatnonzero(number[like] >= 0)
+        found.append((places, kind(*parameters[number[like[places]]].T)))
     return found

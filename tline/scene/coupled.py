@@ -10,7 +10,7 @@ from tline.line.electrical import LIGHT, LIGHT_ROUNDING
 from tline.line.modes import MixedModesError, Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name, nodes_of
-from tline.scene.line import Cable, Pipe, SceneLine
+from tline.scene.line import Cable, Pipe, SceneLine, read_pipe
 from tline.scene.mistakes import Read, mistakes, validator
 from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
 
@@ -233,7 +233,7 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
         raise InputError("", f"not a line of {medium} scenes", f"a table or a {kind.__name__}", f"a {known}")
     if type(value) is Pipe:
         return value  # it was read before, and nothing in it depends on where it stands
-    return validator(kind).validate_python(value, context=info.context)
+    return read_pipe(value, context) if kind is Pipe else validator(kind).validate_python(value, context=context)
 
 
 # Coupled takes the place of a line: it has nodes and a shortest delay, and its parameters refuse

@@ -12,6 +12,7 @@ from pydantic import Field, ValidationInfo
 from tline.errors import InputError
 from tline.loss import ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic
+from tline.scene.alike import content
 from tline.scene.element import Element
 from tline.scene.mistakes import Read, validator
 from tline.scene.quantity import Quantity, Role
@@ -191,7 +192,10 @@ def _of_kind(value: Any, info: ValidationInfo) -> Friction:
         missing = kind is None
         expected = nearest("" if missing else str(kind), [*KINDS])
         raise InputError("kind", "is missing" if missing else "unknown", expected, "" if missing else shown(kind))
-    return validator(KINDS[kind]).validate_python(value, context=info.context)
+    known, said = (info.context or {}).setdefault("frictions", {}), content(value)
+    if said not in known or said is None:
+        known[said] = validator(KINDS[kind]).validate_python(value, context=info.context)
+    return known[said]
 
 
 AnyFriction = Annotated[Friction, Read(_of_kind, reduce(or_, MODELS))]

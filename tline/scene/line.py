@@ -1,9 +1,8 @@
 """Lines of a scene: two nodes and any sufficient set of the line's quantities."""
 
 from collections.abc import Iterable
-from functools import lru_cache
 from math import pi
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import Field, PrivateAttr, create_model, model_validator
 
@@ -17,10 +16,12 @@ from tline.line.parameters import LineQuantity
 from tline.line.relations import listed
 from tline.loss import ConstantLoss, EarthReturn, Law, LossyLine, Sum, kelvin_voigt_wall
 from tline.loss.line import Losses
+from tline.scene.alike import content
 from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
-from tline.scene.element import Element, TwoNodes
+from tline.scene.element import Element, TwoNodes, is_name
 from tline.scene.friction import AnyFriction
+from tline.scene.mistakes import validator
 from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
 from tline.scene.site import Place
 from tline.scene.vessel import Cavities
@@ -67,6 +68,14 @@ class SceneLine(Element):
         """Read a private attribute, bypassing pydantic's slow look-up: networks read a million."""
         return self.__pydantic_private__[name]  # pyright: ignore[reportOptionalSubscript]
 
+    def between(self, *nodes: str) -> Self:
+        """The same line between other nodes; what neither changes is shared."""
+        found = type(self).__new__(type(self))
+        object.__setattr__(found, "__dict__", {**vars(self), "nodes": nodes})
+        for name in ("__pydantic_fields_set__", "__pydantic_private__", "__pydantic_extra__"):
+            object.__setattr__(found, name, getattr(self, name))
+        return found
+
     def steady_drop(self, y: float) -> tuple[float, float]:
         """Fall of the effort from end 1 to end 2 in steady flow y, and its slope over y."""
         return self.losses.steady_drop(y) if self.losses else (0.0, 0.0)
@@ -74,7 +83,7 @@ class SceneLine(Element):
     def _settle(self, kind: type[HydraulicLine] | type[ElectricalLine], other: tuple[str, ...], **more: Any):
         own = vars(self)
         given = {name: own[name] for name in self.model_fields_set.difference(other, ("nodes", "vertices"))}
-        self._parameters = found = _of_kind(kind, **{name: getattr(x, "typed", x) for name, x in given.items()} | more)
+        self._parameters = found = kind(**{name: getattr(x, "typed", x) for name, x in given.items()} | more)
         if found.delay is None:
             raise InputError("", "its delay does not follow", "length (with wave_speed), or delay")
         for name, value in (("z0", found.z0), ("delay", found.delay)):
@@ -101,12 +110,6 @@ class SceneLine(Element):
     def _capacitance(self, reason: str) -> float:
         (length,) = self._needed(reason, "length")
         return (self.parameters.delay or 0.0) / (self.parameters.z0 * length)
-
-
-@lru_cache(1024, typed=True)
-def _of_kind(kind: type[HydraulicLine] | type[ElectricalLine], **given: float | str) -> HydraulicLine | ElectricalLine:
-    """Parameters of a line, cached for lines with equal values; networks have many."""
-    return kind(**given)  # pyright: ignore[reportArgumentType]
 
 
 def _stored(storage: float, laws: list[Law]) -> Law:
@@ -296,3 +299,16 @@ Pipe = _model(
     ),
 )
 Cable = _model("Cable", _Cable, ELECTRICAL)
+
+
+def read_pipe(table: Any, context: dict[str, Any]) -> SceneLine:
+    """A pipe by its table; it shares all but its nodes with one of the same content that was read in this context."""
+    known: dict[Any, SceneLine] = context.setdefault("pipes", {})
+    said = content(table, "nodes") if type(table) is dict else None
+    if said is None:
+        return validator(Pipe).validate_python(table, context=context)
+    nodes = table.get("nodes")
+    if said in known and isinstance(nodes, list | tuple) and len(nodes) == 2 and all(map(is_name, nodes)):
+        return known[said].between(*nodes)
+    known[said] = validator(Pipe).validate_python(table, context=context)
+    return known[said]

@@ -21,6 +21,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.groups import Group, poles_of
 from tline.solver.description.load_step import load_step
+from tline.solver.description.nodes import weights_of
 from tline.solver.description.resolution import resolution, short_lines
 from tline.solver.description.slab import breaks_of, common_parts, relative_work
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
@@ -85,9 +86,9 @@ class OneOrder:
             at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
             self.initial[at : at + len(at_rest)] = at_rest
         for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
-            if node.drives_as(old):
-                continue
-            network.weight[network.first[k] : network.first[k + 1]] = node.weights(z0)
+            if (node.conductance, node.held, node.flows) == (old.conductance, old.held, old.flows):
+                continue  # which has the same line ends
+            network.weight[network.first[k] : network.first[k + 1]] = weights_of([node], z0)
             if node.excitations:
                 parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
                 self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()

@@ -221,7 +221,7 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:
     """Events that begin a piece at a group and move nothing: at kinks, and where elements stand at t = 0 from rest."""
     begin = [0.0] if assembly.follows_edges and not assembly.description.steady else []
-    for g, group in enumerate(assembly.groups):
+    for g, group in enumerate(assembly.groups if begin or kinks else ()):
         elements = [element.where for element in group.elements]
         yield from (Event(t, g) for t in begin * len(elements))
         for where in (*elements, *(at_node(node.name) for node in group.nodes)):

@@ -17,14 +17,15 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from tline.compiled.structure import pack
 from tline.loss import Foster
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
 from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.laws import tools_of
-from tline.solver.description.lines import Line
+from tline.solver.description.lines import Line, distinct
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.diamonds.cells import CELL_ORDER
-from tline.solver.kernel.diamonds.full import PLACES, TERMS, lost
+from tline.solver.kernel.diamonds.full import PLACES, TERMS, lose_steadily, lost
 from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds, Memory
 from tline.solver.radau import Basis, basis, gauss
 
@@ -104,41 +105,47 @@ def diamonds_of(
     Friction is in cells of so many slabs if these are some, and else in diamonds of one. `sent` are waves as sent and y
     flows, both at the ends of lines before t = 0; cells know what has changed since.
     """
-    here, rests, ends = list(grid.diamonds), grid.rests, junctions.ends
-    lines = list(grid.lines.values())
-    each = [lines[k] for k in here]
-    row, rest = np.full(len(lines), -1), [rests[at] if at >= 0 else 0.0 for at in grid.shift_row[here].tolist()]
-    cell, blocks = grid.cell, junctions.blocks
+    here, rests, ends = np.array(grid.diamonds, int), np.array([*grid.rests, 0.0]), junctions.ends
+    row, rest = np.full(len(grid.lines), -1), rests[grid.shift_row[here]]
+    cell, blocks, lossy = grid.cell, junctions.blocks, [line for line in grid.lines.values() if line.dispersive]
     if not cell:
         row[here] = np.arange(len(here))
-    steps = np.where(blocks.waits[here], blocks.stride, 1).tolist()
-    cells = [_cell(*each, cell) for each in zip(grid.delay[here].tolist(), rest, steps, strict=True)]
+    each, like = distinct(lossy)
+    first = np.unique(like, return_index=True)[1]
+    steps, slabs = np.where(blocks.waits[here], blocks.stride, 1)[first], grid.delay[here][first]
+    cells = [_cell(*each, cell) for each in zip(slabs.tolist(), rest[first].tolist(), steps.tolist(), strict=True)]
     tables, table_at = _tables(each)
     at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
-    matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in rests if here and not cell]
+    halves = len(here) and not cell
+    matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in grid.rests if halves]
     circuits = [grid.circuits[name] for name, line in grid.lines.items() if line.dispersive]
-    friction = [_friction(line, own.series.loss, grid.h) for line, own in zip(each, circuits, strict=True)]
-    long = grid.delay[here] + np.array(rest)
+    alike = [circuits[k] for k in first.tolist()]
+    friction = [_friction(line, own.series.loss, grid.h) for line, own in zip(each, alike, strict=True)]
     found = Diamonds(
-        np.array(here, int),
+        here,
         row,
         np.diff(at_end[junctions.first[junctions.group]]) > 0,
-        np.array(rest),
-        np.array([kind for kind, _ in friction], int),
-        np.array([constants for _, constants in friction]).reshape(-1, 5),
+        rest,
+        np.array([kind for kind, _ in friction], int)[like],
+        np.array([constants for _, constants in friction]).reshape(-1, 5)[like],
         tables,
-        table_at,
+        table_at[like],
         tools_of(basis(min(order.s, CELL_ORDER)) if cell else order),
         order.A[-1],
-        *triangle(order.s if here and not cell else 1),
+        *triangle(order.s if halves else 1),
         ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
         exact=max(EXACT, SHARE * same),
-        cell=np.array([k for k, _ in cells], int),
-        over=np.array([over for _, over in cells]),
+        cell=np.array([k for k, _ in cells], int)[like],
+        over=np.array([over for _, over in cells])[like],
         begin=order.evaluation([0.0])[0],
         jump=max(STEP, WEAK * same) if order.s > 1 else inf,  # constants jump everywhere
         steady=np.zeros((len(here), 4)),
-        memory=_memory(zip(each, circuits, cells, long.tolist(), strict=True), basis(min(order.s, CELL_ORDER)), grid.h),
+        memory=_memory(
+            zip(each, alike, cells, (slabs + rest[first]).tolist(), strict=True),
+            like.tolist(),
+            basis(min(order.s, CELL_ORDER)),
+            grid.h,
+        ),
     )
     if cell:
         begin_steady(found, sent, y, grid.z0)
@@ -149,29 +156,35 @@ def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> 
     """Write down what there is before t = 0, shape (L, 2) each, for cells to see what changes."""
     a1, b2 = sent[diamonds.line].T
     d = 2 * z0[diamonds.line] * y[diamonds.line].mean(axis=1)
-    taken = [lost(diamonds, row, each)[0] for row, each in enumerate(d.tolist())]
-    diamonds.steady[:] = np.stack([a1 - b2, a1 + b2, d, np.array(taken)], axis=1).reshape(-1, 4)
+    diamonds.steady[:, :3] = np.stack([a1 - b2, a1 + b2, d], axis=1)
+    lose_steadily(pack(diamonds))
 
 
-def _memory(rows: Iterable[tuple[Line, Circuits, tuple[int, float], float]], order: Basis, h: float) -> Memory:
-    """Circuits of the columns of cells, half a cell apart; the outermost stand for what lies before them, too."""
-    first, signs, modes, at, maps, states, size, held = [0], [], [], [], [np.empty(0)], [], 0, 0
-    rest = []
-    for line, circuits, (k, over), slabs in rows:
-        left = np.ones(2)
+def _memory(
+    kinds: Iterable[tuple[Line, Circuits, tuple[int, float], float]], like: list[int], order: Basis, h: float
+) -> Memory:
+    """Circuits of the columns of cells, half a cell apart; the outermost stand for what lies before them, too.
+
+    Each row is like a kind of lines, whose maps it shares.
+    """
+    maps, size, known = [np.empty(0)], 0, []
+    for line, circuits, (k, over), slabs in kinds:
+        left, own = np.ones(2), []
         for sign, law, per in _laws(line, circuits) if k else ():
             number, half = 2 * int(slabs // k) - 1, k / (2 * slabs)
             ends = (1.5 + over / k) * half if number > 1 else 1.0
             each = [one_step(law, share * per, order, k * h) for share in (half, ends)]
             left /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
-            at.append([size, size + each[0].size])
-            signs, modes, states = [*signs, sign], [*modes, law.rates.size], [*states, held]
-            maps, size, held = [*maps, *each], size + 2 * each[0].size, held + number * law.rates.size
-        first.append(len(signs))
-        rest.append(left)
+            own.append((sign, law.rates.size, [size, size + each[0].size], number))
+            maps, size = [*maps, *each], size + 2 * each[0].size
+        known.append((own, left))
+    laws = [law for k in like for law in known[k][0]]
+    first, rest = np.cumsum([0, *(len(known[k][0]) for k in like)]), [known[k][1] for k in like]
+    signs, modes, at, numbers = zip(*laws, strict=True) if laws else ((), (), (), ())
+    states = np.cumsum([0, *(number * n for number, n in zip(numbers, modes, strict=True))])
     places = np.array(at, int).reshape(-1, 2)
-    each = np.array(first), np.array(signs), np.array(modes, int), places, np.concatenate(maps), np.array(states, int)
-    return Memory(*each, np.array(rest).reshape(-1, 2), held)
+    each = first, np.array(signs, float), np.array(modes, int), places, np.concatenate(maps), states[:-1]
+    return Memory(*each, np.array(rest).reshape(-1, 2), int(states[-1]))
 
 
 def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float]]:

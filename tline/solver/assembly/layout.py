@@ -22,7 +22,7 @@ from tline.solver.description.excitation import Waveform, just_before
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of
 from tline.solver.description.lines import Line
-from tline.solver.description.nodes import NONE, Node
+from tline.solver.description.nodes import NONE, Node, weights_of
 from tline.solver.description.resolution import Resolution, cell_in
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import Blocks, Laws
@@ -228,7 +228,7 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
         kept = np.array([name in lines for name in description.lines])
         u, y = u[kept], y[kept]
     junctions = grid.joined(groups, nodes)
-    weight = np.concatenate([node.weights(z0) for node in nodes.values()])
+    weight = weights_of(nodes.values(), z0)
     excitations: list[Excitation] = [[*node.excitations] for node in nodes.values()]
     before = None
     if description.steady:

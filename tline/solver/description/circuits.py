@@ -52,13 +52,13 @@ def fit_of(t_end: float, h: float, tolerance: float, drive: float = 0.0) -> Fit:
 
 def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
     """Circuits of all lines that lose something."""
-    found = {}
-    for name, line in lines.items():
-        if line.losses is not None:
+    known: dict[int, Circuits] = {}
+    for line in lines.values():
+        if line.losses is not None and id(line.losses) not in known:
             exact = line.losses.exact
             (series, a), (shunt, b) = (circuit_of(law, fit) for law in (exact.series, exact.shunt))
-            found[name] = Circuits(series, shunt, max(a, b))
-    return found
+            known[id(line.losses)] = Circuits(series, shunt, max(a, b))
+    return {name: known[id(line.losses)] for name, line in lines.items() if line.losses is not None}
 
 
 def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:

@@ -3,9 +3,12 @@
 Lines in numbers: single ones, and one for each mode of coupled conductors.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import exp
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss
@@ -97,7 +100,27 @@ class Line(NamedTuple):
 
 def lines_of(scene: Scene) -> dict[str, Line]:
     """All lines of a scene that carry waves, by name."""
-    return {
-        name: Line(line.nodes, line.parameters.z0, line.parameters.delay or 0.0, line.losses)
-        for name, line in scene.single_lines.items()
-    }
+    found = {}
+    for name, line in scene.single_lines.items():
+        parameters = line.parameters
+        found[name] = Line(line.nodes, parameters.z0, parameters.delay or 0.0, line.losses)
+    return found
+
+
+def distinct(lines: Iterable[Line]) -> tuple[list[Line], NDArray]:
+    """The first of those that differ in more than their nodes, and which of them each line is like.
+
+    Examples
+    --------
+    >>> one, two = Line(("a", "b"), 50.0, 1e-9, None), Line(("b", "c"), 50.0, 1e-9, None)
+    >>> distinct([one, two])[1].tolist()
+    [0, 0]
+    """
+    known: dict[tuple[float, float, int], int] = {}
+    first, like = [], []
+    for line in lines:
+        k = known.setdefault((line.z0, line.delay, id(line.losses)), len(first))
+        if k == len(first):
+            first.append(line)
+        like.append(k)
+    return first, np.array(like, int)

@@ -93,11 +93,6 @@ class Node:
                 return b[:, 0] * (-2 * self.above_level / float((c @ b)[0, 0]))
         return np.zeros(len(A))
 
-    def weights(self, z0: NDArray) -> NDArray:
-        """Share of each end's arriving wave in the Thévenin wave; none reach an effort that is held."""
-        own = 1 / z0[np.array(self.ends, int) // 2]
-        return 0.0 * own if self.held is not None else own / (own.sum() + self.conductance)
-
     @property
     def excitations(self) -> list[tuple[Shape, float]]:
         """Waveforms and their shares of the Thévenin wave."""
@@ -269,6 +264,15 @@ def _check_waves(nodes: Mapping[str, Node]) -> None:
             if at_node:  # else it is small, not cancelled
                 problem = f"cancels the conductance of the lines at node '{name}': no wave is defined"
                 raise InputError(at_node[0], problem, "another resistance")
+
+
+def weights_of(nodes: Collection[Node], z0: NDArray) -> NDArray:
+    """Share of each end's arriving wave in the Thévenin wave of its node, node by node; 0 where the effort is held."""
+    own = 1 / z0[np.array([end for node in nodes for end in node.ends], int) // 2]
+    at = np.repeat(np.arange(len(nodes)), [len(node.ends) for node in nodes])
+    total = np.bincount(at, own, len(nodes)) + [node.conductance for node in nodes]
+    held = np.array([node.held is not None for node in nodes], bool)
+    return np.where(held[at], 0.0, own / np.where(held, 1.0, total)[at])
 
 
 def node_of_end(nodes: Collection[Node]) -> NDArray:

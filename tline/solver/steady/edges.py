@@ -22,7 +22,7 @@ from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, opened, units_of_laws
-from tline.solver.description.lines import Line
+from tline.solver.description.lines import Line, distinct
 from tline.solver.kernel.network import Crossing, Laws
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.kernel.units import law_addresses
@@ -78,11 +78,11 @@ class Falls:
     """What falls along lines, over one unknown each: z0·y."""
 
     def __init__(self, lines: Mapping[str, Line]):
-        self.z0 = np.array([line.z0 for line in lines.values()])
-        self._resistance = np.array([pi(line)[0] for line in lines.values()])
-        laws = [line.losses.flow_law if line.losses else None for line in lines.values()]
-        self._length = np.array([line.losses.exact.length if line.losses else 0.0 for line in lines.values()])
-        self._laws = side_by_side(laws)
+        first, like = distinct(lines.values())
+        lengths = [line.losses.exact.length if line.losses else 0.0 for line in first]
+        each = np.array([(line.z0, pi(line)[0], length) for line, length in zip(first, lengths, strict=True)])
+        self.z0, self._resistance, self._length = each.reshape(-1, 3)[like].T
+        self._laws = side_by_side([line.losses.flow_law if line.losses else None for line in first], like)
 
     def solved(self, a: NDArray) -> Slopes:
         """Falls and flows, and their slopes over a."""

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
+from tline.solver.description.lines import distinct
 from tline.solver.description.links import PlacedBranch, admittance, capacitive, conductors
 from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
@@ -61,8 +62,8 @@ def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
     """Numbers of all lines."""
     lines = description.lines.values()
     ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
-    values = [(line.z0, line.delay, pi(line)[1], falling(line)) for line in lines]
-    z0, delay, leak, falls = np.array(values).T
+    first, like = distinct(lines)
+    z0, delay, leak, falls = np.array([(line.z0, line.delay, pi(line)[1], falling(line)) for line in first])[like].T
     return Lines(ends, z0, delay, leak, falls > 0)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY, copy, times
 from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost
-from tline.solver.kernel.network import Run
+from tline.solver.kernel.network import SQUARE, Run
 from tline.solver.kernel.scatter import FAR
 
 CELL_ORDER = 2  # at most: what cells take in place of half diamonds is of second order whatever theirs
@@ -190,33 +190,56 @@ def places_in_ring(begin, before_a, before_b, D):
 
 
 @function
+def taken_by_square(r, k, before, weight, d):
+    """What friction r x + k |x| x takes so often, beyond what it did before, of a flow d that this lowers to x."""
+    much = weight * (r * d + k * abs(d) * d - before)  # by the flow as it comes; nothing while that is steady
+    rise, bend = 1.0 + weight * (r + 2.0 * k * abs(d)), weight * (k if d > 0.0 else -k)
+    inside = rise * rise - 4.0 * bend * much
+    taken = 2.0 * much / (rise + np.sqrt(max(inside, 0.0)))
+    if inside >= 0.0 and (d - taken) * d >= 0.0:
+        return taken
+    rest, rise = d + weight * before, 1.0 + weight * r  # it turns
+    x = 2.0 * rest / (rise + np.sqrt(rise * rise + 4.0 * weight * k * abs(rest)))
+    return d - x
+
+
+@function
+def taken_from(diamonds, row, before, weight, d, size):
+    """The same for any friction, by Newton's method, to what matters beside waves of a size; and whether it ended."""
+    taken = 0.0
+    for turn in range(ROUNDS):
+        value, slope = lost(diamonds, row, d - taken)
+        step = ((value - before) * weight - taken) / (1.0 + weight * slope)
+        taken += step if turn < NEWTON else 0.5 * step
+        if abs(step) <= diamonds.exact * size:
+            return taken, True
+    return taken, False
+
+
+@function
 def pass_constants(run, row, count):
     """Do what `pass_line` does, of constants in cells of one slab: waves are their projections. Nothing remembers."""
     diamonds, waves, line = run.network.diamonds, run.state.waves, run.network.diamonds.line[row]
-    begin, steady, exact = due(run, row, count), diamonds.steady[row], diamonds.exact
-    o, D, begun, end = (
-        run.network.offset[line],
-        run.network.delay[line],
-        steady[2] - steady[0],
-        0.5 + diamonds.over[row],
-    )
+    D, o, begin = run.network.delay[line], run.network.offset[line], due(run, row, count)
+    square, begun = diamonds.kind[row] == SQUARE, diamonds.steady[row, 2] - diamonds.steady[row, 0]
+    r, k, before, end = diamonds.constants[row, 0], diamonds.constants[row, 1], diamonds.steady[row, 3], 0.5
+    end += diamonds.over[row]
     for later in range(2):
+        a, b = places_in_ring(begin, 0, D - 1 - later, D)
         for i in range(D - later):
-            rest = D - 1 - later - i
-            a, b = places_in_ring(begin, i, rest, D)
-            here, there = waves[o + a], waves[o + b]
-            weight = 1.0 + (end if later + i == 0 else 0.0) + (end if later + rest == 0 else 0.0)
-            d, taken, size, done = here - there + begun, 0.0, max(abs(here), abs(there)), False
-            for turn in range(ROUNDS):
-                value, slope = lost(diamonds, row, d - taken)
-                step = ((value - steady[3]) * weight - taken) / (1.0 + weight * slope)
-                taken += step if turn < NEWTON else 0.5 * step
-                if abs(step) <= exact * size:
-                    done = True
-                    break
+            here, there, weight, done = waves[o + a], waves[o + b], 1.0, True
+            if later == 0:
+                weight += (end if i == 0 else 0.0) + (end if i == D - 1 else 0.0)
+            d = here - there + begun
+            if square:
+                taken = taken_by_square(r, k, before, weight, d)
+            else:
+                taken, done = taken_from(diamonds, row, before, weight, d, max(abs(here), abs(there)))
             if not done:
                 return False
             waves[o + a], waves[o + b] = flushed(here - taken), flushed(there + taken)
+            a = a - 1 if a > 0 else 2 * D - 1
+            b = b + 1 if b < 2 * D - 1 else 0
     return True
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
-from tline.solver.kernel.network import COLEBROOK, POWER, SWAMEE_JAIN, Run
+from tline.solver.kernel.network import COLEBROOK, POWER, SWAMEE_JAIN, Diamonds, Run
 
 STOKES, DUNLOP, LAMINAR = 2000.0, 4000.0, 2040.0  # Reynolds numbers, as in `tline.loss.flow_law`
 SLOWEST = 1e-200  # Reynolds number
@@ -92,6 +92,14 @@ def lost(diamonds, row, d):
         each = c * factor * size
         return value + each * d, slope + (2.0 + exponent) * each
     return value, slope
+
+
+@unit
+def lose_steadily(diamonds: Diamonds) -> int:
+    """Find what friction takes before t = 0, beside cells."""
+    for row in range(diamonds.line.size):
+        diamonds.steady[row, 3], _ = lost(diamonds, row, diamonds.steady[row, 2])
+    return 0
 
 
 @function

@@ -1,0 +1,26 @@
+"""Tables with the same content, which networks have many of: read once, and shared."""
+
+from collections.abc import Mapping
+from typing import Any
+
+PLAIN = {str, int, float}  # whose values say all; a truth value or a quantity does not
+
+
+def content(table: Mapping[str, Any], besides: str = "") -> tuple[Any, ...] | None:
+    """All that a table says but for one key, as it was typed; None if it holds more than numbers, texts and tables.
+
+    Examples
+    --------
+    >>> content({"nodes": ["a", "b"], "length": 1.0, "friction": {"kind": "darcy"}}, besides="nodes")
+    (('length', <class 'float'>, 1.0), ('friction', <class 'dict'>, (('kind', <class 'str'>, 'darcy'),)))
+    """
+    found = []
+    for key, value in table.items():
+        kind = type(value)
+        if kind in PLAIN:
+            found.append((key, kind, value))
+        elif kind is dict and (inside := content(value)) is not None:
+            found.append((key, kind, inside))
+        elif key != besides:
+            return None
+    return tuple(found)
