@@ -86,8 +86,8 @@ class OneOrder:
             at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
             self.initial[at : at + len(at_rest)] = at_rest
         for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
-            if (node.conductance, node.held, node.flows) == (old.conductance, old.held, old.flows):
-                continue  # which has the same line ends
+            if node.drives_as(old):
+                continue
             network.weight[network.first[k] : network.first[k + 1]] = weights_of([node], z0)
             if node.excitations:
                 parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
