@@ -27,10 +27,10 @@ OF_LAWS = Laws._fields[: Laws._fields.index("record_row")]  # what slabs and wha
 
 @dataclass
 class Assembly(Layout):
-    """A layout as arrays for slabs of one order, and what the time loop needs beside them.
+    """Layout as arrays for slabs of one order, with the state and workspace of the time loop.
 
-    Its arrays stay where they are as long as runs on the same grid go on with it: they are packed once, and a scene
-    with other values is written in place of the one before.
+    Its arrays keep their addresses as long as runs on the same grid use it: they are packed once, and a scene
+    with other values is written into them.
     """
 
     description: Description
@@ -78,7 +78,7 @@ class Assembly(Layout):
 
 
 def _key(chosen: Resolution, record: Collection[str], laws: Collection[str], nodes: Collection[str]) -> Hashable:
-    """What another scene on this grid has to share with an assembly, so that it takes its place."""
+    """Key of an assembly: scenes with the same key on one grid can share it."""
     return chosen.s, chosen.same, chosen.plain, frozenset(record), frozenset(laws), tuple(nodes)
 
 
@@ -150,7 +150,7 @@ def _state(network: Network, layout: Layout, order: Basis) -> State:
 
 
 def _begin(assembly: Assembly) -> None:
-    """Put in place what there is before t = 0."""
+    """Write the state before t = 0."""
     state, network, grid, order = assembly.state, assembly.network, assembly.grid, assembly.basis
     for part in (state.slot, state.side, state.memory, state.halves, state.since):
         part.fill(0)

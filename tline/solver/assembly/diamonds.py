@@ -65,12 +65,12 @@ def triangle(s: int) -> Triangle:
         return _graded(p, q, s) @ to_modes
 
     def behind(p: NDArray, q: NDArray) -> NDArray:
-        """Integrals of modes along what leaves, from the end p = q on."""
+        """Integrals of modes along leaving characteristics, from the end p = q on."""
         parts = [((q - p) * w)[:, None] * modes(p, p + (q - p) * x) for x, w in zip(*gauss(s + 1), strict=True)]
         return np.sum(parts, axis=0)
 
     def before(p: NDArray, q: NDArray) -> NDArray:
-        """Integrals of modes along what arrives, from p = 0 on."""
+        """Integrals of modes along arriving characteristics, from p = 0 on."""
         return np.sum([(p * w)[:, None] * modes(p * x, q) for x, w in zip(*gauss(s + 1), strict=True)], axis=0)
 
     order, here = basis(s), modes(p, q).T * weights
@@ -100,10 +100,10 @@ def _graded(p: NDArray, q: NDArray, s: int) -> NDArray:
 def diamonds_of(
     grid: "SlabGrid", order: Basis, junctions: "Junctions", same: float, sent: NDArray, y: NDArray
 ) -> Diamonds:
-    """The lines of a grid that lose all along, where so much of the largest wave may be left out at a breakpoint.
+    """Diamonds of the lines with distributed losses; breakpoints below `same` of the largest wave are dropped.
 
-    Friction is in cells of so many slabs if these are some, and else in diamonds of one. `sent` are waves as sent and y
-    flows, both at the ends of lines before t = 0; cells know what has changed since.
+    Friction is in cells of `grid.cell` slabs, or in diamonds of one slab if that is 0. `sent` are waves as sent and y
+    flows, both at the ends of lines before t = 0; cells compute changes from these.
     """
     here, rests, ends = np.array(grid.diamonds, int), np.array([*grid.rests, 0.0]), junctions.ends
     row, rest = np.full(len(grid.lines), -1), rests[grid.shift_row[here]]
@@ -188,7 +188,7 @@ def _memory(
 
 
 def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float]]:
-    """Sign, circuit, and what it is to be multiplied by, of what a line remembers in series and loses across."""
+    """Yield sign, circuit and factor of the memory in series and of the losses across a line."""
     assert line.losses is not None
     length, series, shunt = line.losses.exact.length, circuits.series, circuits.shunt
     if series.strengths.size:
@@ -198,7 +198,7 @@ def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float
 
 
 def _cell(D: int, f: float, step: int, wanted: float) -> tuple[int, float]:
-    """Slabs in a cell of a line D + f slabs long, whole steps, that leave least of it, and what they leave."""
+    """Slabs in a cell of a line D + f slabs long, in whole steps, with the least remainder, and the remainder."""
     if not wanted:
         return 0, 0.0
     most = min(int(wanted * (1 + WHOLE)), D)
@@ -245,7 +245,7 @@ def _of_colebrook(roughness: float) -> NDArray:
 
 @lru_cache
 def _power_table(n: float) -> NDArray:
-    """What `tline.solver.kernel.diamonds.full.power` looks up."""
+    """Table for `tline.solver.kernel.diamonds.full.power`."""
     k, places = np.arange(TERMS), 1 + (np.arange(PLACES) + 0.5) / PLACES
     binomials = np.cumprod(np.append(1.0, (n - k[:-1]) / k[1:]))
     exponents = np.arange(2 * EXPONENT + 1) - EXPONENT
@@ -256,7 +256,7 @@ def _power_table(n: float) -> NDArray:
 
 
 def fill_diamonds(network: Network, state: State, flows: Mapping[int, Ends], order: Basis) -> None:
-    """Write waves on lines that lose all along, each slab on its next edge, and what half diamonds take."""
+    """Write waves on lines with distributed losses, each slab on its next edge, and the losses of half diamonds."""
     s, c = order.s, order.c
     for row, k in enumerate(network.diamonds.line.tolist()):
         D, f = int(network.delay[k]), float(network.diamonds.rest[row])

@@ -1,4 +1,4 @@
-"""Fronts as breakpoints that travel: what slabs in several pieces need beside a network and its state.
+"""Fronts as travelling breakpoints: data of slabs in several pieces, in addition to a network and its state.
 
 A jump or corner of a source, or a switch that moves, is a front. A slab with fronts inside is held as pieces, each a
 polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 to 1. A slab that begins with a front is
@@ -44,7 +44,7 @@ LULL = 16  # slabs without a front that are worth a return to blocks
 
 
 class Tally(NamedTuple):
-    """What became of the fronts of a run."""
+    """Counts of the fronts of a run, and the largest one dropped."""
 
     most: int = 0  # slabs in several pieces under way at once, at most
     merged: int = 0  # fronts that reached a node together with another one
@@ -54,9 +54,9 @@ class Tally(NamedTuple):
 
 
 def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -> Fronts:
-    """What a run of n slabs needs, in which events happen inside slabs, in order of time.
+    """Data of the fronts of a run of n slabs with events inside slabs, in order of time.
 
-    No slab of a source has more parts than given.
+    A slab of a source has at most `parts` parts.
     """
     network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
     s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s

@@ -1,9 +1,9 @@
-"""What of a scene's arrays is the same for slabs of any order: found once for all runs on slabs of one width.
+"""Layout of a scene on slabs of one width: the arrays that do not depend on the order.
 
-How far the nodes of a network are advanced at once: those that meet only long lines farther than the others.
+Nodes with long lines only are advanced farther at once than the others.
 
-What leaves a node is not seen elsewhere before the shortest of its lines has passed, or half a cell of friction. All
-nodes for which that takes a stride or longer go a stride at once, the others meanwhile in short steps.
+A wave that leaves a node arrives elsewhere after the delay of its shortest line, or half a cell of friction. All nodes
+for which that is a stride or longer advance by a stride at once, the others meanwhile in short steps.
 """
 
 from collections.abc import Callable, Collection, Hashable, Mapping
@@ -36,7 +36,7 @@ STAGES = 3  # lines, state before t = 0, nodes
 
 
 def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, diamonds: Collection[int] = ()) -> Blocks:
-    """The blocks of a network whose lines each reach so many slabs; for the other arrays see `Network`."""
+    """Blocks of a network, from the delays of lines in slabs (`reach`); for the other arrays see `Network`."""
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])
@@ -57,7 +57,7 @@ def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, dia
 
 
 def _stride(reach: NDArray, ends: NDArray) -> int:
-    """That for which groups with that reach, and so many ends each, are begun with least often; never a single slab."""
+    """Stride, above one slab, with the fewest starts of groups, weighted by their line ends."""
     if reach.min() == reach.max():
         return min(int(reach[0]), LONGEST) if reach[0] > 1 else LONGEST
     order = np.argsort(reach)
@@ -118,7 +118,7 @@ class SlabGrid:
 
 @dataclass
 class Layout:
-    """A scene on a grid: what stands at its nodes, and what there is before t = 0."""
+    """Scene on a grid: its groups of nodes, and the state before t = 0."""
 
     grid: SlabGrid
     junctions: Junctions
@@ -146,13 +146,13 @@ class Layout:
 
     @cached_property
     def sent(self) -> NDArray:
-        """The same as they were sent, a from end 1 and b from end 2, which arrive at the other one, shape (L, 2)."""
+        """Waves before t = 0 as sent, a from end 1 and b from end 2, shape (L, 2)."""
         q = self.grid.z0[:, None] * self.y
         return self.u + [1, -1] * q
 
     @cached_property
     def moved(self) -> NDArray:
-        """What waves lose or win on their way through cells before t = 0, shape (2 L,)."""
+        """Change of waves on their way through cells before t = 0, shape (2 L,)."""
         here, found = list(self.grid.diamonds) if self.grid.cell else [], np.zeros((len(self.u), 2))
         found[here] = (self.arriving.reshape(-1, 2) - self.sent[:, ::-1])[here]
         return found.ravel()
@@ -183,7 +183,7 @@ def layout_of(
 
 
 def _losses(description: Description, chosen: Resolution) -> tuple[Any, ...]:
-    """What of a resolution matters to lossy lines: fit of their circuits, and cells."""
+    """Part of a resolution on which lossy lines depend: fit of their circuits, and cells."""
     if not description.lossy:
         return ()
     fastest = min((shape.fastest() for shape in description.waveforms.values()), default=inf)

@@ -76,7 +76,7 @@ def work_for(network: Network, state: State) -> Work:
 
 
 def renew(work: Work, network: Network, s: int) -> None:
-    """Leave nothing in a workspace of what a run before has found at its laws, if one sees another or has a state."""
+    """Clear the starting values of an earlier run at laws, if these are coupled or have states."""
     laws = network.laws
     if not len(laws.kind) or not (len(network.step_states) or laws.states.any() or laws.governed.any()):
         return
@@ -87,7 +87,7 @@ def renew(work: Work, network: Network, s: int) -> None:
 
 
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
-    """Workspace of diamonds, beside groups of at most so many states and elements."""
+    """Workspace of diamonds at groups of at most `states` states and `elements` elements."""
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
@@ -124,7 +124,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
 
 
 def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Crossing, Store, CircuitWork]:
-    """Workspace of laws and stores, in groups of at most so many elements."""
+    """Workspace of laws and stores in groups of at most `elements` elements."""
     s = state.before.shape[1]
     at_points = {name: np.empty(s) for name in AT_POINTS}
     system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
@@ -152,7 +152,7 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
 
 
 def _of_governors(laws: Laws, points: int, samples: int, states: int, elements: int) -> GovernWork:
-    """Workspace of openings at so many points, in a group of so many samples, states and elements."""
+    """Workspace of openings at `points` points, in a group of these samples, states and elements."""
     each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
     kept = np.zeros((elements, int(laws.states.max(initial=0))))
     return GovernWork(np.empty(samples), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
@@ -160,7 +160,7 @@ def _of_governors(laws: Laws, points: int, samples: int, states: int, elements: 
 
 @cache
 def _without_elements() -> Any:
-    """The same where there are none, packed: nothing reads it."""
+    """Packed workspace of a network without elements; never read."""
     nothing = np.empty(0)
     matrix = np.empty((0, 0))
     tools = Tools(nothing, matrix, matrix, matrix, matrix)
@@ -173,7 +173,7 @@ def _without_elements() -> Any:
 
 
 def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
-    """Workspace for `most` pieces of a slab at a node, and for waves given in at most so many parts."""
+    """Workspace for `most` pieces of a slab at a node, and for prescribed waves in at most `parts` parts."""
     nodes, states, elements = largest_group(network)
     ends = int(np.diff(network.first[network.group]).max(initial=0))
     fronts, given = 2 * most * ends + most, max(parts, 2 * most + 2)

@@ -65,7 +65,7 @@ class Kernel:
         return True
 
     def rest(self) -> None:
-        """Forget what the last run wrote."""
+        """Release the arrays of the last run."""
         self.run(*NOTHING)
 
     @cached_property
@@ -81,7 +81,7 @@ class Kernel:
             self._advance_fronts.address  # noqa: B018
 
     def run(self, excitation: NDArray, record: NDArray) -> Any:
-        """What units get, packed."""
+        """Packed argument of the units."""
         now = self._run.values
         if excitation is not now.excitation or record is not now.record:
             self._run.write(now._replace(excitation=excitation, record=record))
@@ -236,7 +236,7 @@ class Signals:
         return np.broadcast_to(values, (n, self.basis.s)).ravel()
 
     def broken(self, first: int, n: int) -> list[Broken]:
-        """Each excitation in those of n slabs in which it breaks."""
+        """Parts of each excitation in the slabs, among n from `first` on, in which it breaks."""
         found = self._broken.get((first, n))
         if found is None:
             each = zip(self.of, self.places, strict=True)
@@ -339,7 +339,7 @@ class Stepper:
         return int(done)
 
     def run(self, seconds: float) -> March:
-        """What there is to say now."""
+        """Record of the march so far."""
         pieces = concatenated(self.noted, self.assembly.basis.s)
         return March(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 

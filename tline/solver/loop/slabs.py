@@ -1,4 +1,4 @@
-"""The slabs of a run, of which the last may reach beyond its end."""
+"""Slabs of a run, the last of which may extend beyond its end."""
 
 from functools import lru_cache
 from math import ceil, floor
@@ -22,7 +22,7 @@ class Slabs(NamedTuple):
 
     @classmethod
     def until(cls, t_end: float, width: float, number: int | None = None) -> "Slabs":
-        """As many as it takes to come to an end, or so many, which may be fewer."""
+        """Make the slabs until t_end, or `number` of them, which may be fewer."""
         needed = max(ceil(t_end / width - AT_SLAB_END), 1)
         number = needed if number is None else number
         return cls(number, width, t_end if number >= needed else number * width)
@@ -49,7 +49,7 @@ def _ends(slabs: Slabs) -> NDArray:
 
 
 def cut_at_end(slabs: Slabs, values: NDArray, pieces: Noted, order: Basis) -> tuple[Noted, Noted]:
-    """Cut the slab in which a run ends, there: the same polynomials, seen closer.
+    """Cut the slab in which a run ends at the end: its polynomials are restricted.
 
     Values (rows, 2, s) are waves in that slab, of rows not in pieces there; pieces are of these rows, in any slab.
     Returned are all pieces before the end, and those behind it.
