@@ -1,4 +1,4 @@
-"""A scene from whatever file it is in: a scene in TOML, a SPICE netlist, a water network of EPANET."""
+"""Scenes from files: TOML scenes, SPICE netlists, water networks of EPANET."""
 
 import warnings
 from collections.abc import Mapping
@@ -85,7 +85,7 @@ def read_foreign(
     hour: float | None = None,
     moving_tanks: bool | None = None,
 ) -> tuple[Scene, tuple[str, ...]]:
-    """Scene of another program's file, and notes on what is left out or taken otherwise."""
+    """Scene of another program's file, and notes on parts left out or interpreted."""
     suffix = path.suffix.lower()
     if suffix not in (*SPICE, *EPANET):
         raise InputError(str(path), "unknown kind of file", " or ".join((*SPICE, *EPANET)), suffix or "no suffix")
@@ -106,7 +106,7 @@ def read_foreign(
 
 
 def refuse_water(given: Mapping[str, Any]) -> None:
-    """Refuse what only water networks take, where it is given."""
+    """Refuse options of water networks for other files."""
     for name, value in given.items():
         if value is not None:
             raise InputError(name, "is for .inp files", "none", str(value))

@@ -47,7 +47,7 @@ TIMES = ("PATT", "HYDR", "RULE", "START")
 
 
 def solved(path: str, text: str, instant: int = 0) -> dict[str, Any]:
-    """What EPANET answers to a text so many seconds after the start of time; messages name the file at `path`."""
+    """Solution of EPANET for a text, `instant` seconds after the start of time; messages name the file at `path`."""
     library = _library()
     seconds = min(SECONDS + EACH * len(text) / 1e6, MOST_SECONDS)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
@@ -106,7 +106,7 @@ SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
 
 @dataclass
 class EpanetText:
-    """What a file says."""
+    """Content of a file of EPANET."""
 
     network: str = ""  # for EPANET to solve: sections and options that bear on a steady flow at the start of time
     title: str = ""
@@ -142,7 +142,7 @@ def read_text(path: str) -> str:
 
 
 def parse(text: str, path: str) -> EpanetText:
-    """Sort the lines of a file, each told by its words."""
+    """Sort the lines of a file by section."""
     found, section, kept = EpanetText(title=Path(path).stem), None, []
     titles: list[str] = []
     for number, line in enumerate(END_OF_LINE.split(text), 1):
@@ -182,7 +182,7 @@ def _sort(line: str, section: str | None, where: str, found: EpanetText, kept: l
 
 
 def _words(line: str, where: str) -> list[str]:
-    """Words of a line, without the quotes that may stand around one."""
+    """Words of a line, without quotes around them."""
     words = SEPARATORS.split(line)
     if '"' in line:
         if any(word.count('"') % 2 or '"' in word.strip('"') or not word.strip('"') for word in words):

@@ -78,7 +78,7 @@ class Findings:
 
 
 class Card(NamedTuple):
-    """One element or command, with the values that names have where it stands."""
+    """One element or command, with the parameters defined at its position."""
 
     where: str  # file, line and name, for messages
     kind: str  # first letter of the element's own name, or LUMPED; '.' of a command
@@ -92,11 +92,11 @@ class Card(NamedTuple):
         return parse_value(word, self.parameters, self.where)
 
     def refuse(self, problem: str, expected: str = "", got: str = "") -> InputError:
-        """The error to raise, pointing here, whatever long words the card has."""
+        """Make an error that names this card, with long words cut short."""
         return InputError(self.where, *(f"{text:.{LONGEST}}" for text in (problem, expected, got)))
 
     def of_kind(self, *kinds: str) -> "Card":
-        """The card of a model, which is refused unless it is of one of these kinds, in upper case."""
+        """Return the card of a model if it is of one of these kinds (upper case); else raise an error."""
         found = "".join(self.words[1:2])
         if found.upper() not in kinds:
             raise self.refuse("not known here", " or ".join(kinds), f"'{found}'")
@@ -120,14 +120,14 @@ class Card(NamedTuple):
 
 
 class Deck(NamedTuple):
-    """A netlist read: its title, and all cards as they stand in its files."""
+    """Title and cards of a netlist, in the order of its files."""
 
     title: str
     cards: list[Card]
 
 
 def read_deck(path: str | Path, found: Findings) -> Deck:
-    """Read a netlist and what it includes from its own folder; its first line is the title, whatever it says."""
+    """Read a netlist and the files that it includes from its own folder; the first line is always the title."""
     title, *lines = _lines(Path(path))
     reader = _Reader(Folder(Path(path).parent, confined=True), found)
     cards = list(reader.cards(lines, str(path), 2))
@@ -135,7 +135,7 @@ def read_deck(path: str | Path, found: Findings) -> Deck:
 
 
 def nodes_of(words: list[str]) -> int:
-    """How many words stand in front of what is assigned."""
+    """Number of words before the first assignment."""
     return max(words.index("=") - 1, 0) if "=" in words else len(words)
 
 
@@ -144,7 +144,7 @@ def _lines(path: Path) -> list[str]:
 
 
 class _Reader:
-    """Joins lines to cards, and puts those of other files where they are included."""
+    """Reader that joins lines to cards and inserts included files."""
 
     def __init__(self, folder: Folder, found: Findings):
         self.folder, self.found, self.files, self.count = folder, found, 0, 0
@@ -240,7 +240,7 @@ def _joined(lines: list[str], path: str, first: int, found: Findings) -> Iterato
 
 
 def _without_control(cards: list[Card], found: Findings) -> list[Card]:
-    """Cards with what blocks between .control and .endc ask for, where that is a run or a picture."""
+    """Replace blocks between .control and .endc by the runs and plots that they command."""
     plain, asked, inside = [], [], None
     for card in cards:
         name = card.name.lower()

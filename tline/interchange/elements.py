@@ -67,7 +67,7 @@ def take(card: Card, net: Netlist) -> None:
 
 
 def merge_shorts(cards: Iterable[Card], net: Netlist) -> None:
-    """Let nodes be one between which sources of no voltage or resistors of 0 ohm stand, but for what is sensed."""
+    """Merge nodes connected by sources of 0 V or resistors of 0 ohm, except sensed ones."""
     for card in cards:
         if len(card.words) < 3 or card.kind not in "VR" or card.name.lower() in net.sensed:
             continue

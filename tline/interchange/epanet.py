@@ -178,9 +178,9 @@ def _is_closed(link: Mapping[str, Any]) -> bool:
 
 
 def _is_left_out(link: Mapping[str, Any], closed: bool) -> bool:
-    """Whether a scene goes without it: valves that are shut can be opened there, and pumps that stand started.
+    """Whether a scene omits a link: not shut valves, which can be opened, nor stopped pumps, which can be started.
 
-    What is shut although water would flow, so that a full tank does not run over, cannot be told as a check valve.
+    A pipe shut against a flow that would overfill a tank cannot be represented as a check valve.
     """
     if link["type"] == PUMP:
         return closed and (not link["curve"] or link["drop"] > 0)

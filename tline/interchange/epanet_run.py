@@ -219,7 +219,7 @@ def _reported() -> str:
 
 
 def limit(seconds: float, memory: int, written: int) -> None:
-    """Bound what this process may use, where the system can."""
+    """Limit the resources of this process, where the system can."""
     try:
         import resource
     except ImportError:

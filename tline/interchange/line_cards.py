@@ -94,7 +94,7 @@ def lumped_line(card: Card, net: Netlist) -> None:
 
 
 def _per_length(model: Card, kind: str, own: dict[str, list[str]]) -> dict[str, float]:
-    """R, L, G and C per length, and the length, by a model and what the element itself says."""
+    """R, L, G and C per length, and the length, from a model and the element's own parameters."""
     plain, given = model.of_kind(kind.upper()).assigned(2)
     flags = [word for words in given.values() for word in words[1:]]
     values = {"r": 0.0, "l": 0.0, "g": 0.0, "c": 0.0}

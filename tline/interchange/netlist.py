@@ -63,7 +63,7 @@ class Netlist:
         self.cards[section, name] = card
 
     def between(self, card: Card, ends: Iterable[str], table: Table, name: str = "") -> None:
-        """Add what stands between two nodes: a load where one of them is the reference, else a link."""
+        """Add an element between two nodes: a load if one of them is the reference, else a link."""
         first, second = ends
         if first == second:
             self.found.note(card.where, "skipped, for both its ends are at one node")
@@ -152,7 +152,7 @@ class Netlist:
 
 
 def connected(net: Netlist) -> set[str]:
-    """Drop what no line reaches, such as a supply of transistors that are not there; the nodes that go with it."""
+    """Drop parts that no line reaches, such as a supply of omitted transistors; return the dropped nodes."""
     neighbours: dict[str, set[str]] = {}
     for _, _, nodes in net.terminals():
         own = [node for node in nodes if node != REFERENCE]
@@ -173,7 +173,7 @@ def connected(net: Netlist) -> set[str]:
 
 
 def check_size(net: Netlist, path: str) -> None:
-    """Refuse circuits of so many nodes, with no lines in between, that their matrices take minutes and gigabytes."""
+    """Refuse circuits with so many nodes between lines that their matrices take minutes and gigabytes."""
     numbers: dict[str, int] = {}
     ends = [
         [numbers.setdefault(node, len(numbers)) for node in link["nodes"] if node != REFERENCE]
@@ -228,7 +228,7 @@ def with_open_ends(net: Netlist) -> None:
 
 
 def with_links(net: Netlist) -> None:
-    """Let what stands at a node where neither line nor link ends be a link to the reference, for a scene needs one."""
+    """Turn a load at a node without lines and links into a link to the reference, since a scene needs one there."""
     elements = [element for tables in net.tables.values() for element in tables.values()]
     ended = {node for each in elements for key in ("nodes", "nodes1", "nodes2") for node in each.get(key, ())}
     alone = {source["at"] for source in net.tables["sources"].values() if "at" in source} - ended

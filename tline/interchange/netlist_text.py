@@ -37,7 +37,7 @@ class Names:
         return self._word(letter + re.sub(r"\W", "_", name, flags=re.ASCII), letter)
 
     def _word(self, wanted: str, other: str) -> str:
-        """What is wanted if it is a word that is free; else the other, made free by a number."""
+        """Return `wanted` if it is an unused word; else `other` with a number that makes it unused."""
         word, k = (wanted if re.fullmatch(r"[A-Za-z_]\w*", wanted, re.ASCII) else other), 2
         free = word
         while free.lower() in self.used:

@@ -1,4 +1,4 @@
-"""What pipes are made of, from a table by their names: it sets their wave speed."""
+"""Materials and walls of pipes from a table by name, which determine wave speeds."""
 
 import csv
 import io
@@ -42,7 +42,7 @@ def keys_of(name: str, walls: Mapping[str, Keys]) -> Keys:
 
 
 def notes_on(walls: Mapping[str, Keys], pipes: Mapping[str, Any], *, given: bool) -> Iterator[str]:
-    """Notes on pipes of which nothing was said, and on rows of none."""
+    """Notes on pipes without a row, and on rows without a pipe."""
     unknown = walls.keys() - pipes.keys() - {EVERY}
     if unknown:
         yield f"material: no pipe in use has these names: {listed(unknown)}"

@@ -43,7 +43,7 @@ ANY = Transient(0.0, 1.0, True)  # in place of a run that is not given, so that 
 
 
 def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
-    """Scene of a SPICE netlist, and notes on what is left out or read in a certain sense.
+    """Scene of a SPICE netlist, and notes on parts left out or interpreted.
 
     Each element becomes one of the scene, under its name: T, O, Y, P and W lines, R, L, C and D loads and links, V and
     I sources, E, F, G, H and K two-ports, U resistors and capacitors. R between a source and one other element is its
@@ -153,7 +153,7 @@ def _take(net: Netlist, elements: list[Card], begin: list[Card]) -> None:
 
 
 def _take_one(card: Card, net: Netlist) -> None:
-    """An element; what is out of the range of numbers is refused."""
+    """Take an element into the netlist; refuse values out of the range of numbers."""
     try:
         take(card, net)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
@@ -161,7 +161,7 @@ def _take_one(card: Card, net: Netlist) -> None:
 
 
 def _add_unused_line(net: Netlist, path: str) -> None:
-    """A line that joins nothing, where the netlist has none, for a scene needs one."""
+    """Add an unconnected line if the netlist has none, since a scene needs one."""
     if not net.tables["lines"]:
         net.found.note(path, "no line has an inductance; a scene needs a line, so one that joins nothing is added")
         net.tables["lines"]["unused"] = {"nodes": ["unused 1", "unused 2"], "z0": 50.0, "delay": net.tran.end}
@@ -190,7 +190,7 @@ def _probes(
 
 
 def _scene(table: dict[str, Any], net: Netlist) -> Scene:
-    """The scene; its mistakes are told with the line of the netlist that each is from."""
+    """Make the scene; errors name the line of the netlist from which they come."""
     try:
         return scene_from(table)
     except SceneError as error:

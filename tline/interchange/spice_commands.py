@@ -1,4 +1,4 @@
-"""What a SPICE netlist asks for: an end time, nodes to be shown, voltages at the begin, measures."""
+"""Commands of a SPICE netlist: end time, printed nodes, initial voltages, measures, steps."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -44,7 +44,7 @@ BARE = re.compile(r"[\w-]+", re.ASCII)  # a key that needs no quotes
 
 
 def transient(cards: list[Card], frequencies: list[Card], path: str, found: Findings) -> Transient | None:
-    """What the first .tran of a netlist says, or without one the first .ac."""
+    """Read the first .tran of a netlist, or without one the first .ac."""
     for card in frequencies if cards else frequencies[1:]:
         found.note(card.where, "skipped: another analysis: tline frequency")
     if frequencies and not cards:
@@ -97,7 +97,7 @@ def _times(card: Card, found: Findings) -> Transient:
 
 
 def nodes_shown(card: Card, found: Findings) -> Iterator[tuple[Card, str]]:
-    """The nodes that a card asks for, each with the card; what else it asks for is noted."""
+    """Yield the nodes that a card prints, each with the card; other requests are noted."""
     rest = FORMS.sub(" ", VOLTAGE.sub(" ", card.text)).split()[1:]
     rest = [word for word in rest if re.search(r"\w\(|@|\[", word)]
     if rest:
@@ -133,7 +133,7 @@ Table = dict[str, Any]
 
 
 def measures(cards: Iterable[Card], net: Netlist) -> dict[str, Table]:
-    """Measures by name; what is not known is skipped with a note, for it changes no voltage."""
+    """Measures by name; unknown ones are skipped with a note, since they change no voltage."""
     found: dict[str, Table] = {}
     for card in cards:
         try:
@@ -230,14 +230,14 @@ class _MeasureReader:
         return {"probe": first} | ({"minus": second[0]} if second else {})
 
     def _take(self) -> str:
-        """The next word in capitals; `last` has it as it stands."""
+        """Return the next word in capitals; `last` keeps its spelling."""
         if not self.words:
             raise self.card.refuse("not whole")
         self.last = self.words.pop(0)
         return self.last.upper()
 
     def _is(self, word: str) -> bool:
-        """Whether the next word is this one, which is then taken."""
+        """Whether the next word is this one; if so, take it."""
         return self.words[:1] != [] and self.words[0].upper() == word and self._take() == word
 
     def _number(self) -> float:
@@ -249,7 +249,7 @@ Tables = dict[str, Any]
 
 
 class StepCard(NamedTuple):
-    """What one .step varies, the values as `tline sweep` takes them, and two of them."""
+    """Parameter of one .step, its values in the syntax of `tline sweep`, and two of them."""
 
     name: str
     values: str
@@ -265,7 +265,7 @@ def with_first_values(cards: list[Card]) -> list[Card]:
 
 
 def note_steps(cards: list[Card], found: Findings, file: str, tables: Callable[[list[Card]], Tables]) -> None:
-    """Note the command of the sweep that all .step cards ask for together, or that there is none."""
+    """Note the sweep command equivalent to all .step cards, or that there is none."""
     varied = []
     for card in cards:
         if card.name.lower() != STEP:
@@ -282,7 +282,7 @@ def note_steps(cards: list[Card], found: Findings, file: str, tables: Callable[[
 
 
 def _step(card: Card) -> StepCard | None:
-    """What a card varies; nothing where it is no .step, or its values are in no order that a sweep has."""
+    """Read a .step card; None for other cards, and for values that a sweep cannot express."""
     words = [word for word in card.words if word.lower() not in ("lin", "param")] if card.name.lower() == STEP else []
     ratio = RATIOS.get(words[0].lower()) if words else None
     name, *given = words[1:] if ratio else words or [""]
@@ -315,7 +315,7 @@ def _path(cards: list[Card], step: StepCard, tables: Callable[[list[Card]], Tabl
 
 
 def _with(card: Card, name: str, value: str) -> Card:
-    """The card with a value in place of what it gives the parameter, or the element of that name."""
+    """Replace the value that a card gives to a parameter, or to the element of that name."""
     if name in _defined(card):
         words = list(card.words)
         words[[word.lower() for word in words].index(name) + 2] = value
@@ -331,7 +331,7 @@ def _defined(card: Card) -> list[str]:
 
 
 def _differences(first: Any, second: Any, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any, Any]]:
-    """Paths in tables of tables at which two differ, and what they have there."""
+    """Yield the paths at which two nested tables differ, with both values."""
     if isinstance(first, dict) and isinstance(second, dict) and first.keys() == second.keys():
         for key in first:
             yield from _differences(first[key], second[key], (*path, key))

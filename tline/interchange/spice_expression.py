@@ -101,7 +101,7 @@ FUNCTIONS: dict[str, Function] = _PLAIN | {
 
 
 def assignments(text: str) -> list[str]:
-    """Words of a card of parameters: name, '=' and value again and again; what is bare gets braces.
+    """Words of a card of parameters: name, '=' and value repeatedly; bare expressions get braces.
 
     Examples
     --------
@@ -142,7 +142,7 @@ Signal = Callable[[str], Value]  # of its text
 
 
 def number(text: str) -> float | None:
-    """Value of a number with its suffix, None if it is none.
+    """Value of a number with its suffix; None for other text.
 
     Examples
     --------
@@ -214,7 +214,7 @@ class _Parser:
             raise ValueError(f"'{mark}' is missing")
 
     def _choice(self, depth: int) -> Value:
-        """Two values of which a condition chooses one."""
+        """Evaluate a conditional: condition ? value : value."""
         value = self._binary(0, depth)
         if not self._take("?"):
             return value
@@ -280,7 +280,7 @@ class _Parser:
         return float(function(*arguments))
 
     def _defined(self, name: str, defined: Defined, arguments: list[Value], depth: int) -> Value:
-        """Value of a function of the netlist, which sees its parameters too."""
+        """Value of a function defined in the netlist, which may use its parameters."""
         if next(self.calls) > MOST_CALLS:
             raise ValueError("its functions call each other too often")
         _check_count(name, arguments, len(defined.arguments), len(defined.arguments))

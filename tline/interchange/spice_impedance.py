@@ -66,7 +66,7 @@ def _number(card: Card, words: list[str], key: str) -> float:
 
 
 def _check_harmless(card: Card, given: Mapping[str, list[str]], net: Netlist) -> None:
-    """Refuse what changes a value; coefficients of temperature do nothing at the nominal one."""
+    """Refuse parameters that change the value; temperature coefficients have no effect at the nominal temperature."""
     for key, words in given.items():
         if key in COEFFICIENTS and any(map(card.value, words)):
             net.found.note(card.where, f"{key.upper()} is skipped: it is at its nominal temperature")
@@ -103,7 +103,7 @@ def _by_model(card: Card, model: Card, value: float | None, own: dict[str, list[
 
 
 def impedance(card: Card, net: Netlist) -> None:
-    """Let R, L or C be part of the scene, with what LTspice puts in a row with it and beside it."""
+    """Add R, L or C to the scene, with LTspice's series and parallel parasitics."""
     kind, key = KINDS[card.kind]
     first, second, value = net.node(card.words[0]), net.node(card.words[1]), value_of(card, net)
     if card.kind == "R" and value == 0:
@@ -202,7 +202,7 @@ def add_coupled(given: list[Coupling], net: Netlist) -> None:
 
 
 def _pair(coupling: Coupling, net: Netlist) -> None:
-    """Two inductors as one element; without leakage, or nearly so, a transformer beside what magnetises it."""
+    """Add two coupled inductors as one element, or as a transformer and a magnetising inductance if leakage is tiny."""
     card, names, value = coupling
     if names[0] == names[1]:
         raise card.refuse("couples one inductor with itself", "two")
@@ -221,7 +221,7 @@ def _pair(coupling: Coupling, net: Netlist) -> None:
 
 
 def _windings(names: list[str], given: list[Coupling], net: Netlist) -> None:
-    """Windings of which each is an inductance of its own in a row with ideal windings over those before it.
+    """Add windings, each an inductance in series with ideal windings coupled to those before it.
 
     With the inductances L = M D Mᵀ, M unit lower triangular, the voltage of winding i is the sum of M_ik times that of
     inductance D_k, whose current is that of winding k and M_ik times those of the windings behind.
@@ -255,7 +255,7 @@ def _windings(names: list[str], given: list[Coupling], net: Netlist) -> None:
 
 
 def _factors(L: NDArray) -> tuple[NDArray, NDArray]:
-    """M and D; what is less than rounding of D is zero."""
+    """Factors M and D of L; entries of D below rounding are zero."""
     n, rest = len(L), L.copy()
     M, D = np.eye(n), np.zeros(n)
     for k in range(n):

@@ -89,7 +89,7 @@ def _braced(text: str) -> str:
 
 
 def _polynomial(card: Card) -> str:
-    """Of the first degree, as an expression."""
+    """Convert a polynomial of first degree to an expression."""
     n = number(card.words[3]) if len(card.words) > 3 else None
     width = 2 if card.kind in "EG" else 1
     if n is None or not 1 <= n <= MOST_DIMENSIONS or len(card.words) < 5 + width * int(n):

@@ -1,4 +1,4 @@
-"""What the card of a SPICE source says; waveforms of a scene from its shapes, and as such; gnucap's generator."""
+"""Sources of SPICE: their cards, waveforms of a scene from their shapes and back, and gnucap's generator."""
 
 from itertools import pairwise
 from math import exp, expm1
@@ -36,7 +36,7 @@ SETTINGS = {  # its defaults, s and V
 
 
 class Transient(NamedTuple):
-    """What .tran says."""
+    """Parameters of .tran."""
 
     step: float
     end: float
@@ -45,7 +45,7 @@ class Transient(NamedTuple):
 
 
 class Said(NamedTuple):
-    """What a source's card says: a constant level, a shape with its numbers, an internal resistance."""
+    """Parameters of a source's card: a constant level, a shape with its numbers, an internal resistance."""
 
     level: float
     shape: str
@@ -72,7 +72,7 @@ class Said(NamedTuple):
 
 
 def said_of(card: Card, found: Findings) -> Said:
-    """What the words behind the nodes of a source say."""
+    """Read the words behind the nodes of a source."""
     words, assigned = card.assigned(2)
     words, port = _without_port(card, words, assigned)
     level, shape, numbers = 0.0, "", []

@@ -163,7 +163,7 @@ def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> 
 def _memory(
     kinds: Iterable[tuple[Line, Circuits, tuple[int, float], float]], like: list[int], order: Basis, h: float
 ) -> Memory:
-    """Circuits of the columns of cells, half a cell apart; the outermost stand for what lies before them, too.
+    """Circuits of the columns of cells, half a cell apart; the outermost include the rest of the line.
 
     Each row is like a kind of lines, whose maps it shares.
     """
