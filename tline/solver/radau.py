@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 Matrix = NDArray
 MAX_ORDER = 16
 LEAST_PLACES = 8  # of `chebyshev`
+ALONE = 5000  # polynomials, for which BLAS takes no threads: these would only wait for each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,8 @@ class Basis:
 
     def values(self, x: NDArray, polynomials: NDArray) -> NDArray:
         """Values of polynomials, each given at the points, shape (n, s), at places of its own, shape (n, places)."""
-        series = (polynomials @ self.to_legendre.T).T[:, :, None]
+        few = np.array_split(polynomials, len(polynomials) // ALONE + 1)
+        series = np.concatenate([part @ self.to_legendre.T for part in few]).T[:, :, None]
         return legendre.legval(2 * x - 1, series, tensor=False)
 
     @cached_property

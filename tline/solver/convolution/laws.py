@@ -66,7 +66,7 @@ class LawsAtPorts:
         under sources (points, N) and under each law (points, N, K).
         """
         ports, K = self.network.ports, len(self.elements)
-        given = rule.backward(2 * driven @ ports.T)
+        given = rule.backward(2 * np.einsum("pn,kn->pk", driven, ports))  # no threads of BLAS for so thin a product
         weights = rule.weights(2 * ports @ from_laws - np.eye(K))
         seen = np.abs(weights[0].reshape(K, order.s, K, order.s)).max(axis=(1, 3)) > APART
         here, there = np.nonzero(seen)

@@ -121,7 +121,7 @@ class LinearRest(Scattering):
         passed, twice = np.exp(-total), -np.expm1(-2 * total)
         found = [((2 - twice) / (twice * impedance), -2 * passed / (twice * impedance))]
         for bundle in self.bundles.values():
-            blocks = bundle.admittances(s / self.second, late[:, bundle.lines[0]])
+            blocks = bundle.admittances(s / self.second, late[:, bundle.lines])
             found.append((blocks[0].reshape(len(s), -1), blocks[1].reshape(len(s), -1)))
         own, other = zip(*found, strict=True)
         return np.concatenate(own, axis=1), np.concatenate(other, axis=1)

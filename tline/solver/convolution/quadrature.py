@@ -32,11 +32,12 @@ from tline.solver.description.bundle import Bundle
 from tline.solver.radau import Basis, basis
 from tline.solver.stability.scattering import carried
 
-PADDED = 2, 3, 7, 15  # times the slabs that a transform has
+PADDED = 1, 2, 3, 7, 15  # times the slabs that a transform has
 ALIASING_SHARE = 0.2  # of a tolerance: what wraps around and rounding may be
 ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps of Newton's method
 WRONG = 1e-12  # of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
+MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of which transforms are quick
 KEPT_SLABS = 1000  # slabs of transforms whose modes are kept for the next scene
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
@@ -44,7 +45,7 @@ SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 def rounding(padded: int) -> float:
     """What wraps around, and rounding, of the largest value, where transforms have so many times the slabs."""
-    return 1e3 * EPS ** (padded / (padded + 1))
+    return (1e3 if padded > 1 else 5e3) * EPS ** (padded / (padded + 1))
 
 
 def padding(tol: float) -> int:
@@ -180,17 +181,21 @@ def gain(line: LossyLine, z0: float, order: Basis, h: float, slabs: float) -> fl
     return max(float(np.linalg.norm((vectors * mode) @ inverse, 2, axis=(1, 2)).max()) for mode in modes)
 
 
-def gain_of_bundle(bundle: Bundle, order: Basis, h: float, slabs: float) -> float:
-    """The same of coupled conductors whose modes mix, in power waves."""
+def bundle_creates_energy(bundle: Bundle, order: Basis, h: float, slabs: NDArray) -> bool:
+    """Whether that norm of coupled conductors whose modes mix is beyond 1, in power waves; slabs of each mode."""
     rates, late, vectors, inverse = circle(order.s)
-    own, other = bundle.admittances(rates.ravel() / h, slabs * late.ravel())
-    root, one, k, found = np.sqrt(bundle.z0), np.eye(len(bundle.z0)), len(bundle.z0), 0.0
+    own, other = bundle.admittances(rates.ravel() / h, np.outer(late.ravel(), slabs))
+    root, k = np.sqrt(bundle.z0), len(bundle.z0)
     for sign in (1, -1):  # of equal and opposite waves
         seen = root[:, None] * (own + sign * other) * root
-        back = np.linalg.solve(one + seen, one - seen).reshape(-1, order.s, k, k)
-        whole = np.einsum("nij,njab,njl->nialb", vectors, back, inverse).reshape(-1, order.s * k, order.s * k)
-        found = max(found, float(np.linalg.norm(whole, 2, axis=(1, 2)).max()))
-    return found
+        back = np.linalg.solve(np.eye(k) + seen, np.eye(k) - seen).reshape(-1, order.s, k, k)
+        whole = np.einsum("nij,njab,njl->nialb", vectors, back, inverse, optimize=True)
+        whole = whole.reshape(-1, order.s * k, order.s * k)
+        try:
+            np.linalg.cholesky(MOST_GAIN**2 * np.eye(order.s * k) - np.swapaxes(whole.conj(), 1, 2) @ whole)
+        except np.linalg.LinAlgError:
+            return True
+    return False
 
 
 @lru_cache

@@ -22,7 +22,7 @@ from tline.solver.convolution.families import MOST_FAMILIES, Changes, changes_of
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
-from tline.solver.convolution.quadrature import PADDED, Quadrature, gain, gain_of_bundle
+from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, gain
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.given import Height, Shape
@@ -39,7 +39,6 @@ from tline.solver.steady.steady_state import Before, above_level, rest
 SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
 LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
-MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
 MOST_HELD = 4e6  # efforts in s at once, of all families of fronts
 SHARED = 4  # families of fronts that cost as much as one run
@@ -259,14 +258,16 @@ class Convolved:
         Where no law answers that is no matter: nothing is fed back.
         """
         slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
-        if self.layered:
+        for bundle in self.network.bundles.values():
+            slabs[bundle.lines] = np.floor(bundle.delays / h * (1 + WHOLE))
+        if self.laws is None:
             return slabs
         for k, line in self.network.lossy.items():
             if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
                 slabs[k] = 0.0
         for bundle in self.network.bundles.values():
-            whole = np.floor(bundle.delay / h * (1 + WHOLE))
-            slabs[bundle.lines] = whole if gain_of_bundle(bundle, order, h, whole) <= MOST_GAIN else 0.0
+            if bundle_creates_energy(bundle, order, h, slabs[bundle.lines]):
+                slabs[bundle.lines] = 0.0
         return slabs
 
     def _start(self, line: int) -> NDArray:

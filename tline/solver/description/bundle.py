@@ -19,7 +19,6 @@ class Bundle(NamedTuple):
 
     lines: NDArray
     length: float
-    delay: float  # of its fastest mode, s
     z0: NDArray
     inductance: NDArray
     capacitance: NDArray
@@ -27,6 +26,11 @@ class Bundle(NamedTuple):
     skin: NDArray
     added: bool
     conductance: NDArray
+
+    @property
+    def delays(self) -> NDArray:
+        """Delays of its modes without losses, s."""
+        return self.length * np.sqrt(self.inductance * self.capacitance)
 
     def series(self, s: NDArray) -> NDArray:
         """Z (n, k, k): sL + sqrt(R² + K² s), in units in which L is 1, or sL + R + K √s."""
@@ -41,18 +45,20 @@ class Bundle(NamedTuple):
         return s * np.diag(self.inductance) + unit * lost
 
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Return Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n,) is the part of the delay beyond sT."""
+        """Return Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n, k) is the part of each mode's delay beyond sT.
+
+        The delay of each mode by itself, as R, K and G on the diagonal make it, is its own; that of what mixes them is
+        the shortest, for a part of it arrives with the fastest mode.
+        """
         Z, Y = self.series(s), self.conductance + s[:, None, None] * np.diag(self.capacitance)
         squares, vectors = np.linalg.eig(Z @ Y)
-        gamma = np.sqrt(squares)
-        total = gamma * self.length + late[:, None]
-        passed, twice = np.exp(-total), -np.expm1(-2 * total)
-        inverse = np.linalg.inv(vectors)
-        own, other = (
-            np.linalg.solve(Z, (vectors * (gamma * share)[:, None, :]) @ inverse)
-            for share in ((2 - twice) / twice, -2 * passed / twice)
-        )
-        return own, other
+        gamma, inverse, first = np.sqrt(squares), np.linalg.inv(vectors), late[:, [int(self.delays.argmin())]]
+        alone = np.sqrt(np.einsum("nkk,nkk->nk", Z, Y)) * self.length
+        passed = (vectors * np.exp(-gamma * self.length - first)[:, None, :]) @ inverse
+        np.einsum("nkk->nk", passed)[:] += np.exp(-alone - late) - np.exp(-alone - first)
+        admittance = np.linalg.solve(Z, (vectors * gamma[:, None, :]) @ inverse)
+        twice = 2 * admittance @ np.linalg.inv(np.eye(len(self.z0)) - passed @ passed)
+        return twice - admittance, -twice @ passed
 
 
 def bundles_of(description: Description) -> dict[str, Bundle]:
@@ -78,6 +84,6 @@ def _bundle(line: Coupled, lines: list[int]) -> Bundle:
     added = bool(line.skin and line.skin.added)
     R, skin = (back @ each @ back.T for each in (R, skin))
     return Bundle(
-        np.array(lines), length, float(modes.delay.min()), modes.z0, inductance, capacitance, R, skin, added,
+        np.array(lines), length, modes.z0, inductance, capacitance, R, skin, added,
         modes.T.T @ G @ modes.T,
     )  # fmt: skip

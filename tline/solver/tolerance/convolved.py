@@ -82,7 +82,7 @@ class Convolutions(Grids):
         bundles = self.scene.network.bundles.values()
         lossy = [line.delay for line in description.lines.values() if line.losses is not None]
         jumping = any(len(each) for each in self.jumps.values())
-        self.settle = BLURRED * min([*lossy, *(bundle.delay for bundle in bundles)]) if jumping else 0.0
+        self.settle = BLURRED * min([*lossy, *(bundle.delays.min() for bundle in bundles)]) if jumping else 0.0
         self.alone = any(bundle.skin.any() for bundle in bundles)  # other runs do not know that
         self.share, self.off = SLOWEST, inf
 
