@@ -11,6 +11,7 @@ PAGES = (
     "networks",
     "circuits",
     "channels",
+    "eyes",
     "passivity",
     "systems",
     "friction",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from rc_channel import LATE, RC, T, exact_pulse
 from scipy.integrate import solve_ivp
-from scipy.stats import norm
+from scipy.stats import binom, norm
 
 from tline.errors import InputError
 from tline.scene.scene import Scene
@@ -72,6 +72,15 @@ def test_far_tails_are_those_of_all_patterns():
     assert seen.bathtub[FINE // 2] == pytest.approx(at(0.5), rel=0.05)
     q = (1.0 - seen.height) / 2  # exceeded with a probability of 1e-12
     assert at(q + 2e-3) < 1e-12 < at(q - 2e-3)
+
+
+@pytest.mark.parametrize("ber", [1e-3, 1e-6, 1e-12])
+def test_many_small_cursors_are_a_binomial_distribution(ber):
+    """A tail of 500 cursors, each smaller than a level of the density."""
+    n, h = 500, 5e-4
+    u = np.repeat(np.append(1.0, np.full(n, h)), FINE).reshape(-1, FINE)
+    exact = 1 + 2 * h * (binom.ppf(ber, n, 0.5) - n / 2)
+    assert statistical_eye(PulseResponse(1e-9, u, 0.0, 0.0), ber).height == pytest.approx(exact, abs=1.5 * h)
 
 
 def test_without_noise_the_contour_is_that_of_the_worst_pattern():

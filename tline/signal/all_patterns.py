@@ -28,6 +28,7 @@ from tline.units import to_si
 from tline.words.wording import shown
 
 LEVELS = 2000  # of the density, on either side of its middle
+HALVINGS = 12  # of their distance, to that on which the smallest cursors are added up
 TAILS = 9.0  # standard deviations of noise that are kept
 SMALLEST = 1e-15  # error rate down to which densities are told
 
@@ -283,9 +284,14 @@ class _Density:
             after = after.copy()
             after[: len(self.taps)] -= self.taps
             cursors = np.abs(np.concatenate([before, after, *(x[j % FINE :: FINE] for x in self.others)]))
-            found = np.ones(1)
-            for h in np.sort(cursors):  # small ones first, while there are few levels
-                found = _split(found, h / 2 / self.step)
+            found, step, reach = np.ones(1), self.step / 2**HALVINGS, 0.0
+            for h in np.sort(cursors):  # small ones first, on levels as near to each other as these are few
+                reach += h / 2
+                while step < self.step and reach > LEVELS * step:
+                    found, step = _coarser(found), 2 * step
+                found = _split(found, h / 2 / step)
+            for _ in range(round(np.log2(self.step / step))):
+                found = _coarser(found)
             found = np.pad(found, LEVELS)[len(found) // 2 :][: 2 * LEVELS + 1]
             if self.noise:
                 k = np.arange(-LEVELS, LEVELS + 1) * self.step / self.noise
@@ -322,6 +328,21 @@ def _split(density: NDArray, by: float) -> NDArray:
     for at, share in ((0, part), (1, 1 - part), (2 * whole + 1, 1 - part), (2 * whole + 2, part)):
         wide[at : at + n] += share / 2 * density
     return wide
+
+
+def _coarser(density: NDArray) -> NDArray:
+    """On every other level, half of what lies between two of them on each.
+
+    Examples
+    --------
+    >>> _coarser(np.array([0.25, 0.5, 0.25])).tolist()
+    [0.125, 0.75, 0.125]
+    """
+    wide = np.pad(density, len(density) // 2 % 2)
+    found, between = wide[::2].copy(), wide[1::2] / 2
+    found[:-1] += between
+    found[1:] += between
+    return found
 
 
 def _middle_of_the_widest(opening: NDArray) -> int:
