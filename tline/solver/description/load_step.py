@@ -99,17 +99,18 @@ def _balance(A: Matrix) -> Matrix:
     return scale
 
 
-def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
+def load_step(system: StateSpace, basis: Basis, h: float | Matrix) -> Matrix:
     """Radau IIA over one slab of width h for dx/dt = A x + b w, u = c x + d w (order 2s - 1 at the slab's end).
 
     A matrix (k s + n, k s + n) from (w, x) to (u, x at the slab's end): port by port the s points, then the states.
+    Of many systems and widths, on axes in front that broadcast against each other, as many matrices.
     """
-    s, (n, k) = basis.s, system.b.shape
-    size, given, integral = n * s, k * s + n, h * basis.A
-    step = np.empty((given, given))
-    if n == k == 1:  # most often, and then arrays of two dimensions will do
+    s, (n, k) = basis.s, system.b.shape[-2:]
+    size, given = n * s, k * s + n
+    if n == k == 1 and system.b.ndim == 2:  # most often, and then arrays of two dimensions will do
         A, b, c, d = system
-        implicit, drive = -A * integral, np.empty((s, given))
+        integral, drive, step = h * basis.A, np.empty((s, given)), np.empty((given, given))
+        implicit = -A * integral
         drive[:, :s], drive[:, s] = b * integral, 1.0
         implicit.ravel()[:: s + 1] += 1.0
         x = np.linalg.solve(implicit, drive)  # states at all points
@@ -117,19 +118,21 @@ def load_step(system: StateSpace, basis: Basis, h: float) -> Matrix:
         step.ravel()[: s * given : given + 1] += d[0]  # of each point to itself
         step[s] = x[-1]
         return step
-    integral = integral[:, None]
-    drive = np.zeros((n, s, given))
-    drive[:, :, : k * s] = (system.b[:, None, :, None] * integral).reshape(n, s, k * s)
+    integral = np.asarray(h)[..., None, None, None, None] * basis.A[:, None]
+    implicit = -system.A[..., :, None, :, None] * integral
+    lead = implicit.shape[:-4]
+    implicit = implicit.reshape(*lead, size, size)
+    implicit[..., range(size), range(size)] += 1.0
+    drive = np.zeros((*lead, n, s, given))
+    drive[..., : k * s] = (system.b[..., :, None, :, None] * integral).reshape(*lead, n, s, k * s)
     for j in range(n):
-        drive[j, :, k * s + j] = 1.0
-    implicit = (-system.A[:, None, :, None] * integral).reshape(size, size)
-    implicit.ravel()[:: size + 1] += 1.0
-    x = np.linalg.solve(implicit, drive.reshape(size, given))
-    np.matmul(system.c, x.reshape(n, s * given), out=step[: k * s].reshape(k, s * given))
-    for i, row in enumerate(system.d.tolist()):
-        for j, through in enumerate(row):
-            step.ravel()[i * s * given + j * s :][: s * given : given + 1] += through
-    step[k * s :] = x[s - 1 :: s]
+        drive[..., j, :, k * s + j] = 1.0
+    x = np.linalg.solve(implicit, drive.reshape(*lead, size, given))
+    step, points = np.empty((*lead, given, given)), np.arange(s)
+    step[..., : k * s, :] = (system.c @ x.reshape(*lead, n, s * given)).reshape(*lead, k * s, given)
+    for i, j in np.ndindex(k, k):
+        step[..., i * s + points, j * s + points] += system.d[..., i, j, None]
+    step[..., k * s :, :] = x[..., s - 1 :: s, :]
     return step
 
 

@@ -10,6 +10,7 @@ from tline.compiled.structure import Packed, pack
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.given import Height, Shape
+from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.peaks import extremes, find_extremes
 from tline.solver.kernel.units import law_addresses
@@ -20,13 +21,11 @@ from tline.solver.many.kernel.advance import (
     LawsOfCopies,
     Values,
     advance_copies,
-    fill_maps,
     find_apart,
     find_values,
-    load_maps,
 )
 from tline.solver.many.nodes import Varying
-from tline.solver.many.period import driven_waves, modes_of
+from tline.solver.many.period import driven_waves
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Samples
 from tline.solver.tolerance.compare import SILENT, SMALLEST_ESTIMATE
@@ -174,11 +173,11 @@ class _OneOrder:
         junctions, s, slabs, B = copies.junctions, order.s, edges.shape[1] - 1, rows.shape[1]
         unit, every = copies.unit[rows], np.ones(len(copies.unit))
         self._copies, self._rows, self._packed = copies, rows, None
-        self._modes, self._widths = modes_of(order), np.diff(edges, axis=1) * unit[:, None]
+        self._order, self._widths = order, np.diff(edges, axis=1) * unit[:, None]
         with_states = [junction for junction in junctions if junction.load is not None]
-        self._loads = [[np.moveaxis(part[..., rows], -2, 0).copy() for part in each.load or ()] for each in with_states]
+        self._loads = [StateSpace(*(part[rows] for part in each.load or ())) for each in with_states]
         self._at_loads = [junction.ends[0] for junction in with_states]
-        states = max((load[1].shape[1] for load in self._loads), default=0)
+        states = max((load.b.shape[-2] for load in self._loads), default=0)
         self.record = np.empty((len(recorded), 2, n * slabs, s, B))
         self._laws = [(each.law, each.impedance) for each in junctions if each.law is not None]
         laws, driven = [law for law, _ in self._laws], [each.drives for each in junctions if each.drives]
@@ -223,13 +222,13 @@ class _OneOrder:
         rows, maps, states = self._rows[batch], self._run["maps"], self._run["states"]
         states.fill(0.0)
         for k, (load, end) in enumerate(zip(self._loads, self._at_loads, strict=True)):
-            own = [part[batch] for part in load]
-            fill_maps(pack(load_maps(own, self._widths[batch], *self._modes, maps[k])))
+            system = StateSpace(*(part[batch] for part in load))
+            step = load_step(system, self._order, self._widths[batch])
+            maps[k, :, : step.shape[-1], : step.shape[-1]] = step.transpose(0, 3, 2, 1)
             effort = self._copies.start[0, end, rows]
             if effort.any():  # a wave that has been constant for long
-                A, b = own[:2]
-                held = np.linalg.solve(A.transpose(2, 0, 1), -b.T[..., None])[..., 0]
-                states[k, : len(b)] = held.T * effort
+                held = np.linalg.solve(system.A, -system.b)[..., 0]
+                states[k, : held.shape[1]] = held.T * effort
         varied = {"weight": self._weights[batch], "drive": self._drive[batch], "arriving": self._arriving[batch]}
         values = CopiesRun(**self._run, **varied, laws=self._laws_of(rows))
         if self._packed is None:

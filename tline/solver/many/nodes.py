@@ -18,6 +18,7 @@ from tline.scene.rational import Parallel, Series
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Scene, Shape
+from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.words.wording import place
 
@@ -129,16 +130,7 @@ def laws_by_node(description: Description, scenes: Sequence[Scene], copies: int)
     return found
 
 
-class Load(NamedTuple):
-    """dx/dt = A x + b w, u = c x + d w, from a node's Thévenin wave to its effort; n states, the copies last."""
-
-    A: Floats  # (n, n, copies)
-    b: Floats  # (n, copies)
-    c: Floats  # (n, copies)
-    d: Floats  # (copies,)
-
-
-def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -> Load:
+def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -> StateSpace:
     """L and C side by side, R being part of z.
 
     Impedances, H and F are positive, shape (copies,); states are u, and z times the inductor's flow.
@@ -158,7 +150,7 @@ def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -
     return _stacked([[-rate, -rate], [back, zero]], [rate, zero], [one, zero], zero)
 
 
-def series(z: Floats, resistance: Floats | float, inductance: Floats | None, capacitance: Floats | None) -> Load:
+def series(z: Floats, resistance: Floats | float, inductance: Floats | None, capacitance: Floats | None) -> StateSpace:
     """R, L and C one after the other; states are z times the flow, and the capacitor's effort.
 
     Examples
@@ -177,8 +169,9 @@ def series(z: Floats, resistance: Floats | float, inductance: Floats | None, cap
     return _stacked([[-rate, -back], [1 / (z * capacitance), zero]], [back, zero], [-one, zero], one)
 
 
-def _stacked(A: list[list[Floats]], b: list[Floats], c: list[Floats], d: Floats) -> Load:
-    return Load(np.array(A), np.array(b), np.array(c), d)
+def _stacked(A: list[list[Floats]], b: list[Floats], c: list[Floats], d: Floats) -> StateSpace:
+    """From a node's Thévenin wave to its effort; the copies are the first axis."""
+    return StateSpace(*(np.moveaxis(np.array(part), -1, 0) for part in (A, [[row] for row in b], [c], [[d]])))
 
 
 class NodeOfCopies(NamedTuple):
@@ -187,7 +180,7 @@ class NodeOfCopies(NamedTuple):
     ends: list[int]
     weights: Floats  # (ends, copies) share of an arriving wave in the Thévenin wave
     drives: list[tuple[Varying, Floats]]  # waveforms, and their shares (copies,) of the Thévenin wave
-    load: Load | None = None  # None where nothing has a state
+    load: StateSpace | None = None  # None where nothing has a state
     law: LawOfCopies | None = None
     conductance: Floats | None = None  # (copies,) of all but lines; None where the effort is held
     impedance: Floats = np.empty(0)  # (copies,) behind the Thévenin wave; none where the effort is held

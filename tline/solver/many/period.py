@@ -6,9 +6,7 @@ are the last axis of all arrays: they stand side by side in memory, so that they
 """
 
 from collections.abc import Sequence
-from functools import lru_cache
 from math import ceil, inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +20,7 @@ from tline.solver.many.nodes import Varying, value
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 MOST_BREAKS = 12
-BITS = 200
-REAL = 1e-9  # share of its imaginary part below which a rate is real
 
 
 def breaks_of(description: Description, copies: Copies) -> Floats:
@@ -95,28 +90,6 @@ def cut(fronts: Floats, shares: Sequence[Floats]) -> Floats:
     """Edges of slabs from front to front at shares, 0 to 1, of the way to the next one; shape (slabs + 1, copies)."""
     each = zip(fronts[:-1], np.diff(fronts, axis=0), shares, strict=True)
     return np.vstack([*(begin + width * share[:-1, None] for begin, width, share in each), fronts[-1:]])
-
-
-class RadauModes(NamedTuple):
-    """Radau IIA matrix as the sum of rate·projector over its modes, one of each conjugate pair, which counts twice."""
-
-    rate: Complexes  # (modes,)
-    projector: Complexes  # (modes, s, s)
-
-
-@lru_cache
-def modes_of(order: Basis) -> RadauModes:
-    """Modes of the Radau IIA matrix, rounded once: those of double arithmetic would cost six digits at s = 10."""
-    from flint import acb_mat, ctx
-
-    with ctx.workprec(BITS):
-        rates, right = acb_mat(order.A.tolist()).eig(right=True)
-        left, n = right.inv(), range(order.s)
-        rate: Complexes = np.array([complex(each) for each in rates])
-        projector: Complexes = np.array([[[complex(right[i, k] * left[k, j]) for j in n] for i in n] for k in n])
-    turning = rate.imag / abs(rate)
-    one = np.flatnonzero(turning > -REAL)
-    return RadauModes(rate[one], projector[one] * np.where(turning[one] > REAL, 2, 1)[:, None, None])
 
 
 def driven_waves(

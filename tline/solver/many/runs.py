@@ -45,7 +45,7 @@ def resolve(
     if not len(valid):
         raise InputError("", "no values that copies take")
     ends = [pick(numbers[valid]) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
-    ends += [np.abs(A[..., valid]).max(axis=(0, 1)).argmax() for A in loads]
+    ends += [np.abs(A[valid]).max(axis=(1, 2)).argmax() for A in loads]
     rows = valid[np.unique([*ends, *np.linspace(0, len(valid) - 1, COMPARED).astype(int)])]
     fronts = front_places(breaks, copies.unit)
 
@@ -108,7 +108,7 @@ def _rates(description: Description, loads: list[Floats], rows: NDArray) -> Comp
     for waveform in description.waveforms.values():
         rates = np.vstack([rates, np.full(len(rows), 1j / waveform.fastest())])
     for A in loads:
-        rates = np.vstack([rates, np.linalg.eigvals(np.moveaxis(A[..., rows], -1, 0)).T.astype(complex)])
+        rates = np.vstack([rates, np.linalg.eigvals(A[rows]).T.astype(complex)])
     return rates
 
 
