@@ -72,7 +72,7 @@ def rows(files: list[Path]) -> Iterator[list[str]]:
 
 
 def page(found: list[list[str]]) -> str:
-    """What is told of the files so far."""
+    """Format the page on the files so far."""
     whole = [row for row in found if row[5] == "proved"]
     near = [row for row in whole if float(row[4]) <= max(TOLERANCE, float(row[2]) * 1.1)]
     others = [float(row[10]) for row in found if row[10]]
@@ -94,7 +94,7 @@ at most {max(seconds or [0]):.0f} and {max(others or [0]):.0f} s."""
 
 
 def main() -> None:
-    """Write the page, anew after each file."""
+    """Write the page, again after each file."""
     warnings.simplefilter("ignore")
     folders = [Path(str(skrf.__file__)).parent / "data", *map(Path, sys.argv[1:])]
     files = [file for folder in folders for file in sorted(folder.rglob("*.[sS]*[pP]")) if "plot" not in file.suffix]

@@ -1,6 +1,6 @@
-"""Statistical eyes beside ten million bits that are added up one by one: ``python -m benchmarks.eyes``.
+"""Statistical eyes compared with ten million bits added up one by one: ``python -m benchmarks.eyes``.
 
-Levels that a share of ones falls below, with Gaussian noise.
+Compared are levels that a share of ones falls below, with Gaussian noise.
 """
 
 from time import process_time
@@ -29,7 +29,7 @@ def channels() -> dict[str, PulseResponse]:
 
 
 def rows() -> list[list[str]]:
-    """Of each channel and share the level of ones by both."""
+    """Level of ones by both methods, for each channel and share."""
     rng, found = np.random.default_rng(1), []
     bits = rng.integers(0, 2, BITS)
     for name, pulse in channels().items():

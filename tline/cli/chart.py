@@ -45,7 +45,7 @@ def work_precision(scene: str = "rc", **given: Any) -> Output:
     """Error against run time of the production method, of runs to a tolerance, and of all baseline methods.
 
     SCENE is one of the scenes made for charts, rc if not given; a wrong name lists them. Errors are against exact
-    solutions that owe nothing to any of the methods, at any instant and at those that a method computes. Times are of
+    solutions independent of all methods, at any instant and at those that a method computes. Times are of
     the whole call, and of stepping alone.
     """
     from tline.study.charts.work_precision import work_precision as measure

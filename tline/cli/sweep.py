@@ -51,7 +51,7 @@ def sweep(
     Without distributions every value of a path meets every one of the others (a grid); with --sample list, values are
     side by side. Distributions need a count: --sample random:1000, latin:100 (hypercube) or sobol:128.
 
-    A run that fails is a row with a sentence. Where runs failed or missed the tolerance, a note says so, and the exit
+    A run that fails is a row with a sentence. Where runs failed or missed the tolerance, a note is printed and the exit
     status is 1. After Ctrl-C the runs done until then are shown, with a note, and the exit status is 130.
 
     Parameters

@@ -46,7 +46,7 @@ def fields(structure: type) -> tuple[Field, ...]:
     Raises
     ------
     TypeError
-        A member is of no kind that compiled code can read.
+        A member has a type that compiled code cannot read.
     """
     found: list[Field] = []
     word = 0

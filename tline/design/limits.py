@@ -150,7 +150,7 @@ def limits(scene: Scene, path: Sequence[str], lowest: float | str | None, highes
 
 
 def _read(key: str, value: float | str) -> tuple[float, bool]:
-    """Convert a value to SI, and tell whether it is a head."""
+    """Convert a value to SI, and return whether it is a head."""
     try:
         return to_si(value, "Pa", key), False
     except InputError as error:

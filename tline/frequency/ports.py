@@ -110,7 +110,7 @@ def scattering_parameters(
     Raises
     ------
     InputError
-        A port is no node, is named twice, or its effort is held by a load; or a bad z0.
+        A port is not a node, is named twice, or its effort is held by a load; or a bad z0.
 
     References
     ----------

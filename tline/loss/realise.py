@@ -109,7 +109,7 @@ def realise(law: Law, band: tuple[float, float], tolerance: float) -> Realisatio
     -----
     The circuit agrees with the law at 0 and at as many frequencies of the band as there are terms, which makes it
     passive (`interpolate`). These frequencies are moved until the peaks of the error between them are level.
-    Each term more divides the error by about exp(π²/ln(16 high/low)), 2.0 for five decades, where the law goes like
+    Each further term divides the error by about exp(π²/ln(16 high/low)), 2.0 for five decades, where the law rises as
     sqrt(s).
 
     Examples

@@ -74,7 +74,7 @@ def route(scene: Scene, *nodes: str) -> Route:
     Raises
     ------
     InputError
-        Unknown nodes, no way between them, or none given in a scene that is no chain.
+        Unknown nodes, no way between them, or none given in a scene that is not a chain.
 
     Examples
     --------

@@ -1,13 +1,13 @@
-"""Tables with the same content, which networks have many of: read once, and shared."""
+"""Tables of equal content, of which networks have many: read once, and shared."""
 
 from collections.abc import Mapping
 from typing import Any
 
-PLAIN = {str, int, float}  # whose values say all; a truth value or a quantity does not
+PLAIN = {str, int, float}  # types compared by value alone, unlike truth values and quantities
 
 
 def content(table: Mapping[str, Any], besides: str = "") -> tuple[Any, ...] | None:
-    """All that a table says but for one key, as it was typed; None if it holds more than numbers, texts and tables.
+    """Hashable content of a table without one key, as typed; None if it holds more than numbers, texts and tables.
 
     Examples
     --------

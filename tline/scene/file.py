@@ -57,7 +57,7 @@ def scene_from(data: dict[str, Any], folder: str | Folder = ".") -> Scene:
 def scene_text(scene: Scene) -> str:
     """Format a scene as TOML text, with every value as it was typed; reading it gives an equal scene.
 
-    User-defined elements appear under the names of their classes, which a file cannot give back.
+    User-defined elements appear under the names of their classes, which cannot be read back.
     """
     import tomli_w
 

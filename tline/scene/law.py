@@ -47,7 +47,7 @@ class LawKind:
     fills: ClassVar[bool] = False  # whether no steady flow passes it
     steep: ClassVar[bool] = False  # whether its flow may change behind a front faster than slabs resolve
     breaks: ClassVar[bool] = False  # whether it sends fronts at instants of its own, which are not followed
-    steady: ClassVar[str] = ""  # LawKind of law that it has in the steady state; its own name without one
+    steady: ClassVar[str] = ""  # name of its law in the steady state; its own if empty
     number: ClassVar[int]  # index in `KINDS`
 
     def __init_subclass__(cls) -> None:

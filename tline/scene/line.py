@@ -69,7 +69,7 @@ class SceneLine(Element):
         return self.__pydantic_private__[name]  # pyright: ignore[reportOptionalSubscript]
 
     def between(self, *nodes: str) -> Self:
-        """The same line between other nodes; what neither changes is shared."""
+        """Copy the line to other nodes, sharing all that does not depend on them."""
         found = type(self).__new__(type(self))
         object.__setattr__(found, "__dict__", {**vars(self), "nodes": nodes})
         for name in ("__pydantic_fields_set__", "__pydantic_private__", "__pydantic_extra__"):
@@ -302,7 +302,7 @@ Cable = _model("Cable", _Cable, ELECTRICAL)
 
 
 def read_pipe(table: Any, context: dict[str, Any]) -> SceneLine:
-    """A pipe by its table; it shares all but its nodes with one of the same content that was read in this context."""
+    """Read a pipe from its table; pipes of equal content in a context share all but their nodes."""
     known: dict[Any, SceneLine] = context.setdefault("pipes", {})
     said = content(table, "nodes") if type(table) is dict else None
     if said is None:

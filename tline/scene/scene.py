@@ -69,7 +69,7 @@ class Scene(Element):
     nodes : dict
         Elevation and position of nodes by name, where they are known.
     rating : number or text
-        Largest pressure or voltage that all lines are made for; a run says where it is exceeded.
+        Largest pressure or voltage that all lines are made for; runs note where it is exceeded.
     start : str
         "rest": the liquid stands still, filled up to the highest node; or "steady": the state that the sources imply by
         their values just before t = 0.
@@ -78,7 +78,7 @@ class Scene(Element):
     units : str
         In which results are read: "SI", "US" (psi, gpm, ft), units of single quantities such as "m^3/h", or "US, MGD".
     title : str
-        Said in plots and files, in one line: control characters and line breaks become spaces.
+        Shown in plots and files, in one line: control characters and line breaks become spaces.
 
     Raises
     ------
@@ -237,8 +237,8 @@ class Scene(Element):
     def to_toml(self) -> str:
         """Format the scene as the text of a TOML file, with every value as it was typed.
 
-        Reading the text gives an equal scene, where the files that it names lie. User-defined elements appear under the
-        names of their classes, which a file cannot give back.
+        Reading the text in the folder of the files that it names gives an equal scene. User-defined elements appear
+        under the names of their classes, which cannot be read back.
         """
         from tline.scene.file import scene_text
 

@@ -154,8 +154,8 @@ class MeasuredMultiport(OneMedium, Multiport):
     Raises
     ------
     InputError
-        The file cannot be read, has not one port for each node, no model meets the tolerance, or the model is not
-        passive.
+        The file cannot be read, its ports are not as many as the nodes, no model meets the tolerance, or the model is
+        not passive.
     """
 
     medium, instead = "electrical", "kind = 'junction'"

@@ -168,7 +168,7 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
     """Driver or receiver as published by its maker: a model of an IBIS file at one of its corners.
 
     It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
-    With `bits` the pull-up and pull-down tables are weighed over time, so that the waveforms of the file come out at
+    With `bits` the pull-up and pull-down tables are weighted over time, so that the waveforms of the file come out at
     its fixtures; or in proportion to the ramp where it has no waveforms.
 
     References

@@ -130,7 +130,7 @@ def error_growth(*, quick: bool = False, progress: bool = False) -> dict[str, Gr
 
     Returns
     -------
-    dict of str to Curve
+    dict of str to GrowthCurve
         By the method's label.
     """
     from tqdm import tqdm

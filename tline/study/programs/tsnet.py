@@ -3,9 +3,9 @@
     python3 -m venv tsnet && tsnet/bin/pip install tsnet "numpy==1.26.*" "wntr==1.2.*" six
     TSNET_PYTHON=tsnet/bin/python tline chart peers friction
 
-Its demands depend on the pressure, but a valve between a pipe and a reservoir at the border of a network is a given
-velocity there, once it is operated; so flows leave at the ends of single pipes. It has that in pipes only whose other
-end is no border, so one pipe alone is two of half its length. The steady state that EPANET finds in floats of 32 bits
+TSNet's demands depend on the pressure, but an operated valve between a pipe and a reservoir at the border of a network
+prescribes the velocity there; so flows leave at the ends of single pipes. This works only in pipes whose other end is
+not at the border, so a single pipe is divided into two halves. EPANET's steady state, computed in floats of 32 bits,
 is replaced by the exact one, its friction factors too.
 """
 

@@ -151,7 +151,7 @@ def _grid(
 ) -> NDArray:
     """Efforts at some nodes after every second step.
 
-    Points of a grid that an odd number of steps parts never meet; corners lie on one half of them only.
+    Points of a grid an odd number of steps apart do not interact; corners lie on one half of them only.
     """
     t = np.arange(steps + 1) * dt
     given = np.zeros((len(pipes.held), steps + 1))
