@@ -6,7 +6,7 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.loss.foster import Foster
-from tline.loss.law import Arithmetic, ConstantLoss, Law, positive
+from tline.loss.law import Arithmetic, ConstantLoss, Law, Shape, positive
 
 REYNOLDS = (2e3, 1e8)  # range of Vardy and Brown's fit
 TURBULENT = (4e3, 1e8)  # range of Prandtl's law of friction
@@ -86,6 +86,18 @@ class LaminarFriction(Law):
         return arithmetic.quotient(1, arithmetic.sqrt(s * self.diffusion_time)) * (self.loss / 4)
 
 
+class OfARoot(Law):
+    """What pipes of any size remember over s in units of their own: z I3(z)/I2(z), z = sqrt(s), or s/sqrt(1 + s)."""
+
+    def __init__(self, laminar: bool):
+        super().__init__(0.0, 0.0)
+        self.laminar = laminar
+
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """Of laminar or of turbulent flow."""
+        return s / (arithmetic.quotient(2, arithmetic.sqrt(s)) if self.laminar else arithmetic.sqrt(1 + s))
+
+
 class ChangingLaminarFriction(LaminarFriction):
     """What laminar friction adds while the flow changes: `LaminarFriction` less `hagen_poiseuille`.
 
@@ -101,12 +113,12 @@ class ChangingLaminarFriction(LaminarFriction):
     def __init__(self, density: float, viscosity: float, radius: float):
         super().__init__(density, viscosity, radius)
         self.loss = 0.0
-        self.size = 2 * viscosity / (math.pi * radius**4)
+        self.shape = Shape(OfARoot(laminar=True), 1 / self.diffusion_time, 2 * viscosity / (math.pi * radius**4))
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
         """2µ/(π R⁴) · z I3(z)/I2(z), z I1(z)/I2(z) less 4."""
-        square = s * self.diffusion_time
-        return square / arithmetic.quotient(2, arithmetic.sqrt(square)) * self.size
+        law, _, size = self.shape
+        return law.beyond(s * self.diffusion_time, arithmetic) * size
 
 
 class TurbulentFriction(Law):
@@ -166,11 +178,13 @@ class TurbulentFriction(Law):
         else:
             self.damping = reynolds ** math.log10(15.29 / reynolds**0.0567) / 12.86
             self.weight = 1 / (2 * math.sqrt(math.pi))
+        self.size = 4 * self.weight * math.sqrt(math.pi) * self.storage
+        rate = self.damping / self.diffusion_time
+        self.shape = Shape(OfARoot(laminar=False), rate, self.size * math.sqrt(rate / self.diffusion_time))
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
         """4 A sqrt(π) s ρ/A / sqrt(B + s R² ρ/µ)."""
-        size = 4 * self.weight * math.sqrt(math.pi) * self.storage
-        return s / arithmetic.sqrt(s * self.diffusion_time + self.damping) * size
+        return s / arithmetic.sqrt(s * self.diffusion_time + self.damping) * self.size
 
 
 def smooth_pipe_resistance(density: float, viscosity: float, radius: float, reynolds: float) -> float:
