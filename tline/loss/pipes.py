@@ -87,19 +87,22 @@ class LaminarFriction(Law):
 
 
 class OfARoot(Law):
-    """What pipes of any size remember over s in units of their own: z I3(z)/I2(z), z = sqrt(s), or s/sqrt(1 + s)."""
+    """Unsteady friction in units of a pipe: z I3(z)/I2(z), z = sqrt(s), in laminar flow, or s/sqrt(1 + s)."""
 
     def __init__(self, laminar: bool):
         super().__init__(0.0, 0.0)
         self.laminar = laminar
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """Of laminar or of turbulent flow."""
+        """Return that of laminar or of turbulent flow."""
         return s / (arithmetic.quotient(2, arithmetic.sqrt(s)) if self.laminar else arithmetic.sqrt(1 + s))
 
 
+LAMINAR, TURBULENT_ALIKE = OfARoot(laminar=True), OfARoot(laminar=False)
+
+
 class ChangingLaminarFriction(LaminarFriction):
-    """What laminar friction adds while the flow changes: `LaminarFriction` less `hagen_poiseuille`.
+    """Unsteady part of laminar friction: `LaminarFriction` less `hagen_poiseuille`.
 
     Beside a law of steady flow; parameters, errors and references as of `LaminarFriction`.
 
@@ -113,16 +116,16 @@ class ChangingLaminarFriction(LaminarFriction):
     def __init__(self, density: float, viscosity: float, radius: float):
         super().__init__(density, viscosity, radius)
         self.loss = 0.0
-        self.shape = Shape(OfARoot(laminar=True), 1 / self.diffusion_time, 2 * viscosity / (math.pi * radius**4))
+        self.size = 2 * viscosity / (math.pi * radius**4)
+        self.shape = Shape(LAMINAR, 1 / self.diffusion_time, self.size)
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """2µ/(π R⁴) · z I3(z)/I2(z), z I1(z)/I2(z) less 4."""
-        law, _, size = self.shape
-        return law.beyond(s * self.diffusion_time, arithmetic) * size
+        """Return 2µ/(π R⁴) · z I3(z)/I2(z), z I1(z)/I2(z) less 4."""
+        return LAMINAR.beyond(s * self.diffusion_time, arithmetic) * self.size
 
 
 class TurbulentFriction(Law):
-    """What friction adds while the flow changes: s ρ/A · (1 + 4 A sqrt(π)/sqrt(B + s R² ρ/µ)).
+    """Unsteady part of turbulent friction: s ρ/A · (1 + 4 A sqrt(π)/sqrt(B + s R² ρ/µ)).
 
     Of a smooth wall A = 1/(2 sqrt(π)), B = Re^κ/12.86, κ = log10(15.29/Re^0.0567); of one that is fully rough, where
     Re·ε/d·sqrt(f/8) is above 70, A = 0.0103 sqrt(Re) (ε/d)^0.39 and B = 0.352 Re (ε/d)^0.41. Its friction vanishes in
@@ -180,10 +183,10 @@ class TurbulentFriction(Law):
             self.weight = 1 / (2 * math.sqrt(math.pi))
         self.size = 4 * self.weight * math.sqrt(math.pi) * self.storage
         rate = self.damping / self.diffusion_time
-        self.shape = Shape(OfARoot(laminar=False), rate, self.size * math.sqrt(rate / self.diffusion_time))
+        self.shape = Shape(TURBULENT_ALIKE, rate, self.size * math.sqrt(rate / self.diffusion_time))
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """4 A sqrt(π) s ρ/A / sqrt(B + s R² ρ/µ)."""
+        """Return 4 A sqrt(π) s ρ/A / sqrt(B + s R² ρ/µ)."""
         return s / arithmetic.sqrt(s * self.diffusion_time + self.damping) * self.size
 
 
