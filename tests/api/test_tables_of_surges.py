@@ -67,6 +67,11 @@ def test_files_say_the_same(surge, tmp_path):
         cells = re.findall(r"<v>([^<]*)</v>", book.read("xl/worksheets/sheet1.xml").decode())
     numbers = [x for row in expected["nodes"].rows for x in row[1:] if x != "" and x == x]
     assert list(map(float, cells)) == numbers
+    data, nodes = surge.to_xarray(), expected["nodes"]
+    assert data["lowest"].values.tolist() == [row[nodes.head.index("lowest [Pa]")] for row in nodes.rows]
+    assert data["x"].sel(node="a").item() == next(row[1] for row in nodes.rows if row[0] == "a")
+    assert (data["lowest"].units, data["pipe length"].units) == ("Pa", "m")
+    assert {*data["pipe end 2"].values} <= {row[0] for row in nodes.rows}
     found = json.loads((tmp_path / "t.geojson").read_text())["features"]
     lines = [each for each in found if each["geometry"]["type"] == "LineString"]
     (name,) = (name for name, line in surge.scene.lines.items() if line.vertices)

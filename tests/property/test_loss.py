@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from passivity import Status
 from passivity.exact.certificate import verify
 from tline.loss import (
+    ChangingLaminarFriction,
     ConstantLoss,
     DielectricLoss,
     Foster,
@@ -33,6 +34,7 @@ SERIES = st.one_of(
     st.builds(SkinEffect, st.just(0.0) | decades(-3, 2), decades(-6, 0)),
     st.builds(RoundWire, decades(-5, -2), decades(5, 8)),
     st.builds(LaminarFriction, **FLUID),
+    st.builds(ChangingLaminarFriction, **FLUID),
     st.builds(TurbulentFriction, **FLUID, reynolds=decades(3.4, 7.9)),
 )
 SHUNT = st.one_of(

@@ -10,6 +10,7 @@ from scipy.special import bei, beip, ber, berp
 
 from tline.line.electrical import MU0
 from tline.loss import (
+    ChangingLaminarFriction,
     ConstantLoss,
     DielectricLoss,
     LaminarFriction,
@@ -17,6 +18,7 @@ from tline.loss import (
     RoundWire,
     SkinEffect,
     TurbulentFriction,
+    hagen_poiseuille,
     kelvin_voigt_wall,
     realise,
     smooth_pipe_resistance,
@@ -95,14 +97,31 @@ def test_skin_effect_at_both_ends_of_the_spectrum():
     assert law.at(2j * math.pi * f).real == pytest.approx(3e-4 * math.sqrt(math.pi * f), rel=1e-9)
 
 
-@pytest.mark.parametrize("reynolds", [2e3, 1e5, 1e8])
-def test_turbulent_friction_is_the_transform_of_its_weighting_function(reynolds):
-    law = TurbulentFriction(density=math.pi, viscosity=math.pi, radius=1, reynolds=reynolds)
-    B = reynolds ** math.log10(15.29 / reynolds**0.0567) / 12.86
+SMOOTH = 1 / (2 * math.sqrt(math.pi))
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "roughness", "A", "B"),
+    [
+        (2e3, 0.0, SMOOTH, 2e3 ** math.log10(15.29 / 2e3**0.0567) / 12.86),
+        (1e8, 0.0, SMOOTH, 1e8 ** math.log10(15.29 / 1e8**0.0567) / 12.86),
+        (1e5, 2e-3, SMOOTH, 1e5 ** math.log10(15.29 / 1e5**0.0567) / 12.86),  # Re·ε/d·sqrt(f/8) is 5
+        (1e6, 2e-2, 0.0103 * 1e3 * 1e-2**0.39, 0.352 * 1e6 * 1e-2**0.41),  # and 690
+    ],
+)
+def test_turbulent_friction_is_the_transform_of_its_weighting_function(reynolds, roughness, A, B):
+    law = TurbulentFriction(math.pi, math.pi, 1, reynolds, roughness)
     for s in (1.0, 100.0, 1e4):
-        weighted = lambda root, s=s: mpmath.exp(-(B + s) * root**2) / mpmath.sqrt(mpmath.pi)  # noqa: E731
+        weighted = lambda root, s=s: 2 * A * mpmath.exp(-(B + s) * root**2)  # noqa: E731
         W = mpmath.quad(weighted, [0, 1 / math.sqrt(B + s), mpmath.inf])  # over sqrt(τ)
         assert complex(law.at(s)).real == pytest.approx(float(s + 4 * s * W), rel=1e-12)
+
+
+def test_laminar_friction_is_the_steady_part_and_what_changes_add():
+    water = {"density": 1000, "viscosity": 1e-3, "radius": 0.01}
+    s = np.array([1e-6, 1e-2, 1.0, 30j, 1e3 + 1e5j])
+    whole, steady = LaminarFriction(**water).at(s), hagen_poiseuille(**water).loss
+    assert ChangingLaminarFriction(**water).at(s) == pytest.approx(whole - steady, rel=1e-12, abs=1e-12 * steady)
 
 
 @pytest.mark.parametrize(("reynolds", "published"), [(1e4, 0.0309), (1e5, 0.0180), (1e6, 0.0116), (1e7, 0.0081)])

@@ -13,6 +13,7 @@ from tline.scene.site import GRAVITY
 from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated
+from tline.surge.operation import operate
 
 pytest.importorskip("wntr")
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # of corners of ramps
@@ -71,6 +72,20 @@ def test_a_pump_that_stands_is_started(tmp_path: Path, formula: str, rough: floa
     assert abs(stands.pipes["main"].flow) < 1e-6
     assert probe.u[-1] / (1000 * GRAVITY) == pytest.approx(runs.nodes["lift"].head, abs=ACCURATE)
     assert probe.y[-1] == pytest.approx(flow, rel=1e-4)
+
+
+def test_a_pipe_that_the_file_closes_is_opened(tmp_path: Path) -> None:
+    files = [tmp_path / f"{status}.inp" for status in ("Closed", "Open")]
+    for file in files:
+        text = DEAD.format(drawn=20, hole=0).replace("[EMITTERS]", f" by lake a 400 200 130 0 {file.stem}\n[EMITTERS]")
+        file.write_text(text)
+    runs = read_epanet(files[1])
+    surge = operate(str(files[0]), open="by@1s+5s", t_end="300 s", order=1, at=["a", "by:gate"])
+    heads = [surge.result.probes[node].head[[0, -1]] for node in ("by:gate", "a")]
+    assert heads[0][0] == pytest.approx(60, abs=1e-9)  # the valve stands at its second end
+    assert heads[1][0] == pytest.approx(read_epanet(files[0]).nodes["a"].head, abs=ACCURATE)
+    assert heads[1][1] == pytest.approx(runs.nodes["a"].head, abs=2e-2)  # the gate valve loses a little
+    assert any("the file closes them" in note for note in surge.notes)
 
 
 def test_a_burst_at_a_dead_end(tmp_path: Path) -> None:

@@ -9,11 +9,43 @@ from tline.scene.site import GRAVITY
 from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated, usual_inertia
+from tline.surge.operation import operate
 from tline.surge.worst import RISES, SEPARATES, worst
 
 SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01
 Z0 = DENSITY * SPEED / (np.pi / 4 * DIAMETER**2)
 PIPE = {"length": 500, "diameter": DIAMETER, "wave_speed": SPEED, "density": DENSITY}
+
+
+def line_with(friction, flow: float) -> Scene:
+    """A pipe from a reservoir to a valve that lets this flow out, m³/s."""
+    return Scene(
+        medium="hydraulic", t_end=3, start="steady", lines={"p": {"nodes": ["a", "b"], **PIPE, "friction": friction}},
+        loads={
+            "a": {"at": "a", "kind": "reservoir", "pressure": 6e5},
+            "v": {"at": "b", "kind": "orifice", "flow": flow, "pressure_drop": 6e5},
+        },
+        probes={"b": {"at": "b"}},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("unsteady", "flow", "steady", "whole"),
+    [
+        ("vardy-brown", 2e-2, {"kind": "quasi-steady", "viscosity": 1e-3, "roughness": 0}, "vardy-brown"),
+        ("zielke", 2e-4, {"kind": "swamee-jain", "viscosity": 1e-3, "roughness": 0}, "zielke"),
+    ],
+)
+def test_unsteady_friction_of_a_whole_network_is_that_of_its_pipes(unsteady, flow, steady, whole):
+    t, shut = np.linspace(0, 1.5, 400), {"close": "v@0.3s+0.2s", "t_end": 1.5, "order": 2}
+    seen = operate(line_with(steady, flow), unsteady=unsteady, **shut).result.probes["b"]
+    table = {"kind": whole, "viscosity": 1e-3}
+    if whole == "vardy-brown":
+        reynolds = 4 * DENSITY * abs(seen.y[0]) / (np.pi * DIAMETER * 1e-3)
+        table |= {"roughness": 0, "reynolds": reynolds}
+    other = operate(line_with(table, flow), **shut).result.probes["b"].at(t).u
+    alone = operate(line_with(steady, flow), **shut).result.probes["b"].at(t).u
+    assert np.abs(seen.at(t).u - other).max() < 0.2 * np.abs(alone - other).max()
 
 
 def network(**more) -> Scene:

@@ -34,6 +34,7 @@ def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tupl
     **given
         Arguments of `tline.surge.operation.operate`.
     """
+    from tline.surge.event import to_open
     from tline.surge.operate import read_network
     from tline.surge.operation import plan
 
@@ -42,7 +43,7 @@ def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tupl
     operations = {kind: given.pop(kind) for kind in OPERATIONS if kind in given}
     reading = {key: given.pop(key) for key in READING if key in given}
     reading |= {"hour": hours(reading["hour"])} if "hour" in reading else {}
-    scene, read, controls = read_network(network, **reading)
+    scene, read, controls = read_network(network, **reading, opened=to_open(operations.get("open", ())))
     with options_named({"solver.order": "--order", "solver.tol": "--tol"}):
         scene, guesses = plan(scene, operations, controls=controls, progress=sys.stderr.isatty(), **given)
     return scene, (*read, *guesses)

@@ -1,7 +1,7 @@
 """Water networks from EPANET files, at the operating point that EPANET itself finds."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from math import inf, nan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -63,30 +63,33 @@ class FileUnits(NamedTuple):
     rough: float  # by Darcy and Weisbach
 
 
-def read_epanet(path: str | Path, hour: float = 0.0) -> WaterNetwork:
+def read_epanet(path: str | Path, hour: float = 0.0, opened: Collection[str] = ()) -> WaterNetwork:
     """Read an EPANET file (2.0 or 2.2) and its operating point: the steady flow at an hour, 0 to 8784, after its start.
 
     Levels of tanks, demand patterns, controls and rules count as they stand then. What is closed then is left out, but
-    for check valves and regulating valves, and the notes name it. EPANET works in a process of its own, on a copy of
-    the lines that bear on the flow: no file but this one is read, and none is written.
+    for check valves, regulating valves and pipes that are to be `opened`, and the notes name it. EPANET works in a
+    process of its own, on a copy of the lines that bear on the flow: no file but this one is read, and none is written.
     """
     if not isinstance(hour, int | float) or not 0 <= hour <= LAST_HOUR:
         raise InputError("hour", "out of range", f"a number from 0 to {LAST_HOUR:g}", shown(hour))
     text = parse(read_text(str(path)), str(path))
     answer = solved(str(path), text.network, round(hour * HOUR))
-    network = _network(answer, text, str(path), hour)
+    network = _network(answer, text, str(path), hour, opened)
     _check_magnitudes(network, str(path))
     return network
 
 
-def _network(answer: Mapping[str, Any], text: EpanetText, path: str, hour: float) -> WaterNetwork:
+def _network(
+    answer: Mapping[str, Any], text: EpanetText, path: str, hour: float, opened: Collection[str]
+) -> WaterNetwork:
     nodes = {node["name"]: node for node in answer["nodes"]}
     links = {link["name"]: link for link in answer["links"]}
     units = _units(answer["units"])
     viscosity, formula = answer["viscosity"] * VISCOSITY, FORMULAS[int(answer["law"])]
     for node in nodes.values():
         node |= {key: node[key] * units.length for key in ("elevation", "head")}
-    for link in links.values():
+    for name, link in links.items():
+        link["opened"] = name in opened and link["type"] == PIPE and not link["status"]
         link["flow"] *= units.flow
         link["drop"] = nodes[link["ends"][0]]["head"] - nodes[link["ends"][1]]["head"]
     highest = max(nodes.values(), key=lambda node: abs(node["head"] - node["elevation"]))
@@ -184,7 +187,9 @@ def _is_left_out(link: Mapping[str, Any], closed: bool) -> bool:
     """
     if link["type"] == PUMP:
         return closed and (not link["curve"] or link["drop"] > 0)
-    return closed and (link["type"] == PIPE or (link["type"] == ONE_WAY and link["drop"] > LEAST_DROP))
+    return closed and (
+        (link["type"] == PIPE and not link["opened"]) or (link["type"] == ONE_WAY and link["drop"] > LEAST_DROP)
+    )
 
 
 def _spread(begin: set[str], links: Mapping[str, Any], through: set[str], within: set[str] | None = None) -> set[str]:
@@ -226,7 +231,8 @@ def _pipe(link: Mapping[str, Any], units: FileUnits, formula: str, vertices: lis
     length, diameter = link["length"] * units.length, link["diameter"] * units.diameter
     roughness = link["roughness"] * (units.rough if formula == "D-W" else 1.0)
     friction = Friction(formula, roughness, length, link["minor"])
-    return Pipe(_ends(link), length, diameter, link["flow"], friction, link["type"] == ONE_WAY, tuple(vertices))
+    one_way, shut = link["type"] == ONE_WAY, link["opened"]
+    return Pipe(_ends(link), length, diameter, link["flow"], friction, one_way, tuple(vertices), shut)
 
 
 def _ends(link: Mapping[str, Any]) -> tuple[str, str]:

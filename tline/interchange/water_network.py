@@ -163,6 +163,7 @@ class Pipe:
     friction: Friction  # what it loses
     one_way: bool  # whether a check valve lets water through toward the second node alone
     vertices: tuple[Position, ...]  # places on the map between its nodes
+    shut: bool = False  # whether it is closed, and to be opened
 
 
 @dataclass(frozen=True)

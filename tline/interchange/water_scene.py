@@ -22,7 +22,7 @@ from tline.interchange.water_network import (
     friction_of,
     listed,
 )
-from tline.interchange.water_valves import guesses, is_shut, regulators, valve_link, with_bores
+from tline.interchange.water_valves import guesses, is_shut, put_gate, regulators, valve_link, with_bores
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
@@ -123,11 +123,16 @@ def read_inp(
 
 
 def read_with_controls(
-    path: str, wave_speed: float | str | None, material: str | None, hour: float, moving_tanks: bool
+    path: str,
+    wave_speed: float | str | None,
+    material: str | None,
+    hour: float,
+    moving_tanks: bool,
+    opened: Collection[str] = (),
 ) -> tuple[Scene, tuple[str, ...], tuple[WaterControl, ...]]:
-    """Scene and notes as of `read_inp`, and the controls that the file has act later."""
+    """Scene and notes as of `read_inp`, with closed pipes that are to be opened, and the controls that act later."""
     walls = wave_speeds(wave_speed, material)
-    network = read_epanet(path, hour)
+    network = read_epanet(path, hour, opened)
     scene, notes = water_scene(network, walls, moving_tanks=moving_tanks)
     told = notes_on(walls, network.pipes, given=wave_speed is not None)
     return scene, (*told, *notes, *differences(network, scene)), network.controls
@@ -151,7 +156,9 @@ def water_scene(
         _add_pipe(tables, network, name, pipe, keys_of(name, walls))
     for name, pump in network.pumps.items():
         tables["links"][name] = _pump(network, name, pump, notes)
-    shut = set()
+    shut = {name for name, pipe in network.pipes.items() if pipe.shut}
+    if shut:
+        notes.append(f"pipes: the file closes them, and a gate valve at their second end does: {listed(shut)}")
     for name, valve in with_bores(network, notes):
         tables["links"][name] = valve_link(name, valve, network.density, notes)
         shut |= {name} if is_shut(valve) else set()
@@ -188,6 +195,9 @@ def _add_pipe(tables: dict[str, Any], network: WaterNetwork, name: str, pipe: Pi
         tables["links"][name] = {"kind": "check valve", "nodes": [one, valve]}
         tables["nodes"][valve] = _site(network.nodes[one])
         one = valve
+    if pipe.shut:
+        two = put_gate(tables, name, two, {"diameter": pipe.diameter, "density": network.density, "opening": 0.0})
+        tables["nodes"][two] = _site(network.nodes[pipe.nodes[1]])
     tables["lines"][name] = {
         "nodes": [one, two],
         "length": pipe.length,
@@ -284,7 +294,7 @@ def _add_node(
 
 def _probe(network: WaterNetwork) -> dict[str, Any]:
     """A probe at the junction with the largest demand, for the user to move."""
-    ends = {node: name for name, pipe in network.pipes.items() for node in pipe.nodes[pipe.one_way :]}
+    ends = {node: name for name, pipe in network.pipes.items() for node in pipe.nodes[pipe.one_way : 2 - pipe.shut]}
     if not ends:
         raise InputError("pipes", "there are none in use", "a network with a pipe")
     drawn = {node: network.junctions[node].demand for node in ends if node in network.junctions}

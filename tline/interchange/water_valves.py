@@ -94,6 +94,19 @@ def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[st
     return {"kind": "pump", "nodes": [one, two], "curve": [[0.0, weight * rise * (1 + FLAT)], [flow, weight * rise]]}
 
 
+def put_gate(tables: dict[str, Any], pipe: str, end: str, more: Mapping[str, Any]) -> str:
+    """Put a gate valve, with these keys, before the second end of a pipe, and give the node between them."""
+    node, loss = gate_of(pipe), float(f"{open_loss('gate', more['diameter']):.3g}")
+    valve = {"kind": "orifice", "nodes": [node, end], "loss_coefficient": loss, "characteristic": "gate"}
+    tables.setdefault("links", {})[node] = {**valve, **more}
+    return node
+
+
+def gate_of(pipe: str) -> str:
+    """Node before the valve that is put at the second end of a pipe, and its name."""
+    return f"{pipe}:gate"
+
+
 def guesses(links: Mapping[str, Any]) -> Iterator[str]:
     """Notes on travels that no file tells."""
     for kind in sorted({*TRAVELS.values()}):

@@ -9,6 +9,7 @@ from tline.loss.foster import Foster, tabulated
 from tline.loss.law import ConstantLoss, Law, Sum
 from tline.loss.line import LossyLine
 from tline.loss.pipes import (
+    ChangingLaminarFriction,
     LaminarFriction,
     TurbulentFriction,
     hagen_poiseuille,
@@ -18,6 +19,7 @@ from tline.loss.pipes import (
 from tline.loss.realise import Realisation, realise
 
 __all__ = [
+    "ChangingLaminarFriction",
     "ConstantLoss",
     "DielectricLoss",
     "EarthReturn",

@@ -101,6 +101,14 @@ def _content(part: Any) -> tuple[Any, ...]:
     )
 
 
+class Shape(NamedTuple):
+    """What of a law is beyond loss and storage: size·law(s/rate), of a law that many share."""
+
+    law: "Law"
+    rate: float  # 1/s
+    size: float  # of the immittance per metre
+
+
 class Law(ByValue, ABC):
     """Law F(s) = s·storage + beyond(s): a passive immittance per metre that never resonates.
 
@@ -124,6 +132,8 @@ class Law(ByValue, ABC):
     R. L. Schilling, R. Song, Z. Vondracek, Bernstein Functions, 2nd ed., De Gruyter 2012, chapters 6 and 7,
     doi:10.1515/9783110269338.
     """
+
+    shape: Shape | None = None  # what it shares with others of its kind
 
     def __init__(self, loss: float, storage: float):
         self.loss, self.storage = float(loss), float(storage)

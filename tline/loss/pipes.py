@@ -6,10 +6,12 @@ from typing import Any
 
 from tline.errors import InputError
 from tline.loss.foster import Foster
-from tline.loss.law import Arithmetic, ConstantLoss, Law, positive
+from tline.loss.law import Arithmetic, ConstantLoss, Law, Shape, positive
 
 REYNOLDS = (2e3, 1e8)  # range of Vardy and Brown's fit
 TURBULENT = (4e3, 1e8)  # range of Prandtl's law of friction
+FULLY_ROUGH = 70.0  # Reynolds number of roughness and friction velocity from which no viscous layer is left
+ROUGHEST = 0.1  # roughness over diameter
 
 
 def hagen_poiseuille(density: float, viscosity: float, radius: float) -> ConstantLoss:
@@ -84,11 +86,50 @@ class LaminarFriction(Law):
         return arithmetic.quotient(1, arithmetic.sqrt(s * self.diffusion_time)) * (self.loss / 4)
 
 
-class TurbulentFriction(Law):
-    """Unsteady part of turbulent friction: s ρ/A · (1 + 2/sqrt(B + s R² ρ/µ)), B = Re^κ/12.86.
+class OfARoot(Law):
+    """Unsteady friction in units of a pipe: z I3(z)/I2(z), z = sqrt(s), in laminar flow, or s/sqrt(1 + s)."""
 
-    κ = log10(15.29/Re^0.0567). Its friction vanishes in steady flow: add `ConstantLoss` with `smooth_pipe_resistance`,
-    or a friction law of another kind.
+    def __init__(self, laminar: bool):
+        super().__init__(0.0, 0.0)
+        self.laminar = laminar
+
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """Return that of laminar or of turbulent flow."""
+        return s / (arithmetic.quotient(2, arithmetic.sqrt(s)) if self.laminar else arithmetic.sqrt(1 + s))
+
+
+LAMINAR, TURBULENT_ALIKE = OfARoot(laminar=True), OfARoot(laminar=False)
+
+
+class ChangingLaminarFriction(LaminarFriction):
+    """Unsteady part of laminar friction: `LaminarFriction` less `hagen_poiseuille`.
+
+    Beside a law of steady flow; parameters, errors and references as of `LaminarFriction`.
+
+    Examples
+    --------
+    >>> pipe = ChangingLaminarFriction(density=1000, viscosity=1e-3, radius=0.01)
+    >>> print(f"{pipe.at(0):.5g}, {pipe.at(100j):.5g}")
+    0+0j, 4.3433e+06+3.2281e+08j
+    """
+
+    def __init__(self, density: float, viscosity: float, radius: float):
+        super().__init__(density, viscosity, radius)
+        self.loss = 0.0
+        self.size = 2 * viscosity / (math.pi * radius**4)
+        self.shape = Shape(LAMINAR, 1 / self.diffusion_time, self.size)
+
+    def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
+        """Return 2µ/(π R⁴) · z I3(z)/I2(z), z I1(z)/I2(z) less 4."""
+        return LAMINAR.beyond(s * self.diffusion_time, arithmetic) * self.size
+
+
+class TurbulentFriction(Law):
+    """Unsteady part of turbulent friction: s ρ/A · (1 + 4 A sqrt(π)/sqrt(B + s R² ρ/µ)).
+
+    Of a smooth wall A = 1/(2 sqrt(π)), B = Re^κ/12.86, κ = log10(15.29/Re^0.0567); of one that is fully rough, where
+    Re·ε/d·sqrt(f/8) is above 70, A = 0.0103 sqrt(Re) (ε/d)^0.39 and B = 0.352 Re (ε/d)^0.41. Its friction vanishes in
+    steady flow: add `ConstantLoss` with `smooth_pipe_resistance`, or a friction law of another kind.
 
     Parameters
     ----------
@@ -100,6 +141,8 @@ class TurbulentFriction(Law):
         R, m, above 0.
     reynolds : float
         Reynolds number of the steady flow, mean speed × diameter × ρ/µ, 2e3 to 1e8.
+    roughness : float
+        ε, of the wall, m, from 0 to a tenth of the diameter.
 
     Raises
     ------
@@ -108,12 +151,13 @@ class TurbulentFriction(Law):
 
     Notes
     -----
-    The Laplace transform of the weighting function W(τ) = exp(-B τ)/(2 sqrt(π τ)), τ = µ t/(ρ R²), with the eddy
-    viscosity frozen at that of the steady flow. Fast changes meet the same friction as in laminar flow.
+    The Laplace transform of the weighting function W(τ) = A exp(-B τ)/sqrt(τ), τ = µ t/(ρ R²), with the eddy viscosity
+    frozen at that of the steady flow. Along a smooth wall fast changes meet the same friction as in laminar flow.
 
     References
     ----------
-    A. E. Vardy, J. M. B. Brown, Journal of Sound and Vibration 259 (2003) 1011-1036, doi:10.1006/jsvi.2002.5160.
+    A. E. Vardy, J. M. B. Brown, Journal of Sound and Vibration 259 (2003) 1011-1036, doi:10.1006/jsvi.2002.5160; of
+    rough walls 270 (2004) 233-257, doi:10.1016/S0022-460X(03)00492-9.
 
     Examples
     --------
@@ -122,16 +166,28 @@ class TurbulentFriction(Law):
     4.2957e+06+3.2299e+08j
     """
 
-    def __init__(self, density: float, viscosity: float, radius: float, reynolds: float):
+    def __init__(self, density: float, viscosity: float, radius: float, reynolds: float, roughness: float = 0.0):
         positive(density=density, viscosity=viscosity, radius=radius)
         _inside(reynolds, REYNOLDS)
         super().__init__(0.0, density / (math.pi * radius**2))
         self.diffusion_time = radius**2 * density / viscosity
-        self.damping = reynolds ** math.log10(15.29 / reynolds**0.0567) / 12.86  # B
+        share = roughness / (2 * radius)
+        if not 0 <= share <= ROUGHEST:
+            raise InputError("roughness", "out of range", f"0 to {ROUGHEST:g} of the diameter", f"{share:g} of it")
+        rough = share > 0 and reynolds * share / (math.sqrt(8) * 2 * math.log10(3.7 / share)) > FULLY_ROUGH
+        if rough:
+            self.damping = 0.352 * reynolds * share**0.41  # B
+            self.weight = 0.0103 * math.sqrt(reynolds) * share**0.39  # A
+        else:
+            self.damping = reynolds ** math.log10(15.29 / reynolds**0.0567) / 12.86
+            self.weight = 1 / (2 * math.sqrt(math.pi))
+        self.size = 4 * self.weight * math.sqrt(math.pi) * self.storage
+        rate = self.damping / self.diffusion_time
+        self.shape = Shape(TURBULENT_ALIKE, rate, self.size * math.sqrt(rate / self.diffusion_time))
 
     def beyond(self, s: Any, arithmetic: Arithmetic) -> Any:
-        """Return 2 s ρ/A / sqrt(B + s R² ρ/µ)."""
-        return s / arithmetic.sqrt(s * self.diffusion_time + self.damping) * (2 * self.storage)
+        """Return 4 A sqrt(π) s ρ/A / sqrt(B + s R² ρ/µ)."""
+        return s / arithmetic.sqrt(s * self.diffusion_time + self.damping) * self.size
 
 
 def smooth_pipe_resistance(density: float, viscosity: float, radius: float, reynolds: float) -> float:

@@ -7,10 +7,10 @@ from math import pi
 from operator import or_
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo
+from pydantic import Field, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.loss import ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
+from tline.loss import ChangingLaminarFriction, ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic
 from tline.scene.alike import content
 from tline.scene.element import Element
@@ -22,6 +22,7 @@ from tline.words.wording import nearest, shown
 FOOT = 0.3048  # m; the Hazen-Williams law of EPANET is in feet
 
 Viscosity = Annotated[Quantity, Role("dynamic viscosity", "Pa s", above=0)]
+Reynolds = Annotated[Quantity, Role("Reynolds number", "", at_least=2e3, at_most=1e8)]
 Roughness = Annotated[Quantity, Role("roughness", "m", at_least=0)]
 
 
@@ -69,6 +70,30 @@ class Zielke(Friction):
         return LaminarFriction(density, self.viscosity, (area / pi) ** 0.5)
 
 
+class Unsteady(Element):
+    """What friction adds while the flow changes, beside a law of steady flow."""
+
+    kind: Literal["vardy-brown", "zielke"] = Field(description="'vardy-brown' in turbulent flow, 'zielke' in laminar")
+    viscosity: Viscosity = Field(description="dynamic viscosity")
+    reynolds: Reynolds | None = Field(
+        default=None, description="Reynolds number of the flow about which it changes; needed with 'vardy-brown'"
+    )
+    roughness: Roughness = Field(default=Quantity(0.0, "m"), description="of the wall, 0 if smooth")
+
+    @model_validator(mode="after")
+    def _whole(self):
+        if self.kind == "vardy-brown" and self.reynolds is None:
+            raise InputError("reynolds", "is missing", "the Reynolds number of the flow about which it changes")
+        return self
+
+    def law(self, density: float, area: float) -> Law:
+        """Its impedance per metre, nothing in steady flow."""
+        radius = (area / pi) ** 0.5
+        if self.kind == "zielke" or self.reynolds is None:
+            return ChangingLaminarFriction(density, self.viscosity, radius)
+        return TurbulentFriction(density, self.viscosity, radius, self.reynolds, self.roughness)
+
+
 class ByFlow(Friction):
     """Friction that depends on the flow alone, and local losses spread along the pipe."""
 
@@ -79,6 +104,10 @@ class ByFlow(Friction):
     length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
         default=None, description="over which friction acts, if not all along the pipe"
     )
+    unsteady: Unsteady | None = Field(default=None, description="what it adds while the flow changes")
+
+    def law(self, density: float, area: float) -> Law | None:  # noqa: D102
+        return self.unsteady.law(density, area) if self.unsteady is not None else None
 
     def flow_law(self, density: float, area: float, length: float) -> FlowLaw:  # noqa: D102
         law = self.along(density, area).scaled((self.length or length) / length)
@@ -141,14 +170,14 @@ class WaterworksDarcy(ByFlow):
         return _rough_pipe(SwameeJain, density, area, self.viscosity, self.roughness)
 
 
-class QuasiSteady(Friction):
+class QuasiSteady(ByFlow):
     """Friction as in steady flow of the same speed, laminar or turbulent (Colebrook)."""
 
     kind: Literal["quasi-steady"] = "quasi-steady"
     viscosity: Viscosity = Field(description="dynamic viscosity")
     roughness: Roughness = Field(description="of the wall, 0 if smooth")
 
-    def flow_law(self, density: float, area: float, length: float) -> FlowLaw:  # noqa: D102
+    def along(self, density: float, area: float) -> RoughPipe:  # noqa: D102
         return _rough_pipe(Colebrook, density, area, self.viscosity, self.roughness)
 
 
@@ -156,12 +185,10 @@ class VardyBrown(QuasiSteady):
     """Quasi-steady friction and the unsteady part of turbulent friction (Vardy, Brown)."""
 
     kind: Literal["vardy-brown"] = "vardy-brown"  # pyright: ignore[reportIncompatibleVariableOverride]
-    reynolds: Annotated[Quantity, Role("Reynolds number", "", at_least=2e3, at_most=1e8)] = Field(
-        description="Reynolds number of the flow about which it changes"
-    )
+    reynolds: Reynolds = Field(description="Reynolds number of the flow about which it changes")
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
-        return TurbulentFriction(density, self.viscosity, (area / pi) ** 0.5, self.reynolds)
+        return TurbulentFriction(density, self.viscosity, (area / pi) ** 0.5, self.reynolds, self.roughness)
 
 
 def darcy(factor: float, density: float, area: float) -> float:

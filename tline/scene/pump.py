@@ -27,7 +27,7 @@ Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
 
 Ratio = Annotated[Quantity, Role("ratio", "")]
 Pairs = list[Annotated[tuple[Ratio, Ratio], pair("head, torque over those of the rated point")]]
-Quadrants = Annotated[Pairs, named("pump", TABLES, Pairs | Literal["radial"]), NAMED]
+Quadrants = Annotated[Pairs, named("pump", TABLES, Pairs | Literal["radial", "mixed 61", "mixed 81"]), NAMED]
 
 
 class Pumping(LawKind):
@@ -85,8 +85,9 @@ class Pump(Between, OfLiquids):
     )
     quadrants: Quadrants | None = Field(
         default=None,
-        description="characteristics in four quadrants, with the rated point as the curve: 'radial', those of a radial "
-        "pump, or Suter's points [WH, WB] at equal steps of the angle pi + arctan(flow/speed) from 0 to 2 pi",
+        description="characteristics in four quadrants, with the rated point as the curve: 'radial', 'mixed 61' or "
+        "'mixed 81', those of pumps of a specific speed of 25, 61 and 81 (turns a minute, m³/s, m), or "
+        "Suter's points [WH, WB] at equal steps of the angle pi + arctan(flow/speed) from 0 to 2 pi",
     )
     speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
     trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")

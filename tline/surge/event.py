@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tline.errors import InputError
+from tline.interchange.water_valves import gate_of
 from tline.scene.pump import Pump
 from tline.scene.quantity import Quantity
 from tline.scene.regulating import RegulatingValve
@@ -154,14 +155,20 @@ def _example(kind: str) -> str:
     return {"trip": "P1@1s", "speed": "P1:80%@1s+5s", "start": "P1@1s", "stop": "P1@1s+5s"}.get(kind, "V1@1s+5s")
 
 
+def to_open(texts: Iterable[str]) -> set[str]:
+    """Names that texts of `open` have, patterns left out."""
+    return {part.strip() for text in texts for part in text.rpartition("@")[0].split(",")}
+
+
 def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterator[Event]:
     """The event for each element that its name means.
 
-    A name that the scene has means that. Of pumps a pattern means those that run, or to start them those that stand or
-    have tripped; of what opens and shuts the valves, or pipes in a scene without valves.
+    A name that the scene has means that, and of a pipe with a gate valve the valve. Of pumps a pattern means those that
+    run, or to start them those that stand or have tripped; of what opens and shuts the valves, or pipes in a scene
+    without valves.
     """
     if event.name in {*scene.lines, *scene.links, *scene.loads, *_nodes(scene)} or not {*event.name} & {*"*?,"}:
-        yield event
+        yield event._replace(name=gate) if (gate := gate_of(event.name)) in scene.links else event
         return
     yield from matching(_candidates(scene, event.kind, tripped), event)
 

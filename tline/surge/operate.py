@@ -1,7 +1,7 @@
 """A network as it is read, and with what is operated in it: valves, pipes, pumps, demands and bursts, by events."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import accumulate, pairwise
 from math import pi
 from pathlib import Path
@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.interchange.any_file import refuse_water
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_scene import read_with_controls
+from tline.interchange.water_valves import gate_of, put_gate
 from tline.scene.file import EPANET, as_scene
 from tline.scene.held import held_nodes
 from tline.scene.medium import readable
@@ -20,7 +21,7 @@ from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
 from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
-from tline.scene.valve import CheckValve, Orifice, open_loss
+from tline.scene.valve import CheckValve, Orifice
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
 from tline.solver.steady.steady_state import above_level
@@ -185,11 +186,11 @@ class _Operated:
 
     def _put_valve(self, name: str, opening: Table) -> None:
         """A gate valve at the second end of a pipe."""
-        pipe, node = self.scene.lines[name], gate_of(name)
+        pipe, end = self.scene.lines[name], self.scene.lines[name].nodes[1]
         diameter, density = (getattr(pipe.parameters, key, None) for key in ("diameter", "density"))
-        if diameter is None or density is None or node in self.tables["nodes"]:
+        if diameter is None or density is None or gate_of(name) in self.tables["nodes"]:
             raise InputError(f"line '{name}'", "no valve fits it", "its diameter and density, and no node of its name")
-        end = pipe.nodes[1]
+        node = put_gate(self.tables, name, end, {"diameter": diameter, "density": density, "opening": opening})
         self.tables["lines"][name] = pipe.table() | {"nodes": [pipe.nodes[0], node]}
         for probe in self.tables["probes"].values():
             if probe.get("line") == name and probe["at"] == end:
@@ -197,11 +198,7 @@ class _Operated:
         if end in self.tables.get("nodes", {}):
             site = self.tables["nodes"][end]
             self.tables["nodes"][node] = {key: value for key, value in site.items() if key != "start"}
-        loss = float(f"{open_loss('gate', diameter):.3g}")
-        self.tables.setdefault("links", {})[node] = {
-            "kind": "orifice", "nodes": [node, end], "loss_coefficient": loss, "diameter": diameter,
-            "density": density, "opening": opening, "characteristic": "gate",
-        }  # fmt: skip
+        loss = self.tables["links"][node]["loss_coefficient"]
         self.notes.append(f"pipe '{name}': a gate valve is put at '{end}', and loses {loss:g} velocity heads when open")
 
     def _let_out(self, event: Event, flow: float) -> None:
@@ -263,11 +260,6 @@ class _Operated:
     def _gauge(self, node: str) -> float:
         """Gauge pressure at a node before anything is operated, Pa."""
         return self._before.effort[node] - self._description.nodes[node].height.above_level
-
-
-def gate_of(pipe: str) -> str:
-    """Node in front of the valve that is put at the second end of a pipe, and its name."""
-    return f"{pipe}:gate"
 
 
 RATED_SPEED = 1450 / 60  # Hz, of a motor with four poles at 50 Hz
@@ -338,13 +330,17 @@ def read_network(
     material: str | None = None,
     hour: float | None = None,
     moving_tanks: bool = False,
+    opened: Collection[str] = (),
 ) -> Network:
-    """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`."""
+    """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`.
+
+    Pipes that are `opened` and that the file closes are there, behind a shut gate valve.
+    """
     water = {"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks or None}
     if isinstance(network, str | Path):
         suffix = Path(network).suffix.lower()
         if suffix in EPANET:
-            return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks))
+            return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks, opened))
         if suffix not in ("", ".toml"):
             raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
     refuse_water(water)

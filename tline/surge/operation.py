@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError, import_extra
 from tline.interchange.water_controls import WaterControl
+from tline.interchange.water_valves import gate_of
 from tline.presentation import Presentation
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
@@ -21,10 +22,11 @@ from tline.solver.tolerance.ladder import Budget
 from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated, surely
 from tline.surge.control import acting, read_control, triggered
-from tline.surge.event import FLOWING, OPERATIONS, Event, each_of, read_event
-from tline.surge.operate import Network, gate_of, operated, read_network
+from tline.surge.event import FLOWING, OPERATIONS, Event, each_of, read_event, to_open
+from tline.surge.operate import Network, operated, read_network
 from tline.surge.report import as_dict, as_text
-from tline.surge.tables import save_tables
+from tline.surge.tables import as_dataset, save_tables
+from tline.surge.unsteady import with_unsteady
 from tline.surge.worst import ALONE, Extreme, Worst, extremes, is_decided, worst
 from tline.words.wording import nearest, shown
 
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from pandas import DataFrame
+    from xarray import Dataset
 
 SHOWN = 5  # nodes in tables
 SECONDS = 20.0  # computing time for all runs
@@ -123,6 +126,16 @@ class Operation(Presentation):
         pandas = import_extra("pandas", "pandas", "data", "to_dataframe")
         return pandas.DataFrame(extremes(self.result), columns=Extreme._fields).set_index("node")
 
+    def to_xarray(self) -> "Dataset":
+        """Tables of nodes and pipes as a dataset of xarray, over `node` and `pipe`, in the units of the scene.
+
+        Raises
+        ------
+        MissingExtraError
+            xarray is not installed.
+        """
+        return as_dataset(self.result)
+
     def save_tables(self, path: str | Path) -> None:
         """Write tables of nodes, pipes and states: ``.csv`` (three files), ``.xlsx`` or ``.geojson``.
 
@@ -165,6 +178,7 @@ def operate(
     rated_speed: float | str | None = None,
     rating: float | str | None = None,
     units: str | None = None,
+    unsteady: str | None = None,
     at: Texts = (),
     record: Iterable[str] | None = None,
     cavities: bool = True,
@@ -219,6 +233,9 @@ def operate(
         Pressure that the pipes bear, such as "16 bar".
     units : str, optional
         In which results are read: "SI", "US", or units such as "US, MGD"; those of the file if not given.
+    unsteady : "vardy-brown", "zielke" or "none", optional
+        What friction adds in all pipes while flows change: in turbulent flow, about the flow of the start, or in
+        laminar flow; what the scene says if not given, which is none of an .inp file.
     at : str
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional
@@ -266,7 +283,12 @@ def operate(
     budget = Budget(as_seconds(seconds))
     given = dict(zip(OPERATIONS, (trip, start, stop, speed, close, open, burst, demand), strict=True))
     scene, read, controls = read_network(
-        network, wave_speed=wave_speed, material=material, hour=hour, moving_tanks=moving_tanks
+        network,
+        wave_speed=wave_speed,
+        material=material,
+        hour=hour,
+        moving_tanks=moving_tanks,
+        opened=to_open(as_texts("open", open)),
     )
     rotor = {"inertia": inertia, "rated_speed": rated_speed}
     planned, guesses = plan(
@@ -278,6 +300,7 @@ def operate(
         order=order,
         rating=rating,
         units=units,
+        unsteady=unsteady,
         at=at,
         controls=controls,
         budget=budget,
@@ -299,6 +322,7 @@ def plan(
     order: int | str | None = None,
     rating: float | str | None = None,
     units: str | None = None,
+    unsteady: str | None = None,
     at: Texts = (),
     controls: Iterable[WaterControl] = (),
     budget: Budget | None = None,
@@ -306,13 +330,14 @@ def plan(
     **rotor: float | str | None,
 ) -> Planned:
     """The scene with operations by kind and controls of a file, and notes on guesses and instants; see `operate`."""
+    scene, told = with_unsteady(scene, unsteady) if unsteady is not None else (scene, [])
     solver = {"order": order} if order else {"tol": tol} if tol else ROUGHLY
     more = {"t_end": t_end, "solver": solver} | {
         key: value for key, value in (("rating", rating), ("units", units)) if value
     }
-    events = [read_event(kind, text) for kind in OPERATIONS for text in _texts(kind, operations.get(kind, ()))]
-    wanted = _texts("at", at)
-    waiting = [read_control(text) for text in _texts("when", when)]
+    events = [read_event(kind, text) for kind in OPERATIONS for text in as_texts(kind, operations.get(kind, ()))]
+    wanted = as_texts("at", at)
+    waiting = [read_control(text) for text in as_texts("when", when)]
     tripped = {one.name for event in events if event.kind == "trip" for one in each_of(scene, event)}
     events = [one for event in events for one in each_of(scene, event, tripped)]
     taken = {event.name for event in (*events, *(one.event for one in waiting))}
@@ -328,10 +353,10 @@ def plan(
     if waiting:
         left = budget or Budget(SECONDS)
         found = {"run": lambda each: run(each, (), progress, Budget(WAITING_SHARE * max(left.left, 0.0)))}
-        events, told = triggered(waiting, events, lambda done: build(done)[0], **found)
-        notes += told
+        events, instants = triggered(waiting, events, lambda done: build(done)[0], **found)
+        notes += instants
     planned, guesses = build(events)
-    return planned, (*notes, *guesses)
+    return planned, (*told, *notes, *guesses)
 
 
 def run(scene: Scene, record: Iterable[str], progress: bool, budget: Budget) -> Result:
@@ -377,7 +402,8 @@ def carried_out(
     return carried_out(scene.with_changes(t_end=longer), (*guesses, told), record, budget, **again)
 
 
-def _texts(where: str, given: Texts) -> tuple[str, ...]:
+def as_texts(where: str, given: Texts) -> tuple[str, ...]:
+    """What is given as a tuple of texts."""
     texts = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else (given,)
     for text in texts:
         if not isinstance(text, str):

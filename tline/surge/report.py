@@ -14,7 +14,7 @@ from tline.surge.worst import Extreme, Worst, class_of, extremes, worst
 from tline.units import to_si
 from tline.words.aligned import aligned
 
-BAR, NAMED = 1e5, 5  # Pa; nodes in a sentence
+BAR, NAMED, DECIMALS = 1e5, 5, 6  # Pa; nodes in a sentence; of a spread
 STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "at [s]", "at the end"], 20
 
 
@@ -77,7 +77,7 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
     asks = (
         f"asks for PN {at_least}{found.needed / BAR:g}{bears}" if found.needed else "is above all classes up to PN 100"
     )
-    by = f" ± {columns.spread / size:.2g} by places" if columns and len(columns.places) > 1 else ""
+    by = f" ± {round(columns.spread / size, DECIMALS):.2g} by places" if columns and len(columns.places) > 1 else ""
     where = f"{top.highest / size:.4g} {unit}{by} at {top.node} after {top.highest_at:.4g} s"
     named = f", {asks}" if not found.untold else f"; no pressure class is named, for {found.untold}"
     lines += ["", f"the highest pressure, {where}{named}"]

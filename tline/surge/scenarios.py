@@ -21,9 +21,9 @@ from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_toml
 from tline.scene.valve import Orifice
-from tline.surge.event import FLOWING, OPERATIONS, TURNED, matching, read_event
+from tline.surge.event import FLOWING, OPERATIONS, TURNED, matching, read_event, to_open
 from tline.surge.operate import Network, read_network
-from tline.surge.operation import Operation, operate
+from tline.surge.operation import Operation, as_texts, operate
 from tline.words.wording import nearest, shown
 
 READING = "wave_speed", "material", "hour", "moving_tanks"  # arguments of `read_network`
@@ -83,16 +83,18 @@ def read_plan(given: str | Path | Tables) -> Plan:
     run, runs = _table("run", tables.get("run", {}), known), dict[str, Tables]()
     reading, read = _table("reading", tables.get("reading", {}), READING), dict[str, Network]()
     variants = dict[str, Network]()
+    events = {name: _table(f"events.{name}", one) for name, one in _table("events", tables["events"]).items()}
+    opened = to_open(text for event in events.values() for text in as_texts("open", event.get("open", ())))
     for name, changes in {AS_READ: {}, **_table("variants", tables.get("variants", {}))}.items():
         more = dict(_table(f"variants.{name}", changes))
         options = {**reading, **_table(f"variants.{name}.reading", more.pop("reading", {}), READING)}
         runs[name] = {**run, **_table(f"variants.{name}.run", more.pop("run", {}), known)}
         key = json.dumps(options, sort_keys=True, default=str)
-        read[key] = read.get(key) or _network(tables["network"], folder, options)
+        read[key] = read.get(key) or _network(tables["network"], folder, options | {"opened": opened})
         variants[name] = _laid_over(read[key], more, f"variants.{name}")
     scenarios = [
         Scenario(event, element, variant, network, {**runs[variant], **operations})
-        for event, table in _table("events", tables["events"]).items()
+        for event, table in events.items()
         for variant, network in variants.items()
         for element, operations in _in_turn(f"events.{event}", table, network.scene)
     ]

@@ -4,17 +4,22 @@ import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import isfinite, nan
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.sax.saxutils import escape, quoteattr
 from zipfile import ZIP_DEFLATED, ZipFile
 
+import numpy as np
+
 from tline.atomic import replacing, write_table
-from tline.errors import InputError
+from tline.errors import InputError, import_extra
 from tline.scene.line import Pipe
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
 from tline.surge.thrust import thrusts
 from tline.surge.worst import extremes
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
@@ -102,6 +107,22 @@ def save_tables(result: Result, path: str | Path) -> None:
             temporary.write_text(json.dumps(_on_a_map(result, found), allow_nan=False), encoding="utf-8")
             return
         write_workbook(temporary, {table.name: [table.head, *table.rows] for table in found})
+
+
+def as_dataset(result: Result) -> "Dataset":
+    """The tables of nodes and of pipes as one dataset of xarray, with coordinates and units as attributes."""
+    xarray = import_extra("xarray", "xarray", "data", "to_xarray")
+    variables, names = {}, {}
+    for dim, (_, head, rows) in zip(("node", "pipe"), tables(result), strict=False):
+        columns = [*zip(*rows, strict=True)] or [()] * len(head)
+        names[dim] = np.array(columns[0], object)
+        for key, column in zip(head[1:], columns[1:], strict=True):
+            word, _, unit = key.rstrip("]").partition(" [")
+            texts = any(isinstance(x, str) and x for x in column)
+            values = np.array(column, object) if texts else np.array([nan if x == "" else x for x in column], float)
+            variables[word if dim == "node" else f"pipe {word}"] = (dim, values, {"units": unit} if unit else {})
+    places = {key: variables.pop(key) for key in ("x", "y", "elevation")}
+    return xarray.Dataset(variables, names | places, {"title": result.scene.title})
 
 
 def _nodes(result: Result) -> Table:

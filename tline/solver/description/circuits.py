@@ -2,19 +2,22 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
-from math import ceil, inf, log, pi
+from math import ceil, floor, inf, log, log10, pi
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.loss import ConstantLoss, Foster, Law, Sum, realise
+from tline.loss import ConstantLoss, Foster, Law, Realisation, Sum, realise
+from tline.loss.law import Shape
+from tline.loss.realise import FINEST
 from tline.solver.description.lines import Line
 from tline.solver.radau import Basis
 
 HELD, BAND = 0.5, 2.0  # cycles per slab: up to which circuits hold, and beyond which they are not asked to
 CYCLES_PER_RUN = 0.1  # at which the band of a circuit begins, at most
 STEP = 2.0  # its upper end is a power of this over its lower end, so that many runs share a circuit
+PLACES, WORST = 200, 0.1  # at which shares are looked at; tolerance of a shape that hardly counts, at most
 NONE = np.empty(0)
 
 
@@ -80,8 +83,33 @@ def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
         rates = np.concatenate([np.empty(0), *(part.rates for part in fosters)])
         if rates.max(initial=0.0) <= fit.fastest:
             return Foster(law.loss, law.storage, strengths, rates), 0.0
+    shapes = [part.shape for part in parts if not isinstance(part, ConstantLoss)]
+    if len(shapes) == 1 and shapes[0] is not None:
+        return _scaled(law, shapes[0], fit)
     found = realise(law, (fit.low, fit.high), fit.tolerance)
     return found.circuit, found.error
+
+
+def _scaled(law: Law, shape: Shape, fit: Fit) -> tuple[Foster, float]:
+    """The circuit of a law of which many differ by scale: that of their shape over decades that hold the band."""
+    alike, rate, size = shape
+    decades = floor(log10(fit.low / rate)), ceil(log10(fit.high / rate))
+    s = 2j * pi * np.geomspace(fit.low, fit.high, PLACES)
+    exact = law.at(s)
+    asked = log10(fit.tolerance / float(np.max(size * np.abs(alike.at(s / rate)) / np.abs(exact))))
+    for digits in (ceil(asked), floor(asked)):  # the largest share and the largest error are seldom at one place
+        found = _of_shape(alike, *decades, min(max(10.0**digits, FINEST), WORST)).circuit
+        circuit = Foster(law.loss, law.storage, size * found.strengths, rate * found.rates)
+        error = float(np.max(np.abs(circuit.at(s) / exact - 1)))
+        if error <= fit.tolerance:
+            break
+    return circuit, error
+
+
+@lru_cache
+def _of_shape(law: Law, low: int, high: int, tolerance: float) -> Realisation:
+    """Its circuit over decades, Hz in its own units."""
+    return realise(law, (10.0**low, 10.0**high), tolerance)
 
 
 def one_step(law: Foster, scale: float, order: Basis, h: float) -> NDArray:

@@ -23,7 +23,7 @@ from tline.solver.description.slab import (
 )
 from tline.words.wording import place
 
-FIT = 1e-7
+FIT, ROUGH = 1e-7, 1e-5  # of circuits of lossy lines; where delays are rounded
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 3e4, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
 LARGEST = 4e8  # samples on the lines at once
@@ -82,7 +82,7 @@ def resolution(
     cell = 0.0 if by_hand or (description.diamonds and s > 1) else cell_of(description, s, h)
     chosen = Resolution(s, h, sections=sections, settle=settle, cell=cell)
     if fixed.rounded:  # cells are of second order in their width, so of first order in the slab
-        chosen = chosen._replace(cell=sqrt(max(delays.values()) * h), plain=True, rounded=True)
+        chosen = chosen._replace(cell=sqrt(max(delays.values()) * h), plain=True, rounded=True, fit=ROUGH)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
