@@ -94,7 +94,9 @@ def changed(scene: Scene, values: Mapping[str, Any]) -> Scene:
         found = numbers or _elements(scene, places, values)
     except (ValidationError, InputError):
         return _read_anew(scene, values)  # which names the mistake
-    pairs = [(getattr(scene, part)[name], new) for part, each in found.items() for name, new in each.items()]
+    pairs = []
+    for part, each in found.items():
+        pairs += zip(map(getattr(scene, part).get, each), each.values(), strict=True)
     if not numbers and any(getattr(old, key, None) != getattr(new, key, None) for old, new in pairs for key in PLACES):
         return _read_anew(scene, values)
     new = scene.model_copy(update={section: {**getattr(scene, section), **each} for section, each in found.items()})

@@ -179,7 +179,9 @@ class Pair:
             inside = [CAUTION * max(end_u, u), CAUTION * max(end_y, y)]
             found[name] = [[CAUTION * end_u, CAUTION * end_y], inside, inside, amplitude]
         told = relative(found)
-        worst = max(max(estimate.u, estimate.y) for estimate in told[1].values())
+        worst = 0.0
+        for estimate in told[1].values():
+            worst = max(worst, estimate.u, estimate.y)
         if not worst <= self.tol:
             return None
         attempts = replace(self.orders[0].attempt, estimate=worst), fine.attempt

@@ -268,11 +268,10 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
 
 def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:
     """What a run recorded of a line; `smears` tells whether fronts are missing."""
-    row, line = assembly.recorded[name], assembly.lines[name]
-    level, sides = assembly.level_of(name), ((0, 1), (0, 0), (1, 0), (1, 1))
-    more = level, assembly.basis, assembly.resolution.h
-    a1, b1, a2, b2 = (
-        Wave.of_row(waves, done.pieces, row + end, side, float(before) + level, *more)
-        for (end, side), before in zip(sides, assembly.start[name], strict=True)
-    )
-    return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smears, raw=done.raw or bool(assembly.resolution.sections))
+    row, line = assembly.recorded[name], assembly.grid.lines[name]
+    level, waves_at_ends = assembly.nodes[line.nodes[0]].height.level, []
+    for (end, side), before in zip(((0, 1), (0, 0), (1, 0), (1, 1)), assembly.start[name], strict=True):
+        given = waves, done.pieces, row + end, side, float(before) + level, level
+        waves_at_ends.append(Wave.of_row(*given, assembly.basis, assembly.resolution.h))
+    raw = done.raw or bool(assembly.resolution.sections)
+    return LineRecord(line.z0, line.delay, *waves_at_ends, smeared=smears, raw=raw)

@@ -47,10 +47,6 @@ class Assembly(Layout):
     kernel: Any = None  # of the loop, which packs the network and the state
     signals: Any = None  # of the loop
 
-    def level_of(self, line: str) -> float:
-        """Effort of the liquid at rest, from which those of a line count; zero without heights."""
-        return self.nodes[self.lines[line].nodes[0]].height.level
-
     @property
     def kept(self) -> int:
         """Rows of the record that a run keeps."""

@@ -86,8 +86,10 @@ def relative(
 ) -> tuple[dict[str, Estimate], dict[str, Estimate], dict[str, Estimate]]:
     """Differences over the amplitudes of their probes."""
     told: tuple[dict[str, Estimate], ...] = {}, {}, {}
-    found = {name: each if isinstance(each, list) else np.asarray(each).tolist() for name, each in all_.items()}
-    largest = max([max(amplitude) for *_, amplitude in found.values()])
+    found, largest = {}, 0.0
+    for name, each in all_.items():
+        found[name] = each if isinstance(each, list) else np.asarray(each).tolist()
+        largest = max(largest, *found[name][-1])
     for name, (*each, (u, y)) in found.items():
         wave = max(u, y)
         least, rounded = max(SILENT * wave, NOTHING * largest), EPS * wave
