@@ -51,9 +51,15 @@ class Assembly:
             self.states["phi2"] = m.state(phi["2"])
             m.integrate(self.states["phi2"], self.states["w2"])
             self._wind(winding, phi)
-        self.tension = m.add({self.states["e_p"]: float(drives.spring)})
+        pull = {name: float(factor) for name, factor in drives.tension.items()}
+        rims = self._stretching(-pull["v_p"]) if drives.pulley.mass else {}
+        self.tension = m.add({self.states[name]: pull[name] for name in pull if name not in ("w1", "w2")} | rims)
+        if slack and drives.pulley.mass:
+            raise InputError("slack", "beside a pulley with mass", "one of both")
         if slack:
             self.tension = m.larger(self.tension, m.add({}))
+        if winding:
+            self.shown["tension"] = self.tension
 
     def _wind(self, winding: Winding, phi: dict[str, float]) -> None:
         """Radii, inertias, and 1/J as states that follow dJ/dt = -/+ line_density r^3 w."""
@@ -75,22 +81,30 @@ class Assembly:
             return {self.mechanism.multiply(self.shown[f"r{side}"], signal): factor}
         return {signal: factor * float(self.spools[side].radius)}
 
+    def _stretching(self, factor: float) -> dict[int, float]:
+        """r2*w2 - r1*w1 times a factor."""
+        return self._at_rim("2", self.states["w2"], factor) | self._at_rim("1", self.states["w1"], -factor)
+
     def move(self, T1: int, T2: int, friction: Dry = (None, None)) -> None:
         """The equations of motion under torques, which are signals."""
         from friction.methods import STATIC
 
         m, state, drives = self.mechanism, self.states, self.drives
-        stretching = self._at_rim("2", state["w2"], 1.0) | self._at_rim("1", state["w1"], -1.0)
+        stretching = self._stretching(1.0)
         for name, belt in drives.damped.items():
             per_damping = 1.0 / float(belt.damping)
             speed = m.add({self.tension: per_damping, state[name]: -float(belt.stiffness) * per_damping})
             m.integrate(state[name], speed)
             self.heat[m.multiply(speed, speed)] = float(belt.damping)
             stretching[speed] = -1.0
+        if "v_p" in state:
+            heavy = 1.0 / float(drives.pulley.belt_mass)
+            m.integrate(state["v_p"], m.add({self.tension: heavy, state["e_p"]: -heavy * float(drives.spring)}))
+            stretching = {state["v_p"]: 1.0}
         m.integrate(state["e_p"], m.add(stretching))
         m.integrate(state["phi1"], state["w1"])
         per_radius = 1.0 / float(drives.right.radius)
-        angles = {"1": {state["phi1"]: 1.0}, "2": {state[name]: per_radius for name in drives.states[3:]}}
+        angles = {"1": {state["phi1"]: 1.0}, "2": {state[name]: per_radius for name in drives.elongations}}
         angles["2"][state["phi1"]] = float(drives.left.radius) * per_radius
         if self.winding:
             angles["2"] = {state["phi2"]: 1.0}

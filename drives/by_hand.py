@@ -2,7 +2,8 @@
 
 No matrix and no model of the rest of the package is used here. The state is
 
-    x = (phi1, w1, w2, e_p, e of each damped belt, under control what filters show and q_speed and q_tension, phi2),
+    x = (phi1, w1, w2, e_p, e of each damped belt, v_p of a pulley with mass,
+         under control what filters show and q_speed and q_tension, phi2),
 
 in which phi2 is an angle of its own, so that the positions' constraint is something to check. The inputs u are T1 and
 T2, or under control the set points of belt speed and tension and the disturbing torques d1 and d2. Each of x and u is
@@ -68,11 +69,14 @@ class Equations:
         self.belts = [(k, b) for k, b in given.values() if b]
         self.k, self.cosine = number(parts.pulley.stiffness), number(cos(parts.pulley.angle))
         self.spring = 1 / (4 * self.cosine**2 / self.k + sum(1 / k for k, b in given.values() if not b))
+        self.heavy = number(one.mass) / (4 * self.cosine**2) if (one := parts.pulley).mass else 0
         self.parts, self.control, self.slack, self.dry = parts, control, slack, dry
         self.wound = (float(winding.thickness) / (2 * pi), float(winding.line_density)) if winding else None
         integrals = ("q_speed", "q_tension") if control else ()
         if control and control.filter_time:
             integrals = SEEN + integrals
+        if self.heavy:
+            integrals = ("v_p", *integrals)
         self.states = ("phi1", "w1", "w2", "e_p", *(name for name in given if given[name][1]), *integrals)
 
     @property
@@ -99,6 +103,10 @@ class Equations:
 
     def tension(self, x: Row) -> Any:
         """The belt's tension, N."""
+        if self.heavy:
+            (_, _, r1), (_, _, r2) = self.spools_at(x)
+            free = r2 * x[2] - r1 * x[1] - x[6] + sum(k * e / b for (k, b), e in zip(self.belts, x[4:6], strict=True))
+            return free / sum(1 / b for _, b in self.belts)
         return self.spring * ((x[3] + abs(x[3])) / 2 if self.slack else x[3])
 
     def at(self, x: Row, u: Row) -> tuple[list[Any], list[Product], list[Product]]:
@@ -113,7 +121,10 @@ class Equations:
         pulls = r1 * f - T1 - b1 * w1, T2 - b2 * w2 - r2 * f
         rubbed = [rubbing(law, w, net) if law else 0 for law, w, net in zip(self.dry, (w1, w2), pulls, strict=True)]
         turning = (pulls[0] - rubbed[0]) / j1, (pulls[1] - rubbed[1]) / j2
-        rates = [w1, *turning, r2 * w2 - r1 * w1 - sum(stretching), *stretching, *integrals, w2]
+        pulley = [r2 * w2 - r1 * w1 - sum(stretching), *stretching]
+        if self.heavy:
+            pulley = [x[6], *stretching, (f - self.spring * x[3]) / self.heavy]
+        rates = [w1, *turning, *pulley, *integrals, w2]
         heat = [(b1, w1, w1), (b2, w2, w2), *((b, v, v) for (_, b), v in zip(self.belts, stretching, strict=True))]
         heat += [(1.0, torque, w) for law, torque, w in zip(self.dry, rubbed, (w1, w2), strict=True) if law]
         work = [(-1.0, T1, w1), (1.0, T2, w2)]
@@ -134,13 +145,15 @@ class Equations:
         """Energy in spools and springs, J."""
         (j1, _, _), (j2, _, _) = self.spools_at(x)
         belts = sum(k * e**2 for (k, _), e in zip(self.belts, x[4:], strict=False))
-        return (j1 * x[1] ** 2 + j2 * x[2] ** 2 + self.tension(x) ** 2 / self.spring + belts) / 2
+        pulley = self.spring * x[3] ** 2 + self.heavy * x[6] ** 2 if self.heavy else self.tension(x) ** 2 / self.spring
+        return (j1 * x[1] ** 2 + j2 * x[2] ** 2 + pulley + belts) / 2
 
     def outputs(self, x: Row, u: Row) -> dict[str, Any]:
         """What is given out, by its name."""
         (j1, _, r1), (j2, _, r2) = self.spools_at(x)
         f = self.tension(x)
-        found = {"tension": f, "x_k": -2 * self.cosine * f / self.k, "belt_speed": (r1 * x[1] + r2 * x[2]) / 2}
+        held = self.spring * x[3] if self.heavy else f  # by the pulley's spring
+        found = {"tension": f, "x_k": -2 * self.cosine * held / self.k, "belt_speed": (r1 * x[1] + r2 * x[2]) / 2}
         found |= {"phi1": x[0], "w1": x[1], "w2": x[2], "phi2": (r1 * x[0] + sum(x[3 : 4 + len(self.belts)])) / r2}
         if self.wound:
             found |= {"phi2": x[-1], "r1": r1, "r2": r2, "J1": j1, "J2": j2}

@@ -13,6 +13,10 @@ The loop's unknowns follow: v1 = r1*w1 + de1/dt, v2 = r2*w2 - de2/dt. phi2 is no
 so the constraint cannot drift and there is one free angle, phi1, on which nothing depends. Elongations as states stay
 small while the angles grow. An undamped belt (B_i = 0) has e_i = f/K_i and is no state: it makes the spring softer,
 1/k_s = 1/k_p + 1/K_i, and e_p then stands for the elongation of both together.
+
+A pulley with mass m_p, seen from the belt, opens the loop: e_p moves with a speed v_p of its own,
+
+    m_p*dv_p/dt = f - k_p*e_p,    f*(1/B_1 + 1/B_2) = r2*w2 - r1*w1 - v_p + K_1*e_1/B_1 + K_2*e_2/B_2.
 """
 
 import math
@@ -50,7 +54,7 @@ class CoupledDrives:
     Raises
     ------
     InputError
-        One of them is another thing.
+        One of them is another thing, or the pulley has a mass beside a belt without damping.
 
     Examples
     --------
@@ -71,6 +75,8 @@ class CoupledDrives:
         for name, kind in PARTS.items():
             if not isinstance(getattr(self, name), kind):
                 raise InputError(name, "wrong part", f"a {kind.__name__}", repr(getattr(self, name))[:40])
+        if self.pulley.mass and len(self.damped) < 2:
+            raise InputError("pulley.mass", "beside a belt without damping", "damping in both belts, or no mass")
 
     @property
     def symmetric(self) -> bool:
@@ -95,15 +101,31 @@ class CoupledDrives:
 
     @cached_property
     def states(self) -> tuple[str, ...]:
-        """Names: angle in rad, angular speeds in rad/s, elongations of the springs and of the damped belts in m."""
-        return ("phi1", "w1", "w2", "e_p", *self.damped)
+        """Names: angle in rad, angular speeds in rad/s, elongations of the springs and of the damped belts in m; the
+        speed v_p of e_p in m/s, if the pulley has a mass.
+        """
+        return ("phi1", "w1", "w2", *self.elongations, *(("v_p",) if self.pulley.mass else ()))
+
+    @property
+    def elongations(self) -> tuple[str, ...]:
+        """States whose sum is r2*phi2 - r1*phi1."""
+        return ("e_p", *self.damped)
+
+    @cached_property
+    def tension(self) -> dict[str, Fraction]:
+        """f as a combination of the states."""
+        if not self.pulley.mass:
+            return {"e_p": self.spring}
+        both = 1 / sum((1 / belt.damping for belt in self.damped.values()), Fraction(0))
+        belts = {name: both * belt.stiffness / belt.damping for name, belt in self.damped.items()}
+        return {"w1": -both * self.left.radius, "w2": both * self.right.radius, "v_p": -both, **belts}
 
     @cached_property
     def belt_rates(self) -> dict[str, dict[str, Fraction]]:
         """de/dt = (f - K*e)/B of each damped belt as a combination of the states."""
         found = {}
         for name, belt in self.damped.items():
-            found[name] = {"e_p": self.spring / belt.damping, name: -belt.stiffness / belt.damping}
+            found[name] = plus(self.tension, 1 / belt.damping, {name: -belt.stiffness / belt.damping})
         return found
 
     def state_space(self, outputs: tuple[str, ...] = OUTPUTS, inputs: tuple[str, ...] = INPUTS) -> StateSpace:
@@ -132,18 +154,22 @@ class CoupledDrives:
         one, left, right = Fraction(1), self.left, self.right
         rates = {
             "phi1": {"w1": one},
-            "w1": {"w1": -left.friction / left.inertia, "e_p": left.radius * self.spring / left.inertia},
-            "e_p": {"w1": -left.radius, "w2": right.radius},
-            "w2": {"w2": -right.friction / right.inertia, "e_p": -right.radius * self.spring / right.inertia},
+            "w1": plus(self.tension, left.radius / left.inertia, {"w1": -left.friction / left.inertia}),
+            "w2": plus(self.tension, -right.radius / right.inertia, {"w2": -right.friction / right.inertia}),
+            **self.belt_rates,
         }
-        rates |= self.belt_rates
-        rates["e_p"] |= {name: -rate[name] for name, rate in self.belt_rates.items()}
-        rates["e_p"]["e_p"] = -sum((rate["e_p"] for rate in self.belt_rates.values()), Fraction(0))
+        if self.pulley.mass:
+            heavy = 1 / self.pulley.belt_mass
+            rates |= {"e_p": {"v_p": one}, "v_p": plus(self.tension, heavy, {"e_p": -self.spring * heavy})}
+        else:
+            rates["e_p"] = {"w1": -left.radius, "w2": right.radius}
+            for rate in self.belt_rates.values():
+                rates["e_p"] = plus(rate, -one, rates["e_p"])
         torques = {"w1": {"T1": -1 / left.inertia}, "w2": {"T2": 1 / right.inertia}}
         flexibility = -2 * self.pulley.cosine / self.pulley.stiffness
         seen = {name: {name: one} for name in ("w1", "w2", "phi1")}
-        seen["phi2"] = {"phi1": left.radius / right.radius} | dict.fromkeys(self.states[3:], 1 / right.radius)
-        seen["tension"] = {"e_p": self.spring}
+        seen["phi2"] = {"phi1": left.radius / right.radius} | dict.fromkeys(self.elongations, 1 / right.radius)
+        seen["tension"] = self.tension
         seen["x_k"] = {"e_p": flexibility * self.spring}
         seen["belt_speed"] = {"w1": left.radius / 2, "w2": right.radius / 2}
         return StateSpace(
@@ -158,9 +184,14 @@ class CoupledDrives:
 
     @property
     def parameters(self) -> dict[str, Fraction]:
-        """The parameters by the names of ``drives.symbolic.SYMBOLS``, and c_squared = cos(theta)^2."""
+        """The parameters by the names of ``drives.symbolic.SYMBOLS``, c_squared = cos(theta)^2, and m of the pulley."""
         parts = (("1", self.left, self.left_belt), ("2", self.right, self.right_belt))
-        found = {"k": self.pulley.stiffness, "c": self.pulley.cosine, "c_squared": self.pulley.cosine_squared}
+        found = {
+            "k": self.pulley.stiffness,
+            "m": self.pulley.mass,
+            "c": self.pulley.cosine,
+            "c_squared": self.pulley.cosine_squared,
+        }
         for side, spool, belt in parts:
             found |= {f"J{side}": spool.inertia, f"B{side}": spool.friction, f"r{side}": spool.radius}
             found |= {f"K{side}": belt.stiffness, f"Bb{side}": belt.damping}
@@ -180,6 +211,11 @@ class CoupledDrives:
         belt_speed/T2 = 50/(s + 100)
         """
         return transfer(self.parameters, output, source)
+
+
+def plus(row: dict[str, Fraction], factor: Fraction, other: dict[str, Fraction]) -> dict[str, Fraction]:
+    """factor*row + other."""
+    return {name: factor * row.get(name, Fraction(0)) + other.get(name, Fraction(0)) for name in row | other}
 
 
 def table(entries: dict[str, dict[str, Fraction]], rows: tuple[str, ...], columns: tuple[str, ...]) -> fmpq_mat:

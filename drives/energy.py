@@ -23,7 +23,7 @@ class Energy:
     Attributes
     ----------
     stored : numpy.ndarray
-        In spools, belts and the pulley's spring [J].
+        In spools, belts and the pulley with its spring [J].
     dissipated, supplied : numpy.ndarray
         Heat in bearings and belts, and work of the torques, since the start [J].
     """
@@ -43,7 +43,7 @@ def storage(drives: CoupledDrives) -> fmpq_mat:
     half, names = Fraction(1, 2), drives.states
     terms = [(half * drives.left.inertia, {"w1": Fraction(1)}), (half * drives.right.inertia, {"w2": Fraction(1)})]
     terms += [(half * belt.stiffness, {name: Fraction(1)}) for name, belt in drives.damped.items()]
-    terms += [(half * drives.spring, {"e_p": Fraction(1)})]
+    terms += [(half * drives.spring, {"e_p": Fraction(1)}), (half * drives.pulley.belt_mass, {"v_p": Fraction(1)})]
     return _form([(c, [rational(row.get(name, Fraction(0))) for name in names]) for c, row in terms])
 
 

@@ -84,10 +84,11 @@ class Belt:
 
 @dataclass(frozen=True, init=False)
 class Pulley:
-    """A massless pulley on a spring; on each side the belt makes the angle theta with the way the pulley moves.
+    """A pulley on a spring; on each side the belt makes the angle theta with the way the pulley moves.
 
     v1 - v2 = 2 v_k cos(theta) and F1 = F2 = F_k/(2 cos(theta)) with F_k = -k x_k, for the belt speeds v1 and v2 on its
-    two sides. Seen from the belt it is a spring k_p = k/(4 cos(theta)^2) with elongation e_p = -2 x_k cos(theta).
+    two sides. Seen from the belt it is a spring k_p = k/(4 cos(theta)^2) with elongation e_p = -2 x_k cos(theta), and
+    with a mass m, where F_k = -k x_k - m dv_k/dt, behind it a mass of m/(4 cos(theta)^2).
 
     Parameters
     ----------
@@ -96,6 +97,8 @@ class Pulley:
     angle : number
         Angle theta between the belt and the pulley's way, rad, between 0 and pi/2. For 30, 45 and 60 degrees
         cos(theta)^2 is exact, for 60 the cosine too; else the cosine is the decimal of its float.
+    mass : number, optional
+        Mass m that moves with the pulley, kg, 0 or more; its inertia about its own axis is left out.
 
     Raises
     ------
@@ -111,10 +114,12 @@ class Pulley:
 
     stiffness: Fraction
     angle: float
+    mass: Fraction
     cosine: Fraction = field(init=False, repr=False)
     cosine_squared: Fraction = field(init=False, repr=False)
 
-    def __init__(self, stiffness: Number, angle: Number):
+    def __init__(self, stiffness: Number, angle: Number, mass: Number = Fraction(0)):
+        m = positive(mass, "mass", or_zero=True)
         k, angle = positive(stiffness, "stiffness"), float(exact(angle, "angle"))
         if not 0 < angle < math.pi / 2:
             raise InputError(
@@ -123,15 +128,20 @@ class Pulley:
         degrees = round(math.degrees(angle))
         special = COSINES_SQUARED.get(degrees) if math.isclose(angle, math.radians(degrees), rel_tol=4e-16) else None
         cosine = HALF if special == HALF**2 else Fraction(repr(math.cos(angle)))
-        fill(self, stiffness=k, angle=angle, cosine=cosine, cosine_squared=special or cosine**2)
+        fill(self, stiffness=k, angle=angle, mass=m, cosine=cosine, cosine_squared=special or cosine**2)
 
     @property
     def belt_stiffness(self) -> Fraction:
         """k_p = k/(4 cos(theta)^2) in N/m."""
         return self.stiffness / (4 * self.cosine_squared)
 
+    @property
+    def belt_mass(self) -> Fraction:
+        """m/(4 cos(theta)^2) in kg."""
+        return self.mass / (4 * self.cosine_squared)
+
     def tension(self, deflection: float) -> float:
-        """Tension of the belt around it, N."""
+        """Tension of the belt around it while it does not accelerate, N."""
         return -float(self.stiffness) * deflection / (2 * float(self.cosine))
 
 

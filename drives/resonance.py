@@ -88,8 +88,14 @@ def undamped_frequency(drives: CoupledDrives) -> float:
     >>> undamped_frequency(CoupledDrives())
     20.0
     """
+    _massless(drives)
     (m1, _), (m2, _) = drives.mobility(drives.left), drives.mobility(drives.right)
     return math.sqrt((1 / m1 + 1 / m2) * effective_stiffness(drives))
+
+
+def _massless(drives: CoupledDrives) -> None:
+    if drives.pulley.mass:
+        raise InputError("pulley.mass", "not in this formula", "0, or `peak` of a transfer function")
 
 
 def effective_stiffness(drives: CoupledDrives) -> Fraction:
@@ -125,6 +131,7 @@ def largest_friction_with_peak(drives: CoupledDrives) -> float:
     >>> round(largest_friction_with_peak(CoupledDrives()), 9)
     0.025264715
     """
+    _massless(drives)
     left, right, belt = drives.left, drives.right, drives.left_belt
     if (left.inertia, left.radius) != (right.inertia, right.radius) or belt != drives.right_belt:
         raise InputError("drives", "spools or belts differ", "equal ones for this formula")

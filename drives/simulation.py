@@ -237,7 +237,7 @@ def moved(
     stored = stored_in(drives, tight)
     if parts.winding:
         seen = {name: one[kept] for name, one in shown.items()}
-        outputs |= {name: seen[name] for name in ("phi2", "r1", "r2", "J1", "J2")}
+        outputs |= {name: seen[name] for name in ("phi2", "r1", "r2", "J1", "J2", "tension")}
         if (empty := np.minimum(outputs["J1"], outputs["r1"]) <= 0.0).any():
             raise InputError("winding", "the left spool is empty", "a shorter run", f"at {t[empty.argmax()]:.4g} s")
         outputs["belt_speed"] = 0.5 * (outputs["r1"] * outputs["w1"] + outputs["r2"] * outputs["w2"])

@@ -1,6 +1,7 @@
 """The transfer functions in closed form, over any ring: with symbols for the parameters, or with exact numbers.
 
-With a_i = J_i*s + B_i, b_i = K_i + B_bi*s, c = cos(theta) and E = 4*c^2*b1*b2 + k*(b1 + b2):
+With a_i = J_i*s + B_i, b_i = K_i + B_bi*s, c = cos(theta) and E = 4*c^2*b1*b2 + k*(b1 + b2), where k + m*s^2 stands in
+place of k if the pulley has a mass:
 
     Delta = s*a1*a2*E + k*b1*b2*(r2^2*a1 + r1^2*a2)
     f   = k*b1*b2*(r1*a2*T1 + r2*a1*T2)/Delta                  x_k = -2*c*f/k
@@ -80,6 +81,7 @@ def transfer(parameters: Mapping[str, Fraction], output: str, source: str) -> Tr
     known_names("output", (output,), OUTPUTS)
     known_names("input", (source,), INPUTS)
     constants = {name: fmpq_poly([rational(value)]) for name, value in parameters.items()}
+    constants["k"] += constants.pop("m") * fmpq_poly([0, 0, 1])  # what moves with the spring
     numerator, denominator = fractions_of(Parameters(s=fmpq_poly([0, 1]), **constants))[output, source]
     return TransferFunction(numerator, denominator, f"{output}/{source}")
 

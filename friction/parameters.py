@@ -19,6 +19,12 @@ class Told(NamedTuple):
     least: float = -inf
     kind: str = "float"
 
+    @property
+    def sentence(self) -> str:
+        """Meaning, bound and unit."""
+        bound = ", positive" if self.above == 0.0 else ", 0 or more" if self.least == 0.0 else ""
+        return f"{self.meaning}{bound} [{self.unit}]."
+
 
 TOLD = {
     "F_c": Told("N", "Coulomb friction", above=0.0),
@@ -33,8 +39,8 @@ TOLD = {
     "lag": Told("s", "Time by which friction is late behind its velocity", least=0.0),
     "dwell": Told("s", "Time of rest after which half of the stiction that is to come has come", least=0.0),
     "epsilon": Told("m/s", "Velocity scale of tanh", above=0.0),
-    "slope": Told("N/s", "Growth"),
-    "offset": Told("N", "Value at t = 0, or beside a sine"),
+    "slope": Told("N/s", "Slope of a ramp, or of the line below a sine"),
+    "offset": Told("N", "Value of that line at t = 0"),
     "amplitude": Told("N", "Largest value of the sine"),
     "frequency": Told("Hz", "Frequency of the sine", above=0.0),
     "phase": Told("rad", "Phase of the sine at t = 0"),
@@ -74,8 +80,7 @@ class Parameters:
         told = []
         for name in dict.fromkeys(named):
             each, default = TOLD[name], ", optional" if hasattr(cls, name) else ""
-            bound = ", positive" if each.above == 0.0 else ", 0 or more" if each.least == 0.0 else ""
-            told.append(f"{name} : {each.kind}{default}\n    {each.meaning}{bound} [{each.unit}].")
+            told.append(f"{name} : {each.kind}{default}\n    {each.sentence}")
         cls.__doc__ = "\n".join([
             f"{cleandoc(cls.__doc__ or '')}\n", "Parameters", "----------", *told, "\nRaises", "------", "InputError",
             "    A number is out of range.\n", "Examples", "--------", f">>> from friction import {cls.__name__}",

@@ -77,7 +77,8 @@ def _trace(axes: Axes, runs: Mapping[str, Result], panel: Panel) -> None:
         seen = np.concatenate(
             [runs[label].F_f[(runs[label].t >= low) & (runs[label].t <= high)] for label in panel.labels]
         )
-        axes.set_ylim(min(0.0, 1.1 * seen.min()), 1.25 * seen.max())
+        low, high = min(0.0, 1.1 * seen.min()), max(0.0, 1.25 * seen.max())
+        axes.set_ylim(low, high if high > low else None)
     axes.set(xlabel=NAMES["t"], ylabel=NAMES[panel.quantity], xlim=panel.window)
     axes.grid(True)
 

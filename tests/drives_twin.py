@@ -19,7 +19,7 @@ class Numbers:
             [kind(getattr(x, n)) for x in (left, right)] for n in ("inertia", "friction", "radius")
         )
         self.stiffness, self.damping = ([kind(getattr(x, n)) for x in (b1, b2)] for n in ("stiffness", "damping"))
-        self.k, self.c = kind(p.stiffness), kind(p.cosine)
+        self.k, self.m, self.c = kind(p.stiffness), kind(p.mass), kind(p.cosine)
 
 
 def precise(x):
@@ -36,7 +36,7 @@ def system(n, s):
         [zero, n.j[1] * s * s + n.b[1] * s + r2 * r2 * z2, zero, -r2 * z2, zero, zero],
         [-r1 * z1, zero, z1, zero, zero, zero + 1],
         [zero, -r2 * z2, zero, z2, zero, zero - 1],
-        [zero, zero, zero, zero, n.k, -2 * n.c],
+        [zero, zero, zero, zero, n.k + getattr(n, "m", 0) * s * s, -2 * n.c],
         [zero, zero, zero + 1, zero - 1, -2 * n.c, zero],
     ]
 

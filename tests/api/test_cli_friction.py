@@ -33,6 +33,8 @@ def run(command):
         ("run coulomb --set F_c=1 --method moreau --step 0.001", "moreau (order 1): done"),
         ("run coulomb --sine '0.5 N' --frequency '1 Hz' --offset '0.9 N' --slope '0.1 N/s'", "break-away at 0.0"),
         ("run coulomb karnopp --offset '2 N' --t-end 1", "karnopp by events"),
+        ("run coulomb --x0 '4 cm' --spring '20 N/m' --pull 0", "x = 0.04 m, v = 0 m/s, F_f = -0.8 N"),
+        ("run dahl --z0 '1 mm' --slope 0 --t-end '1 ms'", "F_f = 0.499"),
         (HUNTING, "sticks and slips to and fro: period 5.5367546 s, span 0.0091603998 m"),
     ],
 )
@@ -82,6 +84,7 @@ def test_answers(command, words):
         ("run coulomb --table nothing.csv", "--table: 'nothing.csv' cannot be read"),
         ("run coulomb --plot out.gif", "--plot: unknown kind of file"),
         ("run coulomb --t-end 0", "--t-end: too small"),
+        ("run coulomb --z0 1", "--z0: the coulomb model has no bristles"),
     ],
 )
 def test_mistakes(command, sentence, tmp_path, monkeypatch):
@@ -168,6 +171,13 @@ def test_pictures_show_something(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(f"{command} out.png").exit_code == 0
     assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
+
+
+@pytest.mark.parametrize("v0", [-5.0, 0.0])
+def test_friction_that_is_nowhere_above_zero_is_seen(v0):
+    run = friction.simulate(friction.Coulomb(), friction.Testbench(friction.Ramp(0.0), v0=v0), 1.0)
+    low, high = run.plot().axes[1].get_ylim()
+    assert low <= run.F_f.min() <= run.F_f.max() <= high
 
 
 def test_angular_frequencies_are_no_frequencies():

@@ -37,7 +37,10 @@ UNEQUAL = CoupledDrives(
 )
 UNDAMPED_BELT = CoupledDrives(right_belt=Belt(70, 0), pulley=Pulley(300, math.radians(60)))
 SWINGING = CoupledDrives(Spool(1e-3, 1e-3, 0.1), Spool(1e-3, 1e-3, 0.1), Belt(50, 0.05), Belt(50, 0.05))
-ALL = {"exercise": EXERCISE, "unequal": UNEQUAL, "undamped belt": UNDAMPED_BELT, "swinging": SWINGING}
+HEAVY = CoupledDrives(UNEQUAL.left, UNEQUAL.right, UNEQUAL.left_belt, Belt(90, 0.4), Pulley(150, math.radians(37), 0.6))
+ALL = {
+    "exercise": EXERCISE, "unequal": UNEQUAL, "undamped belt": UNDAMPED_BELT, "swinging": SWINGING, "heavy": HEAVY,
+}  # fmt: skip
 every_drive = pytest.mark.parametrize("drives", ALL.values(), ids=list(ALL))
 
 
@@ -126,7 +129,8 @@ def test_the_phase_has_no_jumps_and_starts_where_it_says(drives):
     for output, start in (("x_k", -180), ("tension", 0), ("w2", 0)):
         phase = np.degrees(drives.transfer(output, "T2").phase(omega))
         assert abs(phase[0] - start) < 1e-2
-        assert np.abs(np.diff(phase)).max() < 40  # the least damped pair turns by 180 degrees over some samples
+        # the least damped pair turns by 180 degrees over some samples; a pulley with mass gives an undamped zero
+        assert np.abs(np.diff(phase)).max() < 40 or (output == "tension" and drives.pulley.mass)
     h = drives.transfer("x_k", "T1")
     assert abs(np.degrees(h.phase(1e12)) + 180 + 90 * h.relative_degree) < 1e-3
 
@@ -177,7 +181,7 @@ def test_steps_of_a_microsecond_and_of_a_second_are_exact(drives, step, samples)
             true += precise(Fraction(0.2)) * step_answer(h2.numerator, h2.denominator, t)
             assert abs(run.outputs[output][-1] - true) < 1e-12 * np.abs(run.outputs[output]).max(), output
     r1, r2, x = float(drives.left.radius), float(drives.right.radius), run.outputs
-    apart = r2 * x["phi2"] - r1 * x["phi1"] - sum(run.states[name] for name in drives.states[3:])
+    apart = r2 * x["phi2"] - r1 * x["phi1"] - sum(run.states[name] for name in drives.elongations)
     assert np.abs(apart).max() < 1e-14
 
 

@@ -145,6 +145,7 @@ Examples:
   tline drives step --t2 "-0.1 N m" --slack --json
   tline drives step --t2 "1 N m" --thickness "1 mm" --line-density "0.01 kg/m"
   tline drives step --t1 "0.2 N m" --rise "1 s" --coulomb "0.04 N m" --break-away "0.06 N m" --stribeck "2 rad/s"
+
 \b
 A table is a CSV file with columns t, T1, T2, in SI or in units of the heading, later times below earlier ones:
   t,T1,T2

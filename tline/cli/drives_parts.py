@@ -47,6 +47,7 @@ PARAMETERS = {
     "belt_damping": Parameter("N s/m", "belt", "damping", "Belt", "0.5 N s/m"),
     "pulley_stiffness": Parameter("N/m", "pulley", "stiffness", "Pulley", "200 N/m"),
     "angle": Parameter("rad", "pulley", "angle", "Pulley", "45 deg"),
+    "pulley_mass": Parameter("kg", "pulley", "mass", "Pulley", "0 kg"),
 }
 MECHANISM = (
     click.Option(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
+from friction.parameters import TOLD
 from tline.cli.columns import read_columns
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.cli.options import check_partners, options_named
@@ -32,26 +33,15 @@ PARTNERS = {  # options, and the one that each requires
 }  # fmt: skip
 SEVERAL = ("stiffness", "limits")  # of MaxwellSlip
 RECORDED = {"t": "s", "x": "m", "v": "m/s", "F": "N"}  # columns of records, and their units
-NAMED = {  # options by the package's names
-    "bench.mass": "--mass",
-    "bench.v0": "--v0",
-    "bench.x0": "--x0",
-    "bench.z0": "--z0",
-    "times": "--samples",
-    "spring.stiffness": "--spring",
-    "spring.speed": "--pull",
-    "spring.play": "--play",
-    "controller.speed": "--pull",
-    "controller.target": "--target",
-    "controller.limit": "--limit",
-    "controller.period": "--period",
-    "controller.delay": "--delay",
-    "force.slope": "--slope",
-    "force.amplitude": "--sine",
-    "force.frequency": "--frequency",
-    "force.phase": "--phase",
-    "force.offset": "--offset",
-}
+NAMES = {"sine": "amplitude", "spring": "stiffness", "pull": "speed"}  # of options in the package, where they differ
+PLACES = ("bench", "force", "spring", "controller")  # of the package's errors
+START = ("x0", "v0", "z0", "mass")
+
+
+def numbers_told(*flags: str) -> list[click.Option]:
+    """Options for numbers that the package explains."""
+    told = {flag: TOLD[NAMES.get(flag, flag)] for flag in flags}
+    return [click.Option([f"--{flag}"], metavar=one.unit, help=one.sentence) for flag, one in told.items()]
 
 
 @click.group("friction", epilog=EXAMPLES)
@@ -61,9 +51,12 @@ def friction() -> None:
 
 @command(
     "friction.simulation:simulate",
-    "friction.testbench:Testbench",
     names={"parameters": "set", "h": "step"},
-    omit=("model", "bench", "times", "force", "controller"),
+    omit=("model", "bench", "times"),
+    more=numbers_told(
+        *("slope", "sine", "frequency", "phase", "offset", "spring", "play", "pull"),
+        *("target", "limit", "period", "delay", *START),
+    ),
     files={"csv": table("Table of the runs, SI, full precision"), "plot": picture("v, F_f and x over time")},
     group=friction,
     epilog=EXAMPLES,
@@ -72,23 +65,9 @@ def run(
     models: tuple[str, ...],
     *,
     parameters: tuple[str, ...] = (),
-    slope: str | None = None,
-    sine: str | None = None,
-    frequency: str | None = None,
-    phase: str | None = None,
-    offset: str | None = None,
     table: str | None = None,
     hold: bool = False,
-    spring: str | None = None,
-    play: str | None = None,
     pid: str | None = None,
-    target: str | None = None,
-    pull: str | None = None,
-    limit: str | None = None,
-    period: str | None = None,
-    delay: str | None = None,
-    x0: str | None = None,
-    z0: str | None = None,
     samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
     budget: Annotated[int | None, click.IntRange(1)] = None,
     **given: Any,
@@ -99,40 +78,12 @@ def run(
     ----------
     parameters : NAME=VALUE
         A parameter, such as F_s='1.2 N', for the models that have it.
-    slope : N/s
-        Ramp [N/s], 0.5 N/s if no force is given.
-    sine : N
-        Amplitude of a sine [N], with --frequency.
-    frequency : HZ
-        Of the sine [Hz].
-    phase : ANGLE
-        Of the sine at t = 0 [rad].
-    offset : N
-        Force at t = 0 of a ramp, and below a sine [N].
     table : FILE.csv
         Force over time: columns t and F, with units in the heading or in s and N, joined by straight lines.
     hold
         Hold each row of the table until the next, instead of straight lines.
-    spring : N/m
-        Stiffness of a spring that pulls [N/m], with --pull.
-    play : m
-        Half of the spring's play, either way [m].
     pid : P,I,D
         Gains of a controller of the place, such as '100 N/m, 200 N/(m s), 5 N s/m'; later ones are 0 if not given.
-    target : m
-        Target position of the controller for the mass [m].
-    pull : m/s
-        Speed of the spring's far end, or of the controller's target [m/s].
-    limit : N
-        Largest force of the controller, either way [N].
-    period : TIME
-        Time between samples of a sampled controller [s]; it is continuous if not given.
-    delay : TIME
-        Time from a sample to its force [s].
-    x0 : m
-        Place at t = 0 [m].
-    z0 : m
-        Deflection of the bristles at t = 0 [m].
     samples : NUMBER
         Equal steps from sample to sample, 1000 if not given; errors and events do not depend on them.
     """
@@ -140,21 +91,19 @@ def run(
 
     from friction import MODELS, Result, Status, Testbench, simulate
 
-    numbers = {"slope": slope, "sine": sine, "frequency": frequency, "phase": phase, "offset": offset}
-    asked = {"target": target, "limit": limit, "period": period, "delay": delay}
-    moved = {"spring": spring, "play": play, "pull": pull}
-    if spring is not None and pid is not None:
+    if "spring" in given and pid is not None:
         raise InputError("--pid", "beside a spring", "one of both")
-    check_partners(numbers | moved | asked | {"pid": pid, "table": table, "hold": hold}, PARTNERS)
-    si = run.in_si(numbers | moved | asked | {"x0": x0, "z0": z0} | given)
+    check_partners(given | {"pid": pid, "table": table, "hold": hold}, PARTNERS)
+    si = run.in_si(given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
-    bench = {key: si[key] for key in ("mass", "v0", "x0", "z0") if key in si}
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
     laws = models_of(models, parameters, MODELS)
     runs: dict[str, Result] = {}
-    with run.named(**NAMED):
+    flags = {NAMES.get(str(each.name), str(each.name)): each.opts[-1] for each in run.params}
+    with run.named(times="--samples", **{f"{place}.{name}": flag for place in PLACES for name, flag in flags.items()}):
+        start = {key: si[key] for key in START if key in si}
         forced = _force(si, table, hold, pid is not None or "spring" in si)
-        loaded = Testbench(forced, spring=_spring(si, pid), controller=_controller(si, pid), **bench)
+        loaded = Testbench(forced, spring=_spring(si, pid), controller=_controller(si, pid), **start)
         if samples is not None:
             steps["times"] = np.linspace(0.0, steps.get("t_end", 10.0), samples + 1)
         for name, law in laws.items():
@@ -184,8 +133,6 @@ def _balanced(found: "Result") -> list[str]:
 
 def models_of(names: tuple[str, ...], parameters: tuple[str, ...], known: Mapping[str, type]) -> dict[str, Any]:
     """Build the models of those names; each takes the parameters that it has."""
-    from friction.parameters import TOLD
-
     for name in names:
         if name not in known:
             raise InputError("MODEL", "unknown", " or ".join(known), f"'{name}'")
@@ -229,7 +176,6 @@ def _spring(si: dict[str, float], pid: str | None) -> "Spring | None":
 
 def _controller(si: dict[str, float], pid: str | None) -> "PID | None":
     from friction import PID
-    from friction.parameters import TOLD
 
     asked = [name for name in ("target", "limit", "period", "delay") if name in si]
     if pid is None:

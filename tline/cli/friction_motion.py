@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from tline.cli.columns import read_columns
-from tline.cli.friction import RECORDED, beside, columns_of, friction, models_of
+from tline.cli.friction import RECORDED, beside, columns_of, friction, models_of, numbers_told
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.cli.options import check_partners, options_named
 from tline.errors import InputError
@@ -39,6 +39,7 @@ FORMULA = re.compile(r"\bt\b")  # a formula contains t
 
 @command(
     names={"parameters": "set"},
+    more=numbers_told("frequency", "phase", "z0"),
     files={"csv": table("Motion and forces, SI, full precision"), "plot": picture("F_f over x, v and t")},
     group=friction,
     epilog=EXAMPLES,
@@ -48,14 +49,12 @@ def motion(
     *,
     velocity: str | None = None,
     position: str | None = None,
-    frequency: str | None = None,
-    phase: str | None = None,
     offset: str | None = None,
-    z0: str | None = None,
     t_end: str | None = None,
     hold: bool = False,
     samples: Annotated[int | None, click.IntRange(1, 199_999)] = None,
     parameters: tuple[str, ...] = (),
+    **given: Any,
 ) -> Output:
     """Friction under a prescribed motion, for one or more models: hysteresis, presliding loops.
 
@@ -67,14 +66,8 @@ def motion(
     position : m
         Amplitude of a sine, with --frequency; several with commas between; or FILE.csv with columns t and x; or a
         formula of t in SI.
-    frequency : HZ
-        Of the sine [Hz].
-    phase : ANGLE
-        Of the sine at t = 0 [rad].
     offset : NUMBER
         Velocity or place about which the sine swings, in the unit of its amplitude.
-    z0 : m
-        Deflection of the bristles at the beginning [m].
     t_end : TIME
         End [s]; two periods, or the end of the file, or 1 s, if not given.
     hold
@@ -91,9 +84,9 @@ def motion(
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")
-    check_partners({"phase": phase, "offset": offset, "frequency": frequency}, dict.fromkeys(SWUNG, "frequency"))
+    check_partners(given | {"offset": offset}, dict.fromkeys(SWUNG, "frequency"))
     chosen = models_of(models, parameters, PRESCRIBED)
-    si = motion.in_si({"frequency": frequency, "phase": phase, "z0": z0, "t_end": t_end})
+    si = motion.in_si(given | {"t_end": t_end})
     kind, text = ("velocity", velocity) if velocity is not None else ("position", position)
     if offset is not None:
         si["offset"] = to_si(offset, PLAIN[kind], "--offset")

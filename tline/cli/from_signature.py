@@ -24,7 +24,7 @@ from tline.presentation import Presentation
 from tline.units import to_si
 
 WORDS = {  # metavariables by name of the argument
-    "TIME": "t_end rise period begin h step jitter",
+    "TIME": "t_end rise period begin h step jitter delay filter_time",
     "NUMBER": "tol seed workers exponent reserve points kv stages ber dfe",
     "NODE": "node at",
     "SPEED": "wave_speed rated_speed",
