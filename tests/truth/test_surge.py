@@ -10,7 +10,7 @@ from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated, usual_inertia
 from tline.surge.operation import operate
-from tline.surge.worst import RISES, SEPARATES, worst
+from tline.surge.worst import RISES, SEPARATES, STOOD, worst
 
 SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01
 Z0 = DENSITY * SPEED / (np.pi / 4 * DIAMETER**2)
@@ -311,6 +311,14 @@ def test_no_class_where_columns_separate_and_one_beside_cavities():
     held = worst(simulate(Scene(**table), envelope=True))
     assert not held.boiling
     assert held.untold != SEPARATES
+
+
+def test_water_that_boils_before_anything_is_operated_is_the_networks_own_fault():
+    table = network().table()
+    table["lines"]["hill"] = {"nodes": ["b", "top"], **PIPE}
+    table["loads"]["top"] = {"at": "top", "kind": "closed"}
+    table["nodes"]["top"] = {"elevation": HEAD + 12}
+    assert worst(run(Event("demand", "c", 0.5, 0.5, 1e-4), scene=Scene(**table))).untold == STOOD
 
 
 @pytest.mark.parametrize(("t_end", "cut"), [(0.999, True), (3.0, False)])

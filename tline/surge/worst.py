@@ -18,6 +18,7 @@ LAST = 0.01  # of a run: what is highest or lowest so near its end may not be so
 CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column that separates
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
+STOOD = "water boils in the network itself, before anything is operated"
 EMPTIES = "a vessel runs empty, and gas in the pipe is not computed"
 ALONE = "there was time for one number of places for cavities alone"
 RISES = "the highest pressure comes at the end of the run and may be higher later"
@@ -102,7 +103,8 @@ def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") 
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
-    untold = SEPARATES if boiling else EMPTIES if emptied(result) else untold or (RISES if rising else "")
+    boils_by = STOOD if all(node.before < BOILS for node in boiling) else SEPARATES
+    untold = boils_by if boiling else EMPTIES if emptied(result) else untold or (RISES if rising else "")
     bound = max(node.highest + float(np.nan_to_num(node.highest_error)) for node in nodes)
     spread = max(spread, bound - highest.highest)
     needed = None if untold else class_of(highest.highest + spread)
