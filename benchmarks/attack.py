@@ -157,13 +157,13 @@ def _energy(make: Callable[[], dict], measure: Callable[[dict], float], most: fl
     return Answer("no flow", {}, "no flow")
 
 
-def decks(seed: int) -> Iterator[Answer]:
-    """Corrupted netlists are read, or refused in a sentence, within seconds."""
-    from mutated_decks import mutated, outcome
+def decks(seed: int, kind: str = "DECKS") -> Iterator[Answer]:
+    """Corrupted netlists, IBIS or Touchstone files are read, or refused in a sentence, within seconds."""
+    import mutated_files
 
     with tempfile.TemporaryDirectory() as folder:
-        name, text = mutated(seed)
-        found = outcome(text, Path(folder))
+        name, text = mutated_files.mutated(seed, getattr(mutated_files, kind))
+        found = mutated_files.outcome(text, Path(folder), name)
     yield Answer(found.partition(":")[0], {}, f"{name}: {found}" if found.startswith("fault") else "")
 
 
@@ -279,6 +279,8 @@ KINDS: dict[str, tuple[Judge, int]] = {  # with the number of seeds for some min
     "vessels": (lambda seed: circuits(seed, vessels=True), 50),
     "chains": (chains, 100),
     "decks": (decks, 5000),
+    "ibis": (lambda seed: decks(seed, "IBIS"), 1000),
+    "touchstone": (lambda seed: decks(seed, "TOUCHSTONE"), 1000),
     "statics": (statics, 1000),
     "bristles": (bristles, 200),
     "smooth": (smooth, 40),

@@ -22,7 +22,7 @@ from passivity import check_samples, fit_scattering, read_touchstone
 from tline.errors import InputError
 
 TOLERANCE = 1e-2
-LONGEST = 60  # seconds of the processor that scikit-rf has for a file
+LONGEST = 20  # seconds of the processor that scikit-rf has for a file
 
 
 def theirs(network: skrf.Network) -> tuple[int, float, bool]:

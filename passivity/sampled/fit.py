@@ -172,7 +172,7 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
     (array([-10.+0.j]), 5.0)
     """
     n, size = len(response.f), response.ports**2
-    most = max(min(2 * MAX_POLES, n - 2), 0)
+    most = max(min(MAX_POLES, n - 2), 0)
     if n > MAX_SAMPLES or not response.f[-1]:
         expected = f"at most {MAX_SAMPLES} samples, not all at f = 0"
         raise ExpressionError("response", "cannot be fitted", expected, f"{n}")

@@ -126,8 +126,8 @@ class DelayedModel:
 
     @property
     def nearest(self) -> "DelayedModel":
-        """The same with the nearest passive model, if one was found."""
-        return replace(self, model=enforce(self.model, self.samples).model)
+        """The same with the nearest passive model, if one was found; the same where its parts were made so."""
+        return self if self.parts else replace(self, model=enforce(self.model, self.samples).model)
 
     @property
     def distance(self) -> NDArray:
@@ -199,7 +199,7 @@ def fit_scattering(
     halves = mirrored(response, tolerance) if not np.any(delays) else None
     for found in _candidates(response, delays):
         if halves and found.order > MANY:
-            return _joined(response, *halves, tolerance * (1 - ALIKE), nearest, progress)
+            found = _joined(response, *halves, tolerance * (1 - ALIKE), nearest, progress)
         fitted, noise = found.misfit <= tolerance, found.is_left_by_noise
         found = found.nearest if fitted and nearest else found
         if progress:
@@ -208,7 +208,7 @@ def fit_scattering(
             return found
         tried.append(found)
         several = fitted and found.samples.ports > 1
-        if reached.is_enough(found.error, found.order, several, noise):
+        if reached.is_enough(found.error, found.order, several, noise) or found.parts:
             break
     if nearest and (passive := _nearest_of(tried)):
         return passive

@@ -14,7 +14,7 @@ from passivity.rational.matrix import RationalMatrix
 from passivity.sampled.response import Parameter, array
 from tline.presentation import Presentation, plain
 
-MAX_POLES = 100  # each pair counted once
+MAX_POLES = 200  # of one port, both of a pair counted
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,7 +26,7 @@ class PoleResidueModel(Presentation):
     Parameters
     ----------
     poles : array_like of complex, shape (m,)
-        a, rad/s, Im a >= 0; of one port m <= MAX_POLES.
+        a, rad/s, Im a >= 0; of one port at most MAX_POLES, both of a pair counted.
     residues : array_like of complex, shape (m,) or (m, p, p)
         r, real where the pole is.
     constant, proportional : float or array_like, shape (p, p)
@@ -66,7 +66,7 @@ class PoleResidueModel(Presentation):
             raise ExpressionError(
                 "proportional", "shape", f"that of the constant, {d.shape}", f"{self.proportional.shape}"
             )
-        if a.ndim != 1 or r.shape != (*a.shape, *d.shape) or (not d.ndim and len(a) > MAX_POLES):
+        if a.ndim != 1 or r.shape != (*a.shape, *d.shape) or (not d.ndim and count(a) > MAX_POLES):
             expected = f"one residue for each pole, at most {MAX_POLES} of one port"
             raise ExpressionError("residues", "shape", expected, f"{r.shape} for {a.shape}")
         for k in np.flatnonzero(a.imag < 0):

@@ -77,6 +77,7 @@ class Rounding:
         return first + self.second
 
 
+@np.errstate(over="ignore", invalid="ignore")  # numbers that are refused afterwards
 def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rounding, NDArray[np.complex128]]:
     """Rounding and values of rows of 2 ports^2 numbers as they are written, first index slowest.
 
@@ -88,10 +89,9 @@ def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rou
     (first, second), (one, two) = np.moveaxis(numbers, 3, 0), np.moveaxis(halves, 3, 0)
     if form == "ri":
         return Rounding(np.ones_like(first, dtype=complex), one, two), first + 1j * second
-    with np.errstate(over="ignore"):
-        size = np.abs(first) if form == "ma" else 10 ** (first / 20)
-        held = np.minimum(size, LARGEST)
-        radial = np.minimum(one if form == "ma" else held * np.expm1(one * np.log(10) / 20), LARGEST)
+    size = np.abs(first) if form == "ma" else 10 ** (first / 20)
+    held = np.minimum(size, LARGEST)
+    radial = np.minimum(one if form == "ma" else held * np.expm1(one * np.log(10) / 20), LARGEST)
     direction = np.exp(1j * np.radians(second)) * np.where((form == "ma") & (first < 0), -1, 1)
     turn = np.minimum(np.radians(two), np.pi)
     top = held + radial
