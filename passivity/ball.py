@@ -23,7 +23,7 @@ def of_point(re: Fraction, im: Fraction) -> acb:
 
 
 def near(ball: arb) -> Fraction:
-    """The middle of a ball, or what of a length of MAX_BITS is nearest to it; 0 where there is none."""
+    """Middle of a ball, clipped to numbers of MAX_BITS; 0 where there is none."""
     middle = ball.mid()
     if not middle.is_finite() or abs(middle) < of_fraction(_NEAREST):
         return Fraction(0)

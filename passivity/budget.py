@@ -23,7 +23,7 @@ MAX_TOTAL = 4_000_000  # bits of all coefficients together
 
 
 class UndecidedError(ArithmeticError):
-    """The budget ran out; the message says on what."""
+    """The budget ran out; the message names the work."""
 
 
 @dataclass
@@ -37,7 +37,7 @@ _times: ContextVar[float] = ContextVar("times", default=1)
 
 @contextmanager
 def granted(times: float) -> Iterator[None]:
-    """Make every budget within so many times as large.
+    """Multiply every budget within by a factor.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def budget(units: int) -> Iterator[None]:
 
 
 def if_affordable(units: int, ask: Callable[..., T], *given: Any) -> T | None:
-    """What a function says of what is given, None if the budget runs out."""
+    """Call a function within a budget; None if it runs out."""
     try:
         with budget(units):
             return ask(*given)
@@ -88,7 +88,7 @@ def spend(units: int, what: str) -> None:
 
 
 def check_size(degree: int, bits: int, where: str = "") -> None:
-    """Refuse what has too high a degree in s, or too long numbers."""
+    """Raise an error for too high a degree in s, or too long numbers."""
     if degree > MAX_DEGREE:
         raise ExpressionError(where, "the degree in s is too high", f"at most {MAX_DEGREE}", f"{_count(degree)}")
     if bits > MAX_BITS:

@@ -1,4 +1,4 @@
-"""What is wrong with a given impedance, in one sentence."""
+"""Errors in given impedances, in one sentence each."""
 
 from collections.abc import Callable
 
@@ -9,13 +9,13 @@ class ExpressionError(InputError):
     """One mistake in a given impedance: at ``column 7``, ``parameter L``, ``numerator[2]``."""
 
     def within(self, where: str) -> "ExpressionError":
-        """The same mistake in a part of something."""
+        """Prefix the place of the mistake by that of the whole."""
         place = ", ".join(x for x in (where, self.where) if x)
         return ExpressionError(place, self.problem, self.expected, self.got)
 
 
 def shown(given: object, write: Callable[[object], str] = str) -> str:
-    """What was given, as a message quotes it: at most 60 characters in one line, by `str` or `repr`.
+    """Quote an argument in a message: at most 60 characters in one line, by `str` or `repr`.
 
     Examples
     --------

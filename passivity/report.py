@@ -38,7 +38,7 @@ MOST_NAMED = 4  # bands or frequencies in one sentence
 
 
 def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None) -> dict[str, Any]:
-    """What JSON can hold of a verdict and of what else was asked."""
+    """Verdict, margins and robustness as a dictionary for JSON."""
     from passivity.calculus.proof import verify
 
     function, witness, found = verdict.function, verdict.witness, verdict.certificate
@@ -71,7 +71,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
 
 
 def coefficients(polynomial: Any) -> list[str]:
-    """Of a polynomial, highest power first, as texts."""
+    """Coefficients of a polynomial as texts, highest power first."""
     return [str(c) for c in reversed(polynomial.coeffs())] or ["0"]
 
 
@@ -185,7 +185,7 @@ def _place(verdict: Verdict, margin: Margin) -> str:
 
 
 def reason(verdict: Verdict) -> str:
-    """Why a verdict is what it is, frequencies ω in rad per unit of time."""
+    """Reason of a verdict, with frequencies ω in rad per unit of time."""
     kind, network = verdict.kind, verdict.function
     bounded, equal, broken, closing = (_ONE if isinstance(network, RationalFunction) else _SEVERAL)[kind]
     if verdict.status is Status.UNDECIDED:
@@ -226,7 +226,7 @@ def _touched(function: RationalFunction, kind: Kind) -> str:
 
 
 def _seen(verdict: Verdict) -> str:
-    """What floating point sees of several ports."""
+    """Analysis of several ports in floating point, as a sentence."""
     kind, found = verdict.kind, verdict.analysis
     assert found
     value = f"{EXTREME[kind]} is {found.value:.6g} ± {found.value_error:.1g} at ω = {found.frequency:.6g}"

@@ -1,4 +1,4 @@
-"""What can be asked of a function, and how the question can end."""
+"""Kinds of questions about a function, and the statuses of their answers."""
 
 from enum import StrEnum
 from typing import Any, NoReturn
@@ -15,12 +15,12 @@ class Kind(StrEnum):
 
     @property
     def letter(self) -> str:
-        """By which such a function goes."""
+        """Usual letter of such a function."""
         return "Z" if self is Kind.PR else "H"
 
 
 class Status(StrEnum):
-    """How the question ended."""
+    """Status of an answer."""
 
     PROVED = "proved"
     REFUTED = "refuted"
@@ -32,7 +32,7 @@ class Status(StrEnum):
 
 
 class Decided(Presentation):
-    """An answer with a status, of which there are more than two: so it is neither true nor false."""
+    """Answer with one of three statuses, and therefore without a truth value."""
 
     status: Status
 

@@ -1,4 +1,4 @@
-"""What a verdict says, and what it rests on: proofs and witnesses; one port is the 1 by 1 case."""
+"""Verdicts with their proofs and witnesses; one port is the 1 by 1 case."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -33,7 +33,7 @@ _ONE = ((Fraction(1), Fraction(0)),)
 
 
 class AxisSum(NamedTuple):
-    """The sum of all principal minors of one order of what must not be negative on the axis, |d|^2 times.
+    """Sum of all principal minors of one order of the form that must not be negative on the axis, times |d|^2.
 
     In x = w^2 it is a g^power, where g is |d|^2 with coprime coefficients. Of one port it is Re p(jw) conj q(jw), or
     |q(jw)|^2 - |p(jw)|^2, after cancelling.
@@ -147,7 +147,7 @@ class Witness:
 
     @property
     def why(self) -> str:
-        """What is wrong there with a function whose value is known in a ball, in words."""
+        """Sentence on the value of the function there, known in a ball."""
         s, value = f"s = {digits(self.re)} + {digits(self.im)}j", self.found
         s += "".join(f", {name} = {digits(x)}" for name, x in self.names.items())
         if not self.im and value.imag != 0:
@@ -207,7 +207,7 @@ class Margins(NamedTuple):
 
 @dataclass(frozen=True)
 class Verdict(Decided):
-    """Answer to whether a function or a matrix is positive real or bounded real, and what anyone can check of it.
+    """Answer to whether a function or a matrix is positive real or bounded real, with checkable evidence.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ class Verdict(Decided):
 
     @cached_property
     def analysis(self) -> "AxisAnalysis | None":
-        """What floating point sees on the axis; None if the eigenvalues do not converge."""
+        """Analysis on the axis in floating point; None if the eigenvalues do not converge."""
         try:
             return self.floats and self.floats.analysis
         except ValueError:  # numpy's LinAlgError
@@ -293,7 +293,7 @@ class Verdict(Decided):
 
     @cached_property
     def margins(self) -> Margins:
-        """How much room there is to the border, and at which frequency, z0 = 1 (see `passivity.exact.margin`)."""
+        """Margins to the boundary of the property, and their frequencies, z0 = 1 (see `passivity.exact.margin`)."""
         if self.function is None:
             from passivity.calculus.proof import margins_of
 
@@ -316,7 +316,7 @@ class Verdict(Decided):
 
     @cached_property
     def evidence(self) -> dict[str, Any] | None:
-        """What a file can hold of a proof or a witness: for rational functions too."""
+        """Proof or witness as the content of a file, for rational functions too."""
         from passivity.calculus.proof import prove
 
         if self.proof or not self.asked[0]:

@@ -30,13 +30,13 @@ STEPS, SINES = 64, [k * (3 * 64**2 - k * k) for k in range(65)]  # 2 64^3 times 
 
 
 def need(condition, what):
-    """Refuse what is not a proof."""
+    """Raise ValueError unless a condition holds."""
     if not condition:
         raise ValueError(what)
 
 
 def times(x, y):
-    """A product of ends of intervals; 0 times an infinite limit is 0."""
+    """Product of ends of intervals; 0 times an infinite limit is 0."""
     finite = not (x and y and (isinstance(x, float) or isinstance(y, float)))  # an infinity is one, a fraction none
     return (x * y if x and y else ZERO) if finite else inf if (x > 0) == (y > 0) else -inf
 
@@ -48,7 +48,7 @@ def inverted(low, high):
 
 
 def scaled(fact, c):
-    """The fact about c w that follows, None if there is none."""
+    """Fact about c w that follows from one about w; None if there is none."""
     if not c:
         return ("real", ZERO, ZERO)
     if fact[0] == "arg":
@@ -57,12 +57,12 @@ def scaled(fact, c):
 
 
 def disc(fact):
-    """The disc that a fact tells of, None if there is none."""
+    """Disc of a fact; None without one."""
     return fact[1:] if fact[0] != "arg" else RIGHT[1:] if fact[1] <= 1 else None
 
 
 def turn(fact):
-    """The bound of the argument that a fact tells of, None if there is none; 0 everywhere has any."""
+    """Bound of the argument from a fact; None without one; the function 0 has any."""
     if fact[0] != "disc" or fact[1] <= 0 or fact[2] == inf:
         return fact[1] if fact[0] == "arg" else None if fact[1] < 0 else Fraction(int(fact[0] == "disc"))
     return Fraction(bisect_left(SINES, 2 * STEPS**3 * (fact[2] - fact[1]) / (fact[2] + fact[1])), STEPS)
@@ -91,7 +91,7 @@ def image(name, x):
 
 
 def within(f, *ends):
-    """Bounds of what rises or falls with each of some decimals and is rounded once, from theirs."""
+    """Bounds of a function, monotone in each decimal and rounded once, from bounds of its arguments."""
     found = [f(*x) for x in product(*ends)]
     return min(found).next_minus(), max(found).next_plus()
 
@@ -121,7 +121,7 @@ class Graph:
         self.nodes.append((kind, tuple(parts)))
 
     def look(self):
-        """Refuse nodes that are divided by what may be 0 at each of some points; keep those that may be 0 there."""
+        """Reject divisors that may be 0 at all of some points; remember the nodes that may be 0 there."""
         left = self.zero = {*range(len(self.nodes))}
         for s, digits in POINTS:
             if not left:
@@ -183,7 +183,7 @@ class Graph:
         return {m: c * x if c != 1 else x for x, m in parts} if kind == "sum" else {n: c}
 
     def fraction(self, c, n, cut=()):
-        """c times a node as a quotient of polynomials in atoms: what is no sum or product, and the nodes in `cut`."""
+        """c times a node as a quotient of polynomials in atoms: nodes but sums and products, and those in `cut`."""
         (kind, parts), (top, bottom) = self.nodes[n], (UNITY, UNITY)
         if n in cut or kind in ("name", "s", "log"):
             top = {((n, 1),): 1}
@@ -214,7 +214,7 @@ class Graph:
         return top if c == 1 else {key: x * c for key, x in top.items() if x * c}, bottom
 
     def powered(self, factors):
-        """A product of powers of quotients; what stands above and below goes."""
+        """Product of powers of quotients, with common factors cancelled."""
         top, bottom = UNITY, UNITY
         for p, q in (pair[:: 1 if e > 0 else -1] for pair, e in factors for _ in range(abs(e))):
             p, bottom = (UNITY, UNITY) if p == bottom else (p, bottom)
@@ -250,7 +250,7 @@ class Graph:
         return left == right or self.multiplied(left[0], right[1]) == self.multiplied(right[0], left[1])
 
     def rule_leaf(self, n, known, data):
-        """1, s, and what is assumed of a name."""
+        """Facts of 1, s and names, as assumed."""
         kind, parts = self.nodes[n]
         return [self.names[parts[0]]] if kind == "name" else {"one": [("real", ONE, ONE)], "s": [RIGHT]}.get(kind, [])
 
@@ -287,7 +287,7 @@ class Graph:
         return [*found, *scaling, ("disc", -bound, bound)]
 
     def rule_equal(self, n, known, data):
-        """w = c w_1, multiplied out as polynomials in the atoms that are given, and in what is no sum or product."""
+        """w = c w_1, expanded as polynomials in the given atoms and in nodes other than sums and products."""
         ((m, fact),), (c, cut) = known, data
         left, right = self.fraction(ONE, n, cut), self.fraction(Fraction(c), m, cut)
         need(left[1] and right[1] and self.is_equal(left, right), "not equal")
@@ -440,7 +440,7 @@ def read_fact(fact):
 
 
 def check(proof, rules=RULES):
-    """None if a proof, as its file is read, proves its claim; else what is wrong."""
+    """Return None if a proof, as read from its file, proves its claim; else the mistake."""
     step = "the head"
     try:
         need(proof["format"] == FORMAT, f"not of the format {FORMAT}")

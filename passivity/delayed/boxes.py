@@ -50,7 +50,7 @@ _NO_VALUE = "no positive value far out, where delays have died away"
 
 
 class UnresolvedError(UndecidedError):
-    """What could not be resolved in balls; `frequency` where the axis is not clear."""
+    """Question that balls did not resolve; `frequency`: place on the axis that is not clear."""
 
     frequency: float | None = None
 

@@ -1,4 +1,4 @@
-"""A lossless line behind its load, step by step Z2, G2, H2, H1, G1, and seen from both ends.
+"""Lossless line with its load, step by step Z2, G2, H2, H1, G1, and as a two-port.
 
 u is the effort, y the flow, both counted from the input (end 1) to the load (end 2); Z2 = u2/y2, z0 > 0, T >= 0.
 
@@ -91,7 +91,7 @@ def check_line(load: RationalFunction | str, z0: Exact, delay: Exact) -> Derivat
 
 
 def _port(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> str:
-    """Why G1 is positive real if H2 is not refuted, and what it looks like."""
+    """Sentence on why G1 is positive real if H2 is not refuted, with its special form."""
     known = {0: "the end is matched and G1 = 1"} | {
         sign: f"the end is {end} and G1 = {name}(Ts), with poles at ω = {poles} pi/T of residue 1/T"
         for sign, end, name, poles in ((1, "open", "tanh", "(k + 1/2)"), (-1, "short-circuited", "coth", "k"))

@@ -1,4 +1,4 @@
-"""Poles in Re s > 0 that stand in a factor free of delays and roots, where no exponential can take them away.
+"""Poles in Re s > 0 of a factor without delays and roots, which no exponential can cancel.
 
 Multiplied out, F = n/(f g) with f a polynomial in s alone. Near a root r of f, |F| grows without bound if n/g stays
 away from 0 there, which a ball around r shows. Where n vanishes too, as in (exp(-s) - exp(-2))/(s - 2), it does not.

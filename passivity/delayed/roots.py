@@ -38,7 +38,7 @@ class QuasiPolynomial:
         return sum(((-s * delay).exp() * p(s) for delay, p in self.terms), acb(0))
 
     def derivative(self) -> "QuasiPolynomial":
-        """Its derivative."""
+        """Derivative."""
         return QuasiPolynomial(tuple((delay, p.derivative() - p * arb_poly([delay])) for delay, p in self.terms))
 
     @property
@@ -203,7 +203,7 @@ def on_axis(low: Fraction, high: Fraction) -> acb:
 
 
 def least_radius(is_far: Callable[[Fraction], bool]) -> Fraction | None:
-    """A power of 2 that is far out, half of which is not; None if none is."""
+    """Smallest power of 2 that is far out; None if none is."""
     far = next((k for k in range(_MAX_DOUBLINGS) if is_far(Fraction(2) ** k)), None)
     if far is None:
         return None
@@ -215,7 +215,7 @@ def least_radius(is_far: Callable[[Fraction], bool]) -> Fraction | None:
 def cuts_of_axis(
     is_clear: Callable[[acb], bool], radius: Fraction, stuck: Callable[[Fraction, Fraction], UndecidedError]
 ) -> list[Fraction]:
-    """Cuts of the axis up to a radius between which it is clear; raises what `stuck` makes of a piece that is not."""
+    """Cuts of the axis up to a radius, with a clear axis between them; a piece that is not clear raises `stuck`."""
     stack, cuts, count = [(Fraction(0), radius)], [Fraction(0)], 0
     while stack:
         low, high = stack.pop()

@@ -133,7 +133,7 @@ def _at(a: PolynomialMatrix, t: int) -> fmpz_mat:
 
 
 def is_nonnegative(a: fmpz_poly, factors: tuple, breaks: tuple[Fraction, ...]) -> bool:
-    """Whether a is, up to what is nonnegative anyway, the product of the factors, and these are for x >= 0."""
+    """Whether a is the product of the factors plus nonnegative coefficients, and the product is >= 0 for x >= 0."""
     whole, odd = fmpz_poly([2]), fmpz_poly([1])
     for factor, power in factors:
         whole *= factor**power

@@ -30,7 +30,7 @@ _NEAR = 2.0**-30  # between value and bound, in parts of the largest eigenvalue 
 
 
 def margins(verdict: Verdict, z0: Exact = 1) -> Margins:
-    """The margins of the function of a verdict, in whatever unit it is given.
+    """Margins of the function of a verdict, in the unit of the function.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def margin(network: RationalMatrix | StateSpace, kind: Kind) -> Margin | None:
 
 
 class _Place(NamedTuple):
-    """What is to be small at a frequency, infinite at a pole; and the largest eigenvalue or singular value."""
+    """Level to be minimised at a frequency (infinite at a pole), and the largest eigenvalue or singular value."""
 
     level: float
     size: float
@@ -142,7 +142,7 @@ def _place(kind: Kind, matrix: RationalMatrix, w: float) -> _Place:
 
 
 def _beyond(kind: Kind, n: PolynomialMatrix, d: fmpz_poly, bound: Fraction) -> Fraction | None:
-    """A place x = w^2, not a pole, where the level is below a bound; None if there is none."""
+    """Find x = w^2, not a pole, where the level is below a bound; None if there is none."""
     up, down = bound.numerator, bound.denominator
     shifted = (
         (add(scaled(n, down), identity(len(n), -up * d)), down * d) if kind is Kind.PR else (scaled(n, down), up * d)

@@ -54,7 +54,7 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
 
 
 def frequencies(function: RationalFunction, also: list[float]) -> NDArray:
-    """Angular frequencies that show all of a function, increasing; what can be drawn of `also` is among them."""
+    """Increasing angular frequencies that cover all features of a function, and the finite ones of `also`."""
     moduli = [m for f in (function.p, function.q) for m in _moduli(f)] or [0.0]
     marks = [math.log10(x) for x in also if 0 < x < math.inf]
     low, high = (

@@ -171,7 +171,7 @@ def by_storage(system: StateSpace) -> Verdict:
 
 
 def _by_floats(kind: Kind, system: StateSpace) -> Verdict | None:
-    """Refuted at a point, or proved by a storage function, which floats suggest; None if they do not see which."""
+    """Refute at a point, or prove by a storage function, found in floats and checked exactly; None if neither works."""
     from passivity.floats.modes import Modes
     from passivity.floats.storage import as_scattering, strict_storage
     from passivity.floats.system import FloatSystem
@@ -210,9 +210,9 @@ def _refuted(look: "Modes", system: StateSpace, frequency: float) -> Verdict | N
 
 
 def refuted_or_undecided(kind: Kind, system: StateSpace, reason: str) -> Verdict:
-    """The verdict on a state space that is not proved: a point where floats see the property fail is tried exactly.
+    """Verdict on a state space that is not proved: points where the property fails in floats are tried exactly.
 
-    Modes that do not show at the ports are not looked for.
+    Modes hidden at the ports are not searched.
     """
     from passivity.floats.modes import Modes
     from passivity.floats.system import FloatSystem
@@ -232,9 +232,9 @@ def refuted_or_undecided(kind: Kind, system: StateSpace, reason: str) -> Verdict
 
 
 def hidden_modes(network: RationalMatrix | StateSpace) -> fmpz_poly | None:
-    """A polynomial with roots in Re s >= 0 that does not show at the ports, None if there is none.
+    """Polynomial of modes with Re s >= 0 that are hidden at the ports; None without such modes.
 
-    Of a state space: the modes that the inputs do not reach or the outputs do not see; of a matrix: the factors common
+    For a state space: the uncontrollable or unobservable modes; for a matrix: the factors common
     to numerator and denominator of an entry.
     """
     if isinstance(network, StateSpace):

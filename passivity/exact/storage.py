@@ -47,7 +47,7 @@ def negative_direction(a: fmpq_mat) -> list[fmpq] | None:
 
 
 def _obvious(a: list[list[fmpq]], left: list[int]) -> list[fmpq] | None:
-    """A direction seen on the diagonal, or beside a zero of it."""
+    """Find such a direction from a negative diagonal entry, or a zero one with an entry beside it."""
     x = [fmpq(0)] * len(a)
     for i in left:
         if a[i][i] < 0:
@@ -79,7 +79,7 @@ def lossless_storage(kind: Kind, system: StateSpace) -> tuple[fmpq_mat, fmpq_mat
 
 
 def _starts_lossless(kind: Kind, system: StateSpace) -> bool:
-    """Nothing is lost at infinity, and what follows of B^T P B and of B^T P A B: necessary and quickly seen."""
+    """Quick necessary conditions: no loss at infinity, symmetry of B^T P B and balance of B^T P A B."""
     a, b, _, d = system.matrices
     px, out = _supplied(kind, *system.matrices)
     first, second, seen = px.transpose() * b, px.transpose() * (a * b), out * b
@@ -94,7 +94,7 @@ def _supplied(kind: Kind, a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any]:
 
 
 def _from_residues(kind: Kind, system: StateSpace) -> fmpq_mat | None:
-    """P of a system whose states are all reached, by what it is modulo primes; None if there is none, or a long one."""
+    """Find P of a controllable system from its residues modulo primes; None if there is none, or only a long one."""
     n, chosen = system.states, system.independent_columns()
     known, modulus, tried = [0] * (n * n), 1, 1
     for number, prime in enumerate(_primes(), 1):
@@ -125,7 +125,7 @@ def _primes() -> Iterator[int]:
 
 
 def _modulo(kind: Kind, system: StateSpace, chosen: list[int], prime: int) -> nmod_mat | None:
-    """P modulo a prime, None if there is none."""
+    """Return P modulo a prime; None if there is none."""
     a, b, c, d = (
         nmod_mat(whole, prime) * pow(int(unit), -1, prime)
         for whole, unit in (matrix.numer_denom() for matrix in system.matrices)

@@ -1,4 +1,4 @@
-"""Points of the right half plane, and vectors, where a function is not what it should be: constructed, not searched."""
+"""Witnesses: points of the right half plane, and vectors, where the property fails, by construction."""
 
 from collections.abc import Callable
 from fractions import Fraction

@@ -25,7 +25,7 @@ def fraction(number: Any, where: str) -> Fraction:
 
 
 def not_a_number(value: object, where: str) -> ExpressionError:
-    """The error for a value that is none."""
+    """Make the error for a value that is not a number."""
     expected = "a finite int, float or Fraction, or text such as '0.1' or '10 nH'"
     return ExpressionError(where, "not a number", expected, shown(value, repr))
 

@@ -31,7 +31,7 @@ FUNCTIONS = ("exp", "log", "sqrt", "sinh", "cosh", "tanh", "coth", "sech", "csch
 
 
 class Token(NamedTuple):
-    """One piece of the text; `column` counts from 1, `spaced` tells of white space before it."""
+    """One token of the text; `column` counts from 1, `spaced`: white space before it."""
 
     kind: str  # number, name, operator, end
     text: str

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class Number:
-    """An exact number: ``0.1`` is 1/10, ``10 nH`` is 1/10**8; `text` is what was written."""
+    """Exact number: ``0.1`` is 1/10, ``10 nH`` is 1/10**8; `text` is its spelling."""
 
     value: Fraction
     text: str

@@ -1,1 +1,1 @@
-"""What floating point sees of a state space: never a proof."""
+"""Analysis of state spaces in floating point: never a proof."""

@@ -1,6 +1,6 @@
-"""What floating point sees of a state space on the imaginary axis, by two methods: never a proof.
+"""Analysis of a state space on the imaginary axis in floating point, by two methods: never a proof.
 
-The lowest value is that of samples, once no crossing of a level just below it is left between which the form is lower.
+The lowest value is that of samples, once no crossings of a level just below it remain with lower values between them.
 An eigenvalue of the form F(s) = R + S^T X + X~ S + X~ Q X, X = (sI - A)^-1 B, crosses a level where, with that level
 taken off R, the pencil
 
@@ -78,7 +78,7 @@ def _eigenpairs(p: NDArray, e: NDArray, n: int) -> tuple[NDArray[np.complex128],
 
 
 def _pencil(system: FloatSystem, level: float) -> tuple[np.ndarray, np.ndarray]:
-    """P(0) and dP/ds, the inputs scaled to what they do."""
+    """Return P(0) and dP/ds, with the inputs scaled by their effect."""
     a, b, (q, s, r) = system.a, system.b, system.popov
     n, m = b.shape
     r = r - level * np.eye(m)

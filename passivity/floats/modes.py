@@ -47,7 +47,7 @@ class Modes:
         return bool((abs(away) <= 2 * s.real / self.system.unit).any())
 
     def forms(self, s: ArrayLike) -> NDArray[np.complex128]:
-        """The Hermitian matrices at some points, one of which may be infinity, shape (k, m, m)."""
+        """Hermitian forms at some points, including infinity, shape (k, m, m)."""
         with np.errstate(all="ignore"):
             gains = 1 / (np.asarray(s, complex)[:, None] - self.poles)
             z = self.system.d + (self.outputs * np.nan_to_num(gains)[:, None, :]) @ self.inputs
@@ -57,7 +57,7 @@ class Modes:
 
     @cached_property
     def lowest(self) -> tuple[float, float]:
-        """Smallest eigenvalue of the form on the axis, as far as is seen, and its frequency in the system's unit."""
+        """Smallest sampled eigenvalue of the form on the axis, and its frequency in the system's unit."""
         w, values = np.zeros(0), np.zeros(0)
         new = np.array(first_grid(self.system))
         for _ in range(_ROUNDS):

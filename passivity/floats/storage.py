@@ -67,7 +67,7 @@ def proves(system: StateSpace, storage: fmpq_mat) -> bool:
 
 
 def is_positive(x: arb_mat | fmpq_mat) -> bool:
-    """Whether a symmetric matrix is positive definite, with whatever is in its balls; false too if that is not seen."""
+    """Whether a symmetric matrix is proved positive definite for all values in its balls."""
     with ctx.workprec(BITS):
         x = arb_mat(x)
         middle = np.array([float(y.mid()) for y in x.entries()]).reshape(x.nrows(), x.nrows())

@@ -80,7 +80,7 @@ class FloatSystem:
 
     @cached_property
     def analysis(self) -> "AxisAnalysis":
-        """What the Hamiltonian test and samples see on the axis."""
+        """Results of the Hamiltonian test and of samples on the axis."""
         from passivity.floats.axis import analyse
 
         return analyse(self)
@@ -222,7 +222,7 @@ class Samples:
         return list(zip(ends[::2], ends[1::2], strict=True))
 
     def _end(self, x: Place, y: Place) -> float:
-        """Between two places of which one is negative."""
+        """Bisect the end of a band between two places, one of them negative."""
         low, high = x.w, min(y.w, _FARTHEST)
         while high - low > 1e-12 * high:
             middle = (low + high) / 2 if high < 4 * low or low == 0 else math.sqrt(low * high)

@@ -156,7 +156,7 @@ def _descend(num: fmpz_poly, den: fmpz_poly, start: Fraction, fine: int) -> fmpq
 
 
 def _exact_cost(f: fmpz_poly, x: fmpq) -> int:
-    """Of one value in exact numbers."""
+    """Cost of one value in exact numbers."""
     return len(f) * (f.height_bits() + len(f) * x.height_bits())
 
 

@@ -34,7 +34,7 @@ class Root(NamedTuple):
     rising: bool
 
     def refined(self, bits: int) -> "Root":
-        """The same root within a relative width of 2^-bits, found exactly if it is met on the way."""
+        """Narrow the root to a relative width of 2^-bits, or find it exactly."""
         f, low, high, rising = self
         working = 2 * bits + 2 * f.degree()
         with ctx.workprec(working):
@@ -235,7 +235,7 @@ def square_roots(x: Fraction) -> Iterator[Fraction]:
 
 
 def to_fmpq(x: Fraction) -> fmpq:
-    """The same number for FLINT."""
+    """Convert a fraction to FLINT's type."""
     return fmpq(x.numerator, x.denominator)
 
 

@@ -134,7 +134,7 @@ def _bisect(a: fmpz_poly) -> SignProof | Fraction:
 
 
 def squarefree(a: fmpz_poly) -> Factors:
-    """A polynomial as a product of powers of coprime factors without double roots; a power of x stands alone."""
+    """Factor a polynomial into powers of coprime factors without double roots, a power of x apart."""
     order = next(i for i, c in enumerate(a.coeffs()) if c)
     rest = a.right_shift(order)
     factors: Factors = ((rest, 1),)
@@ -146,7 +146,7 @@ def squarefree(a: fmpz_poly) -> Factors:
 
 
 def coprime(f: fmpz_poly, g: fmpz_poly) -> bool:
-    """Whether two polynomials, seen modulo one large prime, have no common factor; then they have none."""
+    """Whether two polynomials have no common factor modulo one large prime, and therefore none at all."""
     if f.leading_coefficient() % _PRIME == 0:
         return False
     return nmod_poly(f.coeffs(), _PRIME).gcd(nmod_poly(g.coeffs(), _PRIME)).degree() == 0
