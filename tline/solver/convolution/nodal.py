@@ -115,7 +115,7 @@ class LinearRest(Scattering):
         return total, impedance
 
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Y11 and Y12 of all pairs, each of shape (n, P); `late`, of shape (n, lines), is the delays' excess over sT."""
+        """Y11 and Y12 of all pairs, shape (n, P) each; `late`, of shape (n, lines), is the excess of delays over sT."""
         total, impedance = self.propagation(s)
         total, impedance = (total + late)[:, self.alone], impedance[:, self.alone]
         passed, twice = np.exp(-total), -np.expm1(-2 * total)
