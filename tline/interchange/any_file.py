@@ -44,7 +44,7 @@ def read(
     Raises
     ------
     InputError
-        The file cannot be read, or holds what no scene has; SceneError with all mistakes of a scene.
+        The file cannot be read, or has contents that no scene has; SceneError with all mistakes of a scene.
 
     Warns
     -----

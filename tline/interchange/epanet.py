@@ -66,8 +66,8 @@ class FileUnits(NamedTuple):
 def read_epanet(path: str | Path, hour: float = 0.0, opened: Collection[str] = ()) -> WaterNetwork:
     """Read an EPANET file (2.0 or 2.2) and its operating point: the steady flow at an hour, 0 to 8784, after its start.
 
-    Levels of tanks, demand patterns, controls and rules count as they stand then. What is closed then is left out, but
-    for check valves, regulating valves and pipes that are to be `opened`, and the notes name it. EPANET works in a
+    Levels of tanks, demand patterns, controls and rules count as at that hour. Links closed then are left out, except
+    check valves, regulating valves and pipes that are to be `opened`, and the notes name them. EPANET works in a
     process of its own, on a copy of the lines that bear on the flow: no file but this one is read, and none is written.
     """
     if not isinstance(hour, int | float) or not 0 <= hour <= LAST_HOUR:

@@ -5,7 +5,7 @@ It is started by its path, and needs nothing but Python and EPANET's library, wh
 
 References
 ----------
-EPANET 2.2 Programmer's Toolkit, whose codes stand below.
+EPANET 2.2 Programmer's Toolkit, with the codes used below.
 """
 
 import ctypes

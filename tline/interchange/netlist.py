@@ -1,6 +1,6 @@
 """The tables of a scene as the elements of a netlist fill them, in the nodes that are left where some are one.
 
-What no waves reach is left out of them, sources get their resistances, and ends that stay open are closed.
+Parts that no waves reach are left out of them, sources get their resistances, and ends that stay open are closed.
 """
 
 from collections import Counter
@@ -173,7 +173,7 @@ def connected(net: Netlist) -> set[str]:
 
 
 def check_size(net: Netlist, path: str) -> None:
-    """Refuse circuits with so many nodes between lines that their matrices take minutes and gigabytes."""
+    """Refuse circuits with too many nodes between lines: their matrices take minutes and gigabytes."""
     numbers: dict[str, int] = {}
     ends = [
         [numbers.setdefault(node, len(numbers)) for node in link["nodes"] if node != REFERENCE]

@@ -265,7 +265,7 @@ def with_first_values(cards: list[Card]) -> list[Card]:
 
 
 def note_steps(cards: list[Card], found: Findings, file: str, tables: Callable[[list[Card]], Tables]) -> None:
-    """Note the sweep command equivalent to all .step cards, or that there is none."""
+    """Note the sweep command equivalent to all .step cards, and the cards without an equivalent."""
     varied = []
     for card in cards:
         if card.name.lower() != STEP:

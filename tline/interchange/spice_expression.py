@@ -280,7 +280,7 @@ class _Parser:
         return float(function(*arguments))
 
     def _defined(self, name: str, defined: Defined, arguments: list[Value], depth: int) -> Value:
-        """Value of a function defined in the netlist, which may use its parameters."""
+        """Value of a function defined in the netlist; it may use the parameters there."""
         if next(self.calls) > MOST_CALLS:
             raise ValueError("its functions call each other too often")
         _check_count(name, arguments, len(defined.arguments), len(defined.arguments))

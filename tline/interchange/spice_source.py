@@ -124,7 +124,7 @@ def said_of(card: Card, found: Findings) -> Said:
 
 
 def _without_port(card: Card, words: list[str], assigned: dict[str, list[str]]) -> tuple[list[str], float]:
-    """Words without those of a port, by 'name value' or 'name=value', and its resistance; 0 of what is no port."""
+    """Words without those of a port, by 'name value' or 'name=value', and its resistance; 0 without a port."""
     given = {key: " ".join(assigned.pop(key)) for key in PORT if key in assigned} if PORTNUM in assigned else {}
     at = next((k for k, word in enumerate(words) if word.lower() == PORTNUM), len(words))
     named = [word.lower() for word in words[at::2]]
@@ -295,7 +295,7 @@ def spice_waveform(waveform: Shape, scene: Scene, where: str, rise: float | None
 
 
 def _corners(waveform: Shape, scene: Scene, where: str, rise: float | None) -> list[tuple[float, float]]:
-    """Points of a waveform of straight pieces from t = 0 on; from rest, what was before does not count."""
+    """Points of a waveform of straight pieces from t = 0 on; from rest, the value before does not count."""
     if np.isfinite(waveform.fastest()):
         raise InputError(f"{where}.value", "no source of SPICE does that", "a sine without its end, or points")
     end = float(scene.t_end)
@@ -332,7 +332,7 @@ def with_generator(cards: list[Card], found: Findings) -> list[Card]:
 
 
 def _settings(card: Card) -> dict[str, float]:
-    """What a command sets; words may be cut short."""
+    """Return the settings of a command; words may be cut short."""
     given = {}
     for word, values in card.assigned(0)[1].items():
         names = [name for name in SETTINGS if name.startswith(word)]

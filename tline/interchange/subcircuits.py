@@ -32,7 +32,7 @@ class Subcircuit:
 
 @dataclass
 class _Opening:
-    """What is the same in all depths."""
+    """Data shared by all depths."""
 
     subcircuits: Mapping[str, Subcircuit]
     shared: set[str]  # nodes that have one name everywhere
@@ -81,7 +81,7 @@ def _sorted(cards: list[Card], found: Findings) -> tuple[list[Card], dict[str, S
 
 
 def _in_order(card: Card) -> Card:
-    """An element with its nodes first, whatever dialect puts in front of them."""
+    """Put the nodes of an element first, in front of any words of its dialect."""
     words = card.words
     if card.name.upper() == LUMPED and words:
         return card._replace(kind=LUMPED, name=f"Y{words[0]}", words=words[1:])
@@ -105,7 +105,7 @@ def _assignments(words: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> dict[str, float | Defined]:
-    """The scope with what is assigned, each value as seen from `seen`."""
+    """Return the scope with assigned values, each evaluated in `seen`."""
     found = dict(scope)
     if len(words) % 3 or any(word != "=" for word in words[1::3]):
         raise card.refuse("not a list of parameters", "name = value", " ".join(words)[:60])
@@ -115,7 +115,7 @@ def _set(card: Card, words: list[str], scope: Parameters, seen: Parameters) -> d
 
 
 def _parameters(cards: list[Card], scope: Parameters, found: Findings) -> Parameters:
-    """The scope with all .func and .param of these cards, in an order in which each finds what it needs."""
+    """Return the scope with all .func and .param of these cards, in an order in which each finds its parameters."""
     waiting = [
         (card._replace(words=card.words[k : k + 3]))
         for card in cards
@@ -176,7 +176,7 @@ def _inside(outer: Card, cards: Iterator[Card], names: Mapping[str, str], openin
 def _used(
     card: Card, subcircuits: Mapping[str, Subcircuit], scope: Parameters
 ) -> tuple[list[Card], dict[str, str], Parameters]:
-    """Cards of a subcircuit, what its nodes are called outside, and its parameters."""
+    """Cards of a subcircuit, outer names of its nodes, and its parameters."""
     words, assigned = _assignments(card.words)
     if not words or words[-1].lower() not in subcircuits:
         raise card.refuse("no such subcircuit", ", ".join(subcircuits) or ".subckt", words[-1] if words else "")

@@ -1,4 +1,4 @@
-"""Controls and rules of water networks: what opens or shuts a link at an instant, or once a pressure is reached."""
+"""Controls and rules of water networks: links to open or shut at an instant, or once a pressure is reached."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ class WaterControl:
     """A control, or a rule with a single premise."""
 
     text: str  # as the file has it, or the name of the rule
-    link: str = ""  # what it acts on; nothing where it does not reduce to an action and an instant or a level
+    link: str = ""  # that it acts on; empty where it does not reduce to an action and an instant or a level
     opens: bool | None = None  # whether it opens or shuts that; None where it sets something else
     after: float | None = None  # when it acts, from the operating point on, s; None if it waits for a level
     node: str = ""  # where it waits for a pressure, which may be a tank's level
@@ -56,6 +56,6 @@ def water_controls(
 
 
 def _opens(state: str) -> bool | None:
-    """What EPANET takes a word for, by its first letters."""
+    """Whether a word opens or shuts a link in EPANET, by its first letters; None for other words."""
     state = state.upper()
     return True if state.startswith("OPEN") else False if state.startswith("CLOS") else None

@@ -70,7 +70,7 @@ class Polyline:
         return self.flows[-1]
 
     def points(self, at: float) -> Points:
-        """Its own points (flow, head), rest, middles between them, and the one at a flow."""
+        """Points (flow, head): those of the curve, rest, middles between them, and the one at a flow."""
         own = sorted({0.0, *self.flows, max(self.last, 1.2 * at)})
         inner = [(one + two) / 2 for one, two in pairwise(own)]
         least = AT_OPERATING_POINT * min(two - one for one, two in pairwise(own))
@@ -81,7 +81,7 @@ class Polyline:
 def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
     """The curve through points (flow, head) in m³/s and m.
 
-    One point (q, h) gives the law 4/3·h - h/3·(flow/q)²; three of which the first has no flow give a - b·flow^c;
+    One point (q, h) gives the law 4/3·h - h/3·(flow/q)²; three, the first without flow, give a - b·flow^c;
     others are joined by straight lines.
 
     References
@@ -144,7 +144,7 @@ class Basin:
 
 @dataclass(frozen=True)
 class Friction:
-    """What a pipe loses."""
+    """Head loss of a pipe."""
 
     formula: str  # H-W, D-W or C-M: Hazen and Williams, Darcy and Weisbach, Chezy and Manning
     roughness: float  # C, the height of the roughness in m, or Manning's n
@@ -160,7 +160,7 @@ class Pipe:
     length: float  # length, diameter: m
     diameter: float
     flow: float  # from the first node to the second, m³/s
-    friction: Friction  # what it loses
+    friction: Friction  # its head loss
     one_way: bool  # whether a check valve lets water through toward the second node alone
     vertices: tuple[Position, ...]  # places on the map between its nodes
     shut: bool = False  # whether it is closed, and to be opened
@@ -191,7 +191,7 @@ class Valve:
 
 @dataclass(frozen=True)
 class WaterNetwork:
-    """All that is open at an instant, and notes on what is not."""
+    """Open elements at an instant, and notes on those that are closed."""
 
     title: str
     density: float  # kg/m³

@@ -65,11 +65,11 @@ def without_short_pipes(network: WaterNetwork) -> WaterNetwork:
     return replace(network, pipes={**network.pipes, **longer}, notes=(*network.notes, note))
 
 
-ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: what EPANET's own solution is good for
+ACCURATE, RELATIVE = 1e-3, 1e-5  # m, and share of the head: accuracy of EPANET's own solution
 
 
 def differences(network: WaterNetwork, scene: Scene) -> Iterator[str]:
-    """Notes on what of the scene's steady state differs from the network's."""
+    """Notes on differences between the scene's steady state and the network's."""
     weight, nodes = network.density * GRAVITY, network.nodes
     try:
         effort, _ = steady_state(describe(scene))
@@ -97,25 +97,25 @@ def read_inp(
     hour: float = 0.0,
     moving_tanks: bool = False,
 ) -> tuple[Scene, tuple[str, ...]]:
-    """Scene of an EPANET file, and notes on what is left out or held.
+    """Read the scene of an EPANET file, with notes on omissions and on levels that are held.
 
     Parameters
     ----------
     path : str
         An ``.inp`` file.
     wave_speed : number or text, optional
-        In the pipes of an .inp file whose material is not told; 1000 m/s if nothing is said.
+        In the pipes of an .inp file without a material; 1000 m/s if not given.
     material : str, optional
         A CSV file with rows pipe, wall, thickness or pipe, wave speed; the pipe * is all others.
     hour : float
-        Begin so many hours after an .inp file's start of time.
+        Hours after an .inp file's start of time at which the scene begins.
     moving_tanks : bool
         Let tanks of an .inp file fill and empty, instead of holding their levels.
 
     Raises
     ------
     InputError
-        A file cannot be read, or holds what no scene has.
+        A file cannot be read, or has contents that no scene has.
     """
     scene, notes, controls = read_with_controls(path, wave_speed, material, hour, moving_tanks)
     waits = "controls and rules: `tline surge` lets those of the .inp file act within a run, and this scene has none"
@@ -144,10 +144,10 @@ def water_scene(
     """The scene of a network whose pipes have these keys by their names, and notes.
 
     Pressures of reservoirs are piezometric, density·g·head. Pipes have the friction of the file at any flow, and pipes
-    far shorter than all others are longer. Reservoirs hold their level, and so do tanks, unless
-    they are to move; valves have the opening that loses what they lose there, and regulate if they do so there. A
-    demand is what an opening to the air at its node's height lets out that gives the demand at the operating point. A
-    pump has points of its curve, that of the operating point among them.
+    far shorter than all others are lengthened. Reservoirs hold their level, and so do tanks, unless they are to move;
+    valves have the opening that gives their loss there, and regulate if they do so there. A demand is an outflow
+    through an opening to the air at its node's height, equal to the demand at the operating point. A pump has points of
+    its curve, that of the operating point among them.
     """
     network = without_short_pipes(network)
     weight, notes = network.density * GRAVITY, list(network.notes)

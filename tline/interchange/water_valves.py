@@ -36,15 +36,15 @@ def with_bores(network: WaterNetwork, notes: list[str]) -> list[tuple[str, Valve
 
 
 def is_shut(valve: Valve) -> bool:
-    """Whether it holds a head and lets nothing pass."""
+    """Whether a valve holds a head and lets nothing pass."""
     return abs(valve.flow) <= TRICKLE and abs(valve.drop) > LEAST_DROP
 
 
 def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dict[str, Any]:
-    """A valve at the opening at which it loses what it loses at the operating point.
+    """Return a valve at the opening that gives its loss at the operating point.
 
-    If that is less than such a valve loses wide open, it loses so much less all along its travel. One that keeps a
-    pressure or a flow goes on to keep it, in the time that is usual for whatever it loses.
+    If that is less than the loss of such a valve wide open, its loss is smaller in proportion all along its travel. One
+    that keeps a pressure or a flow goes on to keep it, in the usual time at any loss.
     """
     if valve.flow * valve.drop < 0 and abs(valve.flow) > TRICKLE and abs(valve.drop) > LEAST_DROP:
         return _adding(name, valve, density * GRAVITY, notes)
@@ -71,7 +71,7 @@ def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dic
 
 
 def _regulates(valve: Valve, opening: float, weight: float) -> dict[str, Any]:
-    """What it keeps; pressures at it change by at most twice what it loses for a share of its opening."""
+    """Quantity that a valve keeps; pressures at it change by at most twice its loss for a share of its opening."""
     keeps, per_opening = KEEPS[valve.kind], 2 / opening
     band = {"flow_band": valve.flow * per_opening} if keeps == "flow" else {"band": weight * valve.drop * per_opening}
     return {"kind": "regulating valve", "keeps": keeps} | {key: float(f"{x:.3g}") for key, x in band.items()}
@@ -86,7 +86,7 @@ def regulators(links: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _adding(name: str, valve: Valve, weight: float, notes: list[str]) -> dict[str, Any]:
-    """What stands for a pressure breaker against whose setting water flows: EPANET lets it add head."""
+    """Pump in place of a pressure breaker against whose setting water flows: EPANET lets it add head."""
     rise, flow = abs(valve.drop), abs(valve.flow)
     says = f"water flows through it backward, and EPANET lets it add {rise:.4g} m of head, as no valve can"
     notes.append(f"valve '{name}': {says}; a pump of that head stands for it, so check the network")
@@ -108,7 +108,7 @@ def gate_of(pipe: str) -> str:
 
 
 def guesses(links: Mapping[str, Any]) -> Iterator[str]:
-    """Notes on travels that no file tells."""
+    """Notes on assumed travels, which no file gives."""
     for kind in sorted({*TRAVELS.values()}):
         names = [name for name, link in links.items() if link.get("characteristic") == kind]
         if names:

@@ -1,4 +1,4 @@
-"""What one measures on a scene: reflections in time, eyes, load lines."""
+"""Measurements on a scene: time-domain reflections, eyes, load lines."""
 
 from tline.lazy import lazy
 

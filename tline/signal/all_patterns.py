@@ -28,14 +28,14 @@ from tline.units import to_si
 from tline.words.wording import shown
 
 LEVELS = 2000  # of the density, on either side of its middle
-HALVINGS = 12  # of their distance, to that on which the smallest cursors are added up
+HALVINGS = 12  # halvings of their distance, to that on which the smallest cursors are summed
 TAILS = 9.0  # standard deviations of noise that are kept
-SMALLEST = 1e-15  # error rate down to which densities are told
+SMALLEST = 1e-15  # smallest error rate of densities
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StatisticalEye(Presentation):
-    """What is seen within half a bit of the sampling instant, at an error rate and below.
+    """Statistical eye within half a bit of the sampling instant, at an error rate and below.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class StatisticalEye(Presentation):
     picture = "tline.pictures.signals:plot_statistical_eye"
 
     def text_lines(self) -> Iterator[str]:
-        """Height, width, feedback and sampling instant, and what the response misses."""
+        """Height, width, feedback and sampling instant, and the missing part of the response."""
         unit, bits = self.medium.units["effort"], f"bits of {self.period:.6g} s"
         yield f"all patterns of {bits} at '{self.pulse.probe}', with an error rate of {self.ber:g}"
         yield f"height {self.height:.6g} {unit} around {self.threshold:.6g} {unit}, width {self.width:.6g} s"
@@ -92,7 +92,7 @@ class StatisticalEye(Presentation):
             yield f"what frequencies above the samples may change: some {self.pulse.unmeasured:.2g} {unit}"
 
     def to_dict(self) -> dict[str, Any]:
-        """The same and the curves in SI."""
+        """Eye and its curves in SI units."""
         names = "height width instant threshold ber period dfe t ones zeros bathtub levels misread margin"
         told = {name: getattr(self, name) for name in names.split()}
         return plain(
@@ -107,7 +107,7 @@ class StatisticalEye(Presentation):
 
     @property
     def title(self) -> str:
-        """Of the scene."""
+        """Title of the scene."""
         return self.pulse.title
 
     @property
@@ -118,7 +118,7 @@ class StatisticalEye(Presentation):
 
     @property
     def margin(self) -> float:
-        """Signal over what disturbs it at the error rate, 20 log(A_s/A_ni), dB: the last step of an operating margin.
+        """Signal over disturbance at the error rate, 20 log(A_s/A_ni), dB: the last step of an operating margin.
 
         IEEE Std 802.3, annex 93A, (93A-1); packages, filters and the search of equalisers of that annex are the user's.
         """
@@ -157,7 +157,7 @@ def statistical_eye(
     duty_cycle : float or str
         Distortion of the duty cycle, by which every other edge is late, >= 0, s.
     aggressors : sequence of PulseResponse
-        Of neighbours that send bits of their own at the same instants, seen at the same probe.
+        Of neighbours that send bits of their own at the same instants, at the same probe.
 
     Raises
     ------
@@ -167,8 +167,8 @@ def statistical_eye(
     Examples
     --------
     >>> pulse = PulseResponse(1e-9, np.array([[0.8] * 64, [0.2] * 64]), 0.0, 0.0)
-    >>> seen = statistical_eye(pulse)
-    >>> round(seen.height, 3), round(seen.threshold, 3)  # 0.8 less 0.2, around 0.5
+    >>> found = statistical_eye(pulse)
+    >>> round(found.height, 3), round(found.threshold, 3)  # 0.8 less 0.2, around 0.5
     (0.6, 0.5)
     >>> round(statistical_eye(pulse, dfe=1).height, 3)
     0.8
@@ -260,12 +260,12 @@ def best_ffe(pulse: PulseResponse, before: int, after: int, *, dfe: int = 0) -> 
 
 
 def _cursors(flat: NDArray, j: int) -> tuple[NDArray, NDArray]:
-    """Those in front of an instant, nearest first, and those behind it."""
+    """Cursors in front of an instant, nearest first, and those behind it."""
     return flat[j - FINE :: -FINE] if j >= FINE else flat[:0], flat[j + FINE :: FINE]
 
 
 class _Density:
-    """Of what all bits but the main one and noise add to the middle, at an instant of the pulse response."""
+    """Distribution of all bits but the main one and of noise about the middle, at instants of the pulse response."""
 
     def __init__(self, flat: NDArray, others: Sequence[NDArray], taps: NDArray, noise: float):
         self.flat, self.others, self.taps, self.noise = flat, others, taps, noise
@@ -274,7 +274,7 @@ class _Density:
         self.sums: dict[int, NDArray] = {}
 
     def middle(self, j: int) -> float:
-        """Half the sum of all cursors, those of neighbours too, less what the feedback takes away."""
+        """Half the sum of all cursors, those of neighbours too, less the feedback."""
         return float(sum(x[j % FINE :: FINE].sum() for x in (self.flat, *self.others)) - self.taps.sum()) / 2
 
     def below(self, j: int) -> NDArray:
@@ -302,13 +302,13 @@ class _Density:
         return self.sums[j]
 
     def opening(self, j: int, ber: float) -> float:
-        """The main cursor less twice what is exceeded with that probability alone."""
+        """The main cursor less twice the disturbance that is exceeded with that probability alone."""
         below = self.below(j)
         k = int(np.searchsorted(below, ber))
         return float(self.flat[j] + 2 * (k - LEVELS) * self.step)
 
     def error_rate(self, j: int, threshold: float) -> float:
-        """Of ones and zeros alike often, against a threshold above the middle."""
+        """Error rate for ones and zeros alike often, against a threshold above the middle."""
         levels, below, half = np.arange(-LEVELS, LEVELS + 1) * self.step, self.below(j), self.flat[j] / 2
         ones = np.interp(threshold - half, levels, below, 0.0, 1.0)
         zeros = np.interp(-threshold - half, levels, below, 0.0, 1.0)  # by symmetry
@@ -316,7 +316,7 @@ class _Density:
 
 
 def _split(density: NDArray, by: float) -> NDArray:
-    """Half of it moved up and half down by so many levels, between two of them in parts that keep the mean.
+    """Spread a distribution by ± a number of levels, between two of them in parts that keep the mean.
 
     Examples
     --------
@@ -331,7 +331,7 @@ def _split(density: NDArray, by: float) -> NDArray:
 
 
 def _coarser(density: NDArray) -> NDArray:
-    """On every other level, half of what lies between two of them on each.
+    """Move a distribution to every other level, each level between by halves to its neighbours.
 
     Examples
     --------
@@ -357,7 +357,7 @@ def _middle_of_the_widest(opening: NDArray) -> int:
 
 
 def _jittered(rates: NDArray, spread: float, amplitude: float, apart: float) -> NDArray:
-    """Averaged over instants that are spread so many of them around each, swing by so many, and are so many apart."""
+    """Average error rates over random and sinusoidal timing jitter and duty-cycle distortion, in sample steps."""
     from scipy.special import ndtr
 
     parts = (

@@ -1,4 +1,4 @@
-"""Channels as they are measured: a Touchstone file of lines or of pairs, its proved model, and what that lets through.
+"""Measured channels: a Touchstone file of lines or of pairs, its proved model, and the transmission of that.
 
 S between single ports and differential modes is a part of M S M^T with orthogonal M, so it is passive where S is. The
 model is d + sum of r/(s - a) behind delays: its answer to straight edges is a sum of exponentials, in closed form, and
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from tline.signal.all_patterns import StatisticalEye
 
 REPORTS = ".html", ".pdf"
-FLOOR = 1e-6  # -120 dB, what is told of zeros
+FLOOR = 1e-6  # -120 dB, in place of zeros
 PROFILE = 2000  # instants of an impedance profile
-TURNS = 3.0  # times the delay of the channel: how long that is
+TURNS = 3.0  # length of a profile over the delay of the channel
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,7 +52,7 @@ class Channel(Presentation):
     title : str
         Name of the file.
     tol : float
-        What distance of S from the samples was asked for.
+        Largest distance of S from the samples that was asked for.
     """
 
     measured: "SampledResponse"
@@ -65,7 +65,7 @@ class Channel(Presentation):
 
     @cached_property
     def verdict(self) -> "SampleVerdict":
-        """What the samples themselves show of passivity."""
+        """Verdict on the passivity of the samples themselves."""
         from passivity import check_samples
 
         return check_samples(self.measured)
@@ -76,7 +76,7 @@ class Channel(Presentation):
 
     @property
     def curves(self) -> dict[str, dict[str, NDArray]]:
-        """Losses, crosstalk into the receiver and conversion into common modes, dB, by what and between which."""
+        """Losses, crosstalk into the receiver and conversion into common modes, dB, by kind and ports."""
         n, names = len(self.names), self.names
         one, two = names[:2]
         told = {"insertion": {f"{one} → {two}": self.decibels(1, 0)}}
@@ -88,7 +88,7 @@ class Channel(Presentation):
 
     @property
     def worst(self) -> list[tuple[str, str, float, float]]:
-        """Of each curve what and between which it is, its worst value, dB, and where that is, Hz."""
+        """Kind and ports of each curve, its worst value, dB, and the frequency of that, Hz."""
         found = []
         for what, each in self.curves.items():
             for name, values in each.items():
@@ -97,7 +97,7 @@ class Channel(Presentation):
         return found
 
     def text_lines(self) -> Iterator[str]:
-        """What sends and receives, what the file shows, the model and its proof, losses."""
+        """Sender and receiver, verdict on the file, the model and its proof, losses."""
         yield f"{self.title or 'channel'}: {self.names[0]} sends, {self.names[1]} receives"
         yield from (line.strip() for line in self.verdict.text_lines())
         found = self.found
@@ -112,7 +112,7 @@ class Channel(Presentation):
             yield f"{what} {name} {word} {value:.3g} dB at {engineering(f, 'Hz')}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Frequencies in Hz, curves in dB, and what the model is."""
+        """Frequencies in Hz, curves in dB, and properties of the model."""
         found = self.found
         told = {"order": found.order, "delay": found.delay, "error": found.error, "cost": found.cost}
         told |= {"status": found.verdict.status.value, "why": found.verdict.why}
@@ -128,10 +128,10 @@ class Channel(Presentation):
         low: float | str = 0.0,
         high: float | str = 1.0,
     ) -> PulseResponse:
-        """What one bit leaves at the receiver, exact for the model, all ports matched to their references.
+        """Response of the receiver to one bit, exact for the model, all ports matched to their references.
 
-        Above the samples' frequencies the model goes on as it likes. What that may change is estimated from the
-        spectrum of straight edges, 1/(pi^2 f^2 rise), with S as large as at the last sample.
+        Above the samples' frequencies the model is unconstrained. The effect of that is estimated from the spectrum of
+        straight edges, 1/(pi^2 f^2 rise), with S as large as at the last sample.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class Channel(Presentation):
         unit = float(np.sqrt(z0[1] / z0[source]))
 
         def seen(n: int) -> NDArray:
-            t = np.arange(-FINE, n * FINE) * T / FINE  # one bit in front, for what was a bit ago
+            t = np.arange(-FINE, n * FINE) * T / FINE  # one bit in front, for the value a bit ago
             corners = self.ramp(1, source, t) - self.ramp(1, source, t - edge)
             return ((corners[FINE:] - corners[:-FINE]) * unit * (one - zero) / edge).reshape(n, FINE)
 
@@ -177,7 +177,7 @@ class Channel(Presentation):
         return total
 
     def reflections(self, rise: float | str, port: int = 0, t_end: float | str | None = None) -> Reflections:
-        """What a step sends back to a port, as a reflectometer sees it, with the profile of impedance.
+        """Reflections of a step at a port, as by a reflectometer, with the profile of impedance.
 
         Parameters
         ----------
@@ -197,7 +197,7 @@ class Channel(Presentation):
 
     @property
     def delay(self) -> float:
-        """From the sender to the receiver, of the phase over all samples by their size, s."""
+        """Delay from the sender to the receiver, of the phase over all samples by their size, s."""
         f, S = self.modes.f, self.modes.values[:, 1, 0]
         turned = S[1:] * S[:-1].conj()
         size = np.abs(turned)
@@ -212,17 +212,17 @@ class Channel(Presentation):
         rise: float | str | None = None,
         inputs: Mapping[str, str] | None = None,
     ) -> None:
-        """Write a report, ``.html``, one page that stands alone, or ``.pdf``.
+        """Write a report, ``.html``, one self-contained page, or ``.pdf``.
 
         Parameters
         ----------
         path : str or Path
         seen : StatisticalEye, optional
-            What a receiver sees, beside the losses.
+            Eye at the receiver, beside the losses.
         rise : float or str, optional
-            Of the step whose reflections tell the impedances, s; half a period of the highest frequency if not given.
+            Of the step whose reflections give the impedances, s; half a period of the highest frequency if not given.
         inputs : mapping of str to str, optional
-            What was asked, for the end of the page.
+            Inputs of the request, for the end of the page.
 
         Raises
         ------
@@ -250,7 +250,7 @@ def measured_channel(
     Parameters
     ----------
     file : str, Path, SampledResponse, or network of scikit-rf
-        What was measured; all ports that are not named are matched.
+        The measurement; all ports that are not named are matched.
     ports : str
         Which send and receive: ports with blanks between, pairs with a comma, as ``"1,3 2,4 5,7"``. The first sends,
         the second receives, others are neighbours that send too.
@@ -269,8 +269,8 @@ def measured_channel(
     >>> from passivity import SampledResponse
     >>> f = np.linspace(0, 1e10, 200)
     >>> S21 = 0.8 * np.exp(-2j * np.pi * f * 1e-9) / (1 + 1j * f / 5e9)
-    >>> seen = measured_channel(SampledResponse(f, [[[0, x], [x, 0]] for x in S21], "S"))
-    >>> seen.found.order, round(seen.delay * 1e9, 1), round(float(seen.pulse("1 ns", "0.1 ns").u[1, 63]), 4)
+    >>> cable = measured_channel(SampledResponse(f, [[[0, x], [x, 0]] for x in S21], "S"))
+    >>> cable.found.order, round(cable.delay * 1e9, 1), round(float(cable.pulse("1 ns", "0.1 ns").u[1, 63]), 4)
     (1, 1.0, 0.8)
     """
     from passivity import SampledResponse, fit_scattering, read_touchstone

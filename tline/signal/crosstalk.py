@@ -1,4 +1,4 @@
-"""Crosstalk of coupled conductors: what one that is driven sends into the others, and modes of pairs."""
+"""Crosstalk of coupled conductors: signals from a driven one into the others, and modes of pairs."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Crosstalk(Presentation):
     picture = "tline.pictures.signals:plot_crosstalk"
 
     def text_lines(self) -> Iterator[str]:
-        """The swing, what each quiet conductor hears of it, and the modes of pairs."""
+        """Swing, voltages of the quiet conductors, and modes of pairs."""
         yield f"'{self.driven}' of '{self.line}' swings by {self.swing:.6g} V"
         for word, shares in (("near end", self.near), ("far end", self.far)):
             for node, share in shares.items():
@@ -46,7 +46,7 @@ class Crosstalk(Presentation):
             yield f"{pair}: differential up to {each['differential']:.6g} V, common up to {each['common']:.6g} V"
 
     def to_dict(self) -> dict[str, Any]:
-        """The same in SI."""
+        """Crosstalk in SI units."""
         told = {name: getattr(self, name) for name in ("line", "driven", "swing", "near", "far")}
         return plain(told | {"modes": self._modes()})
 
@@ -77,7 +77,7 @@ class Crosstalk(Presentation):
 def crosstalk(
     scene: Scene | str | Path, line: str | None = None, *, tol: float | None = None, progress: bool = False
 ) -> Crosstalk:
-    """Run a scene and compare what coupled conductors carry at both ends.
+    """Run a scene and compare the voltages of coupled conductors at both ends.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Eyes: what a probe sees of a bit pattern, bit laid upon bit, and how far it opens."""
+"""Eye diagrams: response of a probe to a bit pattern, bit laid upon bit, and its opening."""
 
 import re
 from collections.abc import Iterator
@@ -23,12 +23,12 @@ from tline.words.wording import nearest, shown
 FINE = 128  # instants in a bit
 LONGEST = 4096  # bits
 FEEDBACK = {7: 6, 9: 5, 11: 9, 15: 14, 20: 3, 23: 18, 31: 28}  # of patterns: x^n + x^m + 1
-LATE = 64  # bits, the largest delay of the pattern that is looked for
+LATE = 64  # bits, the largest delay of the pattern in the search
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Eye(Presentation):
-    """A bit pattern as a probe sees it, the second of two rounds.
+    """Response of a probe to a bit pattern, in the second of two rounds.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Eye(Presentation):
         yield f"sampled {self.instant:.6g} s after the begin of a bit at the source"
 
     def to_dict(self) -> dict[str, Any]:
-        """The same in SI."""
+        """Eye statistics in SI units."""
         from tline.signal.eye_statistics import jitter
 
         told = {name: getattr(self, name) for name in ("height", "width", "instant", "threshold")}
@@ -90,7 +90,7 @@ class Eye(Presentation):
 
 
 def prbs(order: int, length: int | None = None) -> NDArray:
-    """A pseudo-random pattern in which all runs of so many bits but zeros come once.
+    """Return a pseudo-random pattern with every run of `order` bits but zeros once.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def eye(
     Raises
     ------
     InputError
-        There is no such probe or source, the pattern is none, or the rise takes longer than a bit.
+        There is no such probe or source, the bits are no pattern, or the rise takes longer than a bit.
 
     Notes
     -----
@@ -182,8 +182,8 @@ def eye(
     ...     lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": "1.5 ns"}},
     ...     sources={"s": {"at": "near", "kind": "voltage", "value": 0, "resistance": 50}},
     ... )
-    >>> seen = eye(scene, "far", "1 ns", "0.2 ns", "0010111")
-    >>> round(seen.height, 9), round(seen.width * 1e9, 6)  # matched: nothing but the edges closes it
+    >>> found = eye(scene, "far", "1 ns", "0.2 ns", "0010111")
+    >>> round(found.height, 9), round(found.width * 1e9, 6)  # matched: nothing but the edges closes it
     (1.0, 1.0)
     """
     scene, T = probed(scene, probe), above_zero(period, "period")
@@ -239,7 +239,7 @@ def edge_within(rise: float | str, T: float) -> float:
 
 
 def levels_of(scene: Scene, source: str, low: float | str, high: float | str) -> tuple[float, float]:
-    """Levels of zeros and ones, of what a source gives, in SI."""
+    """Levels of zeros and ones of a source, in SI units."""
     unit = MEDIA[scene.medium].units["effort" if scene.sources[source].is_effort else "flow"]
     return to_si(low, unit, "low"), to_si(high, unit, "high")
 

@@ -1,4 +1,4 @@
-"""Statistics of an eye: when it crosses its threshold, and what a mask in its middle meets."""
+"""Statistics of an eye: crossings of its threshold, and hits of a mask in its middle."""
 
 from typing import NamedTuple
 
@@ -46,7 +46,7 @@ class Mask(NamedTuple):
         return np.array([(-w, 0), (-w / 2, h), (w / 2, h), (w, 0), (w / 2, -h), (-w / 2, -h), (-w, 0)])
 
     def edge(self, t: NDArray) -> NDArray:
-        """Its upper edge over the threshold at times from the sampling instant, 0 beside it."""
+        """Upper edge over the threshold at times from the sampling instant, 0 beside the mask."""
         return np.clip(2 - 4 * np.abs(t) / self.width, 0.0, 1.0) * self.height / 2
 
 
@@ -133,7 +133,7 @@ def mask_hits(seen: Eye, mask: Mask) -> int:
         Bits whose curve has an instant inside the hexagon.
     """
     n, fine = seen.u.shape
-    t = np.append(np.arange(n * fine) / fine * seen.period, _crossed(seen))  # an edge may be steeper than instants tell
+    t = np.append(np.arange(n * fine) / fine * seen.period, _crossed(seen))  # edges may be too steep for the instants
     u = np.append(seen.u.ravel(), np.full(len(t) - n * fine, seen.threshold))
     bit = np.floor((t - seen.instant) / seen.period + 0.5)
     within = t - seen.instant - bit * seen.period

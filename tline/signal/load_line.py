@@ -22,7 +22,7 @@ from tline.words.aligned import aligned
 
 
 class LoadLine(NamedTuple):
-    """What an end asks for: all (u, y) with p u + q y = r; y counts from end 1 to end 2 at both ends."""
+    """Characteristic of an end: all (u, y) with p u + q y = r; y counts from end 1 to end 2 at both ends."""
 
     p: float
     q: float
@@ -65,7 +65,7 @@ class Bergeron(Presentation):
         yield from aligned([["time", "where", effort, flow], *rows], 2)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it but the words, in SI."""
+        """Line, ends and states in SI units."""
         return plain({name: getattr(self, name) for name in ("z0", "delay", "ends", "u", "y")})
 
 
@@ -79,7 +79,7 @@ def bergeron(scene: Scene | str | Path, hops: int = 12) -> Bergeron:
     ----------
     scene : Scene, or the path of a file
         One line, ends of resistors and sources that step at t = 0 and then stay: other waveforms count as a step to
-        what they are at the scene's end.
+        their values at the scene's end.
     hops : int
         How many states are followed, at least 1.
 
@@ -118,7 +118,7 @@ def bergeron(scene: Scene | str | Path, hops: int = 12) -> Bergeron:
     before = above_level(description) if description.steady else rest(description)
     u, y = [before.effort[near]], [float(before.flows[0, 0])]
     for k in range(hops):
-        slope = -z0 if k % 2 == 0 else z0  # of what arrives: u - z0 y at end 1, u + z0 y at end 2
+        slope = -z0 if k % 2 == 0 else z0  # of the arriving characteristic: u - z0 y at end 1, u + z0 y at end 2
         p, q, r = ends[k % 2]
         found = np.linalg.solve([[p, q], [1.0, slope]], [r, u[-1] + slope * y[-1]])
         u.append(float(found[0]))

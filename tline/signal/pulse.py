@@ -1,4 +1,4 @@
-"""What one bit leaves at a probe of a linear channel, and filters at either end of it."""
+"""Response of a probe of a linear channel to one bit, and filters at either end of the channel."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from tline.solver.simulate import simulate
 
 FINE = 64  # instants in a bit
 BITS = 64, 128, 256, 512  # that the response may last; more while too much is missing
-MISSING = 1e-3  # of the largest value: what the sum of all cursors may differ from the gain at rest
+MISSING = 1e-3  # of the largest value: allowed difference of the sum of all cursors from the gain at rest
 AT_REST = 1e-9  # of 1/period: s at which the gain at rest is taken
 
 
@@ -33,7 +33,7 @@ class PulseResponse:
     base : float
         Effort where all bits are zeros.
     missing : float
-        What all later cursors would add up to, by the gain at rest.
+        Sum of all later cursors, by the gain at rest.
     probe : str
         Name of the probe.
     medium : Medium
@@ -41,7 +41,7 @@ class PulseResponse:
     title : str
         Of the scene.
     unmeasured : float
-        What frequencies above those of a measured channel may change, by an estimate.
+        Possible effect of frequencies above those of a measured channel, by an estimate.
     """
 
     period: float
@@ -54,7 +54,7 @@ class PulseResponse:
     unmeasured: float = 0.0
 
     def with_ffe(self, taps: NDArray | list[float]) -> "PulseResponse":
-        """Behind a feed-forward equaliser at the sender, which sends each bit once for each tap, a bit apart.
+        """Response behind a feed-forward equaliser at the sender, which sends each bit once for each tap, a bit apart.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class PulseResponse:
         return replace(self, u=u, base=self.base * total, missing=self.missing * total, unmeasured=unmeasured)
 
     def with_ctle(self, gain: float, zero: float, *poles: float) -> "PulseResponse":
-        """Behind a continuous-time linear equaliser, (g + jf/fz)/((1 + jf/f1)(1 + jf/f2)).
+        """Response behind a continuous-time linear equaliser, (g + jf/fz)/((1 + jf/f1)(1 + jf/f2)).
 
         Parameters
         ----------
@@ -155,7 +155,7 @@ def pulse_response(
     driver = source_named(scene, source)
     edge, table = edge_within(rise, T), scene.table()
     zero, one = levels_of(scene, driver, low, high)
-    gain = float(respond(scene, np.array([AT_REST / T]), driver)[probe].u[0].real)  # refuses what is not linear
+    gain = float(respond(scene, np.array([AT_REST / T]), driver)[probe].u[0].real)  # refuses non-linear scenes
     points = [[0.0, 0.0], [edge, one - zero], [T, one - zero], [T + edge, 0.0]]
     for name, each in table["sources"].items():
         each["value"] = {"shape": "piecewise linear", "points": points} if name == driver else 0.0
@@ -170,7 +170,7 @@ def pulse_response(
 
 
 def until_settled(seen: Callable[[int], NDArray], total: float) -> tuple[NDArray, float]:
-    """What is seen of so many bits, shape (n, 64), that later cursors add up to little, and to what."""
+    """Return the response in enough bits, shape (n, 64), for a small sum of later cursors, and that sum."""
     u, missing = np.empty((0, FINE)), 0.0
     for n in BITS:
         u = seen(n)

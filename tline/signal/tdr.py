@@ -1,4 +1,4 @@
-"""Time-domain reflectometry: a step with a real rise time sent into a node, and what comes back."""
+"""Time-domain reflectometry: a step with a real rise time sent into a node, and the reflected wave."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,17 +21,17 @@ from tline.units import to_si
 from tline.words.wording import nearest, shown
 
 TOL = 1e-6
-MOST_REFLECTED = 1.01  # of the energy of the step, in what comes back; the rest is rounding and tolerance
+MOST_REFLECTED = 1.01  # energy of the reflected wave over that of the step; the excess is rounding and tolerance
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Reflections(Presentation):
-    """What a reflectometer shows.
+    """Response of a time-domain reflectometer: reflected wave and impedance profile.
 
     Attributes
     ----------
     t : ndarray, shape (n,)
-        Instants, s, from the begin of the step on; what lies a delay T down the line answers after 2 T.
+        Instants, s, from the begin of the step on; a place a delay T down the line answers after 2 T.
     incident, reflected : ndarray
         Waves at the node, parts of its effort, in units of the step.
     z0 : float
@@ -63,7 +63,7 @@ class Reflections(Presentation):
             yield f"  {word} {self.reflected[k]:.6g} at {self.t[k]:.6g} s: {size}"
 
     def to_dict(self) -> dict[str, Any]:
-        """All waves and impedances, in SI; None where all comes back."""
+        """Waves and impedances, in SI; None where all is reflected."""
         names = ("z0", "t", "incident", "reflected", "impedance")
         return plain({name: getattr(self, name) for name in names})
 
@@ -99,7 +99,7 @@ def reflectometry(
     tol: float = TOL,
     progress: bool = False,
 ) -> Reflections:
-    """Send a step into a node and see what comes back; sources there are taken away, all others are silent.
+    """Send a step into a node and record the reflection; sources there are taken away, all others are silent.
 
     Parameters
     ----------
@@ -134,8 +134,8 @@ def reflectometry(
     ...     lines={"cable": {"nodes": ["near", "far"], "z0": 75, "delay": "2 ns"}},
     ...     loads={"end": {"at": "far", "kind": "resistor", "resistance": 30}},
     ... )
-    >>> seen = reflectometry(scene, "near", "0.1 ns", 50)
-    >>> float(np.interp(2e-9, seen.t, seen.impedance).round(6))  # the cable itself
+    >>> found = reflectometry(scene, "near", "0.1 ns", 50)
+    >>> float(np.interp(2e-9, found.t, found.impedance).round(6))  # the cable itself
     75.0
     """
     scene = as_scene(scene)

@@ -36,12 +36,12 @@ from tline.solver.tolerance.compare import BETWEEN, as_computed, compare, relati
 from tline.solver.tolerance.difference import at_same_places
 
 NOTHING = np.empty(0)
-LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, what they differ by falls slowly
-HALVINGS = 5  # of slabs as wide as the shortest delay, or as what divides all delays
+LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, the difference falls slowly
+HALVINGS = 5  # of slabs as wide as the shortest delay, or as the common divisor of all delays
 MOST_PARTS = 1000  # of the shortest delay
 MOST_WORK = 3e5  # line-end samples without fronts that take as long as a run: some hundredths of a second
-TOLERANCE_SHARE = 0.1  # of the tolerance: what is to be told of the scene as it was given
-CAUTION = BETWEEN / (1 - SLOWEST)  # errors between places over differences
+TOLERANCE_SHARE = 0.1  # of the tolerance: largest error estimate for the scene as given
+CAUTION = BETWEEN / (1 - SLOWEST)  # ratio of errors between places to differences
 
 
 class OneOrder:
@@ -94,7 +94,7 @@ class OneOrder:
                 self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
 
     def rest(self) -> None:
-        """Put in place what a scene without heights is before t = 0 from rest."""
+        """Reset to the state before t = 0, from rest, of a scene without heights."""
         state = self.assembly.state
         for part in (state.waves, state.slot, state.side, state.before):
             part.fill(0)
@@ -108,7 +108,7 @@ class OneOrder:
 class Pair:
     """Two orders on slabs of one width, for runs of a described scene with other values.
 
-    Both are packed once; where slabs are in pieces they are made anew for each run.
+    Both are packed once; where slabs are in pieces they are packed again for each run.
 
     `orders` are the coarser run and the finer one, and `tol` is that of all runs.
     """
@@ -132,7 +132,7 @@ class Pair:
                 return self._result(description) if coarse.march() and fine.march() else None
             return self._made_anew(description) if self._resolves(description) else None
         except InputError:
-            return None  # which a search tells, or finds a way round
+            return None  # a search reports it, or finds a way round
 
     def _resolves(self, description: Description) -> bool:
         fastest = min(map(min, description.time_scales.values()), default=inf)
@@ -152,20 +152,20 @@ class Pair:
 
     @cached_property
     def _compared(self) -> tuple[NDArray, list[Packed]]:
-        """Largest differences at each probe, of blocks of slabs, and what finds them."""
+        """Largest differences at each probe, by blocks of slabs, and packed calls that find them."""
         found = np.zeros((len(self.description.probes), 6, BLOCK))
         fine, s, other = self.orders[1], *(one.assembly.basis.s for one in self.orders)
         places, packed = at_same_places(s, other, 1, len(chebyshev(other))), []
         for probe, most in zip(self.description.probes.values(), found, strict=True):
             row = fine.assembly.recorded[probe.line] + int(probe.share)
-            sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has what arrived first
+            sides = (1, 0) if probe.share == 0.0 else (0, 1)  # of the record, which has the arriving wave first
             a, b, c, d = (one.record[row, side].reshape(fine.slabs.number, -1) for one in self.orders for side in sides)
             work = np.empty((2, s, BLOCK)), np.empty((2, other, BLOCK)), np.empty((4, BLOCK)), most
             packed.append(pack(Compared(a, b, c, d, *places, 2 * probe.height.above_level, *work)))
         return found, packed
 
     def _result(self, description: Description) -> Result | None:
-        """The result of the finer run; None if it is not as accurate as asked."""
+        """Return the result of the finer run; None if it is not as accurate as asked."""
         fine, (most, packed) = self.orders[1], self._compared
         most.fill(0.0)
         for compared in packed:
@@ -198,7 +198,7 @@ class Pair:
 
 
 class Plan(Pair):
-    """A pair in which a run writes down no more than what its values change.
+    """Pair in which a run rewrites only the numbers that its values change.
 
     For scenes from rest without laws, losses, switches, elevations and lumped lines.
     """
@@ -254,7 +254,7 @@ class Plan(Pair):
         return True
 
     def _given_out(self, description: Description, waves: NDArray, accuracy: Accuracy) -> Result:
-        """What the run before gave out, with other waves."""
+        """Result like that of the run before, with other waves."""
         if self._like is None:
             self._like = super()._given_out(description, waves, accuracy)
         fine, accounts, scene = self.orders[1], self._like.accounts, description.scene
@@ -270,7 +270,7 @@ class Plan(Pair):
 
 
 def planned(description: Description, tol: float) -> Pair | None:
-    """What runs a scene with other values to a tolerance, on the widest slabs that leave these some room."""
+    """Find a plan or pair for runs with other values to a tolerance, on the widest slabs that leave these room."""
     if not _tells_by_order(description):
         return None
     more = description.steady or description.elements or description.heights or description.switched
@@ -293,7 +293,7 @@ def planned(description: Description, tol: float) -> Pair | None:
 
 
 def _tells_by_order(description: Description) -> bool:
-    """Whether two orders on slabs of one width tell all: nothing is lumped, remembered, or moves by itself."""
+    """Whether two orders on slabs of one width suffice: nothing is lumped, remembered, or moves by itself."""
     if description.scene.solver.order or description.scene.solver.slab or description.stretches or description.lossy:
         return False
     if description.collapses or description.own or description.active:

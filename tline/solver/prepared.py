@@ -1,4 +1,4 @@
-"""A scene that is run again and again with other values: what they do not touch is read and found once."""
+"""A scene for repeated runs with other values: parts that these do not touch are read and found once."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
@@ -17,7 +17,7 @@ from tline.solver.simulate import asked, simulated
 from tline.solver.tolerance.ladder import Start
 
 SLOWER = 4  # times that a step may leave more of a difference with other values
-CLEARLY = 4  # times that a grid may be worse with other values, unless what it does not know makes it so
+CLEARLY = 4  # times that a grid may be worse with other values, unless unknown kinks make it so
 ROOM = 0.2  # of the tolerance: where the order below should leave less, it is tried
 
 
@@ -67,7 +67,7 @@ class Prepared:
         ----------
         values : mapping of str to number, text or table, optional
             By dotted path, as of `Scene.change`: ``"loads.receiver.capacitance"``, ``"t_end"``, or whole elements. All
-            other values are those of the scene as it was given, whatever earlier runs had.
+            other values are those of the scene as it was given, independent of earlier runs.
         tol, record, envelope, ledger, active, progress
             As of `tline.solver.simulate.simulate`.
 
@@ -80,7 +80,7 @@ class Prepared:
         Raises
         ------
         InputError
-            There is nothing at a path, or a value does not fit there; or whatever `simulate` raises.
+            There is nothing at a path, or a value does not fit there; or any error that `simulate` raises.
         """
         description = self.description.changed(values) if values else self.description
         wanted = asked(description.scene, tol)
@@ -102,7 +102,7 @@ class Prepared:
         return result
 
     def _planned(self, description: Description, tol: float) -> Result | None:
-        """The result by a plan or a pair, for the same delays; None where there is none, or it is not for these values.
+        """Result by a plan or a pair, for the same delays; None without one, or if it is not for these values.
 
         A plan is made once a search has begun where another had ended.
         """

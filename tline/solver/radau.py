@@ -52,7 +52,7 @@ class Basis:
         return series @ self.to_legendre
 
     def restriction(self, start: float, end: float) -> Matrix:
-        """Matrix to the values at the Radau points of the part [start, end]: the same polynomial, seen closer."""
+        """Matrix to the values, at the Radau points of the part [start, end], of the same polynomial."""
         return self.evaluation(start + (end - start) * self.c)
 
     def moments(self, x, weights) -> Matrix:
@@ -72,7 +72,7 @@ class Basis:
         """Matrices (now, before) of a wave delayed by a fraction f of a slab, 0 < f < 1, and L2-projected.
 
         The delayed wave on a slab is ``now @ values + before @ previous_values``. Neither the delay nor the projection
-        adds energy, whatever f and s.
+        adds energy, for any f and s.
         """
         now = self.projection(f, 1.0) @ self.restriction(0.0, 1.0 - f)
         before = self.projection(0.0, f) @ self.restriction(1.0 - f, 1.0)

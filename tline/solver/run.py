@@ -1,4 +1,4 @@
-"""One run of a scene at a stated resolution: assemble it, step the kernel, and hand back what the probes saw."""
+"""One run of a scene at a stated resolution: assemble it, step the kernel, and return the records of the probes."""
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -35,9 +35,9 @@ NO_KINKS: Kinks = MappingProxyType({})
 NOWHERE = np.empty(0)
 PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
 MOST_ALONE = 100  # cuts, beyond which all slabs are in parts and not a piece alone
-EACH_NODE = 4000  # samples that take a ledger as long as a node
-DEAR = 10  # the same as one of a lossy line
-FOLLOWED = 1e-6  # of the largest wave: what narrower slabs beside fronts change no more, of a convolution by hand
+EACH_NODE = 4000  # cost of a node in a ledger, in samples
+DEAR = 10  # cost of a sample of a lossy line, in the same samples
+FOLLOWED = 1e-6  # of the largest wave: least change followed by narrower slabs beside fronts, in a convolution by hand
 
 
 def run(
@@ -52,12 +52,12 @@ def run(
     kinks: Kinks = NO_KINKS,
     laws: Collection[str] = (),
 ) -> Result:
-    """Run a scene with slabs of a given width and order, to its end time or for so many slabs.
+    """Run a scene with slabs of a given width and order, to its end time or for a number of slabs.
 
     `record` names lines to keep beside those of the probes. Without `ledger` energies are accounted for once they are
-    read. Slabs are cut in pieces at the instants of `kinks`, s, where the elements named by its keys stand. `laws` are
-    places of elements whose waves are kept. Where no flow is found through elements that see each other, the run is
-    made again with that piece of a slab in 4 parts, and if that does not help soon, with all slabs in 4, then 16.
+    read. Slabs are cut in pieces at the instants of `kinks`, s, at the elements named by its keys. `laws` are places of
+    elements whose waves are kept. Where no flow is found through elements coupled without delay, the run is made again
+    with that piece of a slab in 4 parts, and if that does not help soon, with all slabs in 4, then 16.
     Scenes whose lines lose linearly are convolutions, but with a ledger or waves of elements.
     """
     if envelope:
@@ -126,7 +126,7 @@ def _run(
         result = replace(result, envelope=extremes.envelope(description.heights))
     if recorder:
         return replace(result, accounts=recorder.ledger(done.final_fronts))
-    if not extremes:  # which writes rows of its own
+    if not extremes:  # an envelope writes rows of its own
         assembly.leave()
     return result
 
@@ -140,9 +140,9 @@ def given_out(
     kinks: Kinks = NO_KINKS,
     accuracy: Accuracy | None = None,
 ) -> Result:
-    """What a run is to its user, of an assembled scene and the record of its march.
+    """Make the result of a run from an assembled scene and the record of its march.
 
-    `kinks` are those at which it was cut in pieces.
+    `kinks` are those at which slabs were cut in pieces.
     """
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: line_record(assembly, name, waves, done, smears) for name in assembly.recorded}
@@ -170,7 +170,7 @@ def given_out(
 
 
 class Again(NamedTuple):
-    """The same run once more, to account for energies or for a result of its own."""
+    """Repetition of a run, to account for energies or for a result of its own."""
 
     scene: Scene
     chosen: Resolution
@@ -180,7 +180,7 @@ class Again(NamedTuple):
     coupled: bool
 
     def __call__(self) -> Ledger | None:
-        """What every line and element gave, took and stored."""
+        """Energies that every line and element gave, took and stored."""
         return run(describe(self.scene), self.chosen, ledger=True, slabs=self.slabs, kinks=self.kinks).ledger
 
     def result(self, description: Description, record: Iterable[str], progress: bool) -> Result:
@@ -203,9 +203,9 @@ def with_ledger(result: Result, ledger: bool | None) -> Result:
 
 
 def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
-    """The same with the piece of a slab in parts in which no flow was found, or with all slabs if that is not known.
+    """Divide the piece of a slab in which no flow was found, or all slabs if it is not known.
 
-    These come in parts, then in smaller ones; the error if they do already.
+    Slabs come in parts, then in smaller ones; the error is raised if they do already.
     """
     where = error.where.split(" and ")[0]
     known = kinks.get(where, NOWHERE)
@@ -219,7 +219,7 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
 
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:
-    """Events that begin a piece at a group and move nothing: at kinks, and where elements stand at t = 0 from rest."""
+    """Events that begin a piece at a group and move nothing: at kinks, and at elements at t = 0 from rest."""
     begin = [0.0] if assembly.follows_edges and not assembly.description.steady else []
     for g, group in enumerate(assembly.groups if begin or kinks else ()):
         elements = [element.where for element in group.elements]
@@ -267,7 +267,7 @@ def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> Elemen
 
 
 def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:
-    """What a run recorded of a line; `smears` tells whether fronts are missing."""
+    """Return the record of a line; `smears` says whether fronts are missing."""
     row, line = assembly.recorded[name], assembly.grid.lines[name]
     level, waves_at_ends = assembly.nodes[line.nodes[0]].height.level, []
     for (end, side), before in zip(((0, 1), (0, 0), (1, 0), (1, 1)), assembly.start[name], strict=True):

@@ -24,9 +24,9 @@ from tline.solver.tolerance.ladder import Budget, Search, inside_slabs, refined
 from tline.solver.tolerance.search import Orders, Start, within
 from tline.solver.witness.witness import Witness
 
-TOL = 1e-6  # where nothing is asked or fixed
-FOLLOWED = 1e-5, 1e-10  # of the largest wave: what is left of what decays behind a front, where a run is judged
-CLEAR = 10  # times what is left, from which on a difference is of something else
+TOL = 1e-6  # default, if nothing is asked or fixed
+FOLLOWED = 1e-5, 1e-10  # of the largest wave: decays behind a front are followed down to this, where a run is judged
+CLEAR = 10  # times that: larger differences have another cause
 
 
 class UnresolvedWarning(UserWarning):
@@ -47,21 +47,21 @@ def simulate(
     """Simulate a scene from t = 0 to its end time.
 
     Order and slab are raised and narrowed until the estimated error of all probes, at any instant, is within the
-    tolerance. The error of a run is its difference to the next finer one, which is the result: it is better by far,
-    and what it differs by is a bound. Where a higher order leaves more than half of the difference, the slab is
-    halved instead; where laws kink, slabs are cut in pieces. Lines far shorter than a slab are lumped, each in as many
-    LC sections as the tolerance needs: the next finer run has twice as many. A scene that fixes order or slab by hand
-    and asks for no tolerance is run once.
+    tolerance. The error of a run is its difference to the next finer one, which is the result: it is better by far, and
+    the difference is a bound. Where a higher order leaves more than half of the difference, the slab is halved instead;
+    where laws kink, slabs are cut in pieces. Lines far shorter than a slab are lumped, each in as many LC sections as
+    the tolerance needs: the next finer run has twice as many. A scene that fixes order or slab by hand and asks for no
+    tolerance is run once.
 
-    What lines lose at once by their flow, such as a resistance or turbulent friction, is lost all along. Where all
-    losses are linear and lines remember or leak, as by a skin effect, scenes are convolutions
-    (`tline.solver.convolution`). Else friction, and circuits of what lines remember, are in cells of many slabs
+    Losses of lines that depend on the present flow, such as a resistance or turbulent friction, act all along. Where
+    all losses are linear and lines remember or leak, as by a skin effect, scenes are convolutions
+    (`tline.solver.convolution`). Else friction, and circuits for the memory of lines, are in cells of many slabs
     (`tline.solver.kernel.diamonds`), of second order in their width, which is halved with each run.
 
     Parameters
     ----------
     scene : Scene, path or dict
-        What to simulate: a scene, the path of a file that `read` reads, or its tables.
+        A scene, the path of a file that `read` reads, or its tables.
     tol : float, 1e-13 to 0.1
         Largest error of effort and flow at any instant, relative to their amplitudes at each probe, instead of the
         scene's ``solver.tol``; 1e-6 where there is neither.
@@ -70,18 +70,18 @@ def simulate(
     envelope : bool
         Keep the lowest and the highest effort at every node, and when: ``Result.envelope``.
     ledger : bool, optional
-        Account for what every line and element gave, took and stored: ``Result.ledger``. If not given that is done
-        when the ledger or the notes are first read, unless it takes more than about half a second, and never with
+        Account for energies that every line and element gave, took and stored: ``Result.ledger``. If not given that is
+        done when the ledger or the notes are first read, unless it takes more than about half a second, and never with
         coupled conductors. Always done where there are user-defined elements, so that one which makes energy is
-        told.
+        reported.
     active : bool
-        Run even with a load that is not positive real. What it does to the scene is then the first of the notes.
+        Run even with a load that is not positive real. Its effect on the scene is then the first of the notes.
     progress : bool
-        Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds, and say what all
-        runs are expected to take.
+        Show a progress bar on stderr if assembling the scene, or a run, takes more than two seconds, and print the time
+        that all runs are expected to take.
     seconds : float or str, optional
         Computing time for all runs, above 0; ten minutes if not given. When a further run is expected to end later, the
-        best so far is the result, with what is known of its error; at least two are made, for that takes two.
+        best so far is the result, with its estimated error; at least two are made, for an estimate takes two.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def simulated(
     start: Start | None = None,
     budget: Budget | None = None,
 ) -> Result:
-    """The same of a scene that is described: see `simulate`; `start` is what a run with other values has found."""
+    """Simulate a described scene as `simulate` does; `start` is the grid found by a run with other values."""
     with user_mistakes(description.scene):
         each = description, asked(description.scene, tol) or 0.0, [*record], progress, budget or Budget(shown=progress)
         search = Search(*each, envelope=envelope, ledger=ledger, active=active, start=start)
@@ -153,7 +153,7 @@ def simulated(
 
 
 def as_seconds(given: float | str) -> float:
-    """The time for runs that a user gives."""
+    """Return the time for runs that a user gives, s."""
     try:
         return float(SECONDS.parse(given, "s"))
     except InputError as error:
@@ -161,7 +161,7 @@ def as_seconds(given: float | str) -> float:
 
 
 def _of_parts(search: Search) -> Result:
-    """Run what stands in place of lines in stretches, unless modes that mix can be convolved as they are."""
+    """Run the parts in place of lines in stretches, unless modes that mix can be convolved as they are."""
     description, scene = search.description, search.description.scene
     if search.tol and description.mixing and all(each.mixing for each in description.stretches.values()):
         refused = search.ledger or scene.solver.slab or user_elements(scene)
@@ -201,7 +201,7 @@ def _searched(search: Search) -> Result:
 
 
 def _found(search: Search) -> Result:
-    """What a search for order and slab finds, as a second look by other means leaves it."""
+    """Return the result of a search for order and slab, after a second look by other means."""
     witness = None if search.start else Witness(search.description, search.record)
     wider = search._replace(record=[*search.record, *(witness.lines if witness else ())])
     result = convolved(wider) or (refined(Orders(wider)) if search.description.dispersive else within(wider))
@@ -213,20 +213,20 @@ def _found(search: Search) -> Result:
 
 
 class _Known(NamedTuple):
-    """The run that a search ended with, to be made again for the same scene, and what is known of it."""
+    """The run that a search ended with, to be made again for the same scene, and its accuracy."""
 
     again: Again
     accuracy: Accuracy | None
     unresolved: tuple[str, ...]
 
     def result(self, search: Search) -> Result:
-        """That of the search, to the last bit."""
+        """Result of the search, to the last bit."""
         result = self.again.result(search.description, search.record, search.progress)
         return replace(result, accuracy=self.accuracy, unresolved=self.unresolved)
 
 
 def _known(key: Hashable, result: Result) -> dict[Hashable, _Known]:
-    """What to keep of a result by a key: nothing where it is more than one run, or one of elements of a user."""
+    """Return a result to keep by a key: empty for several runs, or for user-defined elements."""
     again = result.accounts
     if not isinstance(again, Again) or user_elements(result.scene):
         return {}
@@ -236,7 +236,7 @@ def _known(key: Hashable, result: Result) -> dict[Hashable, _Known]:
 def judged(result: Result) -> Accuracy:
     """How accurate a run fixed by hand is: its difference to one of the next order, or on half the slab with losses.
 
-    Where a load may be too fast for both, the step after that tells whether they differ by what neither resolves.
+    Where a load may be too fast for both, a further step shows whether their difference is due to that.
 
     Parameters
     ----------

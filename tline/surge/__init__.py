@@ -1,1 +1,1 @@
-"""Surges in networks: what is operated, by words, and what comes of it."""
+"""Surges in networks: operations in words, and their consequences."""

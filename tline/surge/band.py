@@ -1,4 +1,4 @@
-"""What guesses leave of a verdict: the run again with each of them varied, and which one governs."""
+"""Effect of guesses on a verdict: the run again with each of them varied, and which one governs."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any, NamedTuple
@@ -30,7 +30,7 @@ class Varied(NamedTuple):
 
 
 class Band(NamedTuple):
-    """What guesses leave: pressures of the run with all guesses as they are, and of runs with one of them changed."""
+    """Effect of guesses: pressures of the run with all guesses as they are, and of runs with one of them changed."""
 
     base: Varied
     varied: tuple[Varied, ...]
@@ -51,7 +51,7 @@ class Band(NamedTuple):
 def band_of(result: Result, run: Callable[[Scene], Result], budget: Budget, known: Collection[str] = ()) -> Band | None:
     """The band that guesses leave, by runs with rounded delays; None if there is nothing to vary.
 
-    No guess is what is `known`: "wave speed", "friction", "travel", "inertia".
+    Quantities in `known` are no guesses: "wave speed", "friction", "travel", "inertia".
     """
     scene, chosen = result.scene, result.resolution
     changed = {guess: tables for kind, guess, tables in _variations(scene) if kind not in known}
@@ -104,7 +104,7 @@ def _variations(scene: Scene) -> Iterator[tuple[str, str, Tables]]:
 
 
 def _lines(scene: Scene, change: Callable[[Tables], Mapping[str, Any]]) -> Tables:
-    """All lines, with changes in those that have what is changed; none if no line has."""
+    """All lines, with changes in those that have the changed keys; empty if no line has."""
     lines: Tables = scene.table()["lines"]
     found = {}
     for name, line in lines.items():

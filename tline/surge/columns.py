@@ -1,9 +1,9 @@
 """Columns that separate in an operated network: cavities are laid where the liquid would boil, and the run made again.
 
 They are of vapour alone, at nodes and at equal stretches along the pipes beside them, and delays are rounded to whole
-slabs. What spikes between cavities do depends on their places (`tline.design.columns`), so there are further runs with
-twice the places and slabs half as wide each time, until they leave one class or agree; how far the last two moved the
-highest pressure is told as its band.
+slabs. Spikes between cavities depend on their places (`tline.design.columns`), so there are further runs with twice the
+places and slabs half as wide each time, until they leave one class or agree; the change of the highest pressure by the
+last two is reported as its band.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -30,16 +30,16 @@ from tline.surge.worst import BOILS, CAVITIES, boils, class_of, extremes
 FEWEST = 2  # stretches of the longest pipe that boils, in the first run; shorter ones have as many fewer
 RUNS = 3  # at least, each with twice the places
 ROUNDS = 12  # of runs, in which more nodes may boil
-PLACES = 12  # of a pipe at which it is looked whether it boils
+PLACES = 12  # of a pipe at which it is checked for boiling
 SAMPLES, WIDEST = 4e6, 4.0  # line-end samples of the finest run, and so many times those of the first
 FINER = 4.0  # times that a run may take as long as the one before it
 GONE = 1e-2  # of its largest volume, below which a cavity has collapsed
-LARGEST = 3  # cavities that are told
+LARGEST = 3  # cavities in the report
 ROUGHLY = {"rounded": True, "tol": 1e-2}  # solver of a run that finds slabs for others
 
 
 class Columns(NamedTuple):
-    """What came of columns that separate."""
+    """Results for columns that separate."""
 
     places: tuple[int, ...]  # cavities at nodes and inside pipes, of the last two runs
     spread: float  # how far the number of places moves the highest pressure, Pa; 0 if there was time for one alone
@@ -58,7 +58,7 @@ class Vapour(NamedTuple):
 def separated(
     result: Result, run: Callable[[Scene], Result], budget: Budget
 ) -> tuple[Result, Columns | None, tuple[str, ...]]:
-    """The run with cavities where the first one boils, what these do, and notes; the first one where nothing boils."""
+    """Return the run with cavities where the first one boils, their results, and notes; else the first one."""
     scene, nodes, pipes = result.scene, set[str](), set[str]()
     still, seen, found, notes, takes = _still(scene), result, list[Result](), list[str](), result.seconds
     try:
@@ -90,7 +90,7 @@ def separated(
 
 
 def surely(result: Result) -> bool:
-    """Whether water boils at a node where a cavity may follow, whatever errors are told: no finer run is needed."""
+    """Whether water surely boils at a node where a cavity may follow, within errors: no finer run is needed."""
     still = _still(result.scene)
     seen = (one for one in extremes(result) if one.lowest + one.lowest_error < BOILS <= one.before)
     return any(one.node not in still for one in seen)
@@ -118,7 +118,7 @@ def _spread(found: list[Result]) -> float:
 
 
 def laid(scene: Scene, nodes: Collection[str], pipes: Collection[str], stretches: int, slab: float) -> Scene:
-    """The scene with cavities of vapour at nodes, and inside pipes of which the longest has so many stretches.
+    """Return the scene with cavities of vapour at nodes, and inside pipes, of which the longest has `stretches`.
 
     It runs on slabs of this width, s, and no stretch is shorter.
     """

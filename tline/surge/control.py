@@ -1,4 +1,4 @@
-"""What is operated once a pressure is reached: words such as "tower>5.2 bar: close V1+5s", and controls of files."""
+"""Operations once a pressure is reached: words such as "tower>5.2 bar: close V1+5s", and controls of files."""
 
 import re
 from collections import defaultdict
@@ -69,8 +69,8 @@ def triggered(
 ) -> tuple[list[Event], list[str]]:
     """All events, with those that controls trigger at the instants at which they do, and notes on these.
 
-    What happens before an instant does not depend on what follows: the run is made again with each event that was
-    found, and the next is sought behind it. An instant is found to rounding on the curves of its run.
+    Nothing before an instant depends on later events: the run is made again with each event that was found, and the
+    next is sought behind it. An instant is found to rounding on the curves of its run.
     """
     waiting, done, notes, since = list(controls), list(events), list[str](), 0.0
     whole = build([*events, *(control.event for control in controls)])
@@ -151,7 +151,7 @@ def _refused(scene: Scene, one: WaterControl, held: Collection[str]) -> str:
 
 
 def _kind(scene: Scene, one: WaterControl) -> str:
-    """What a control does to its link; nothing if that is so already."""
+    """Operation of a control on its link; empty if the link is in that state already."""
     if one.link in scene.lines:
         return "" if one.opens else "close"
     link = scene.links[one.link]

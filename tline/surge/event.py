@@ -1,4 +1,4 @@
-"""What is operated in a network, and when: words such as "VALVE-179@1s+5s" or "J73:20 L/s@2s", "*" for several."""
+"""Operations in a network, with instants: words such as "VALVE-179@1s+5s" or "J73:20 L/s@2s", "*" for several."""
 
 from collections.abc import Collection, Iterable, Iterator
 from fnmatch import fnmatchcase
@@ -163,9 +163,9 @@ def to_open(texts: Iterable[str]) -> set[str]:
 def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterator[Event]:
     """The event for each element that its name means.
 
-    A name that the scene has means that, and of a pipe with a gate valve the valve. Of pumps a pattern means those that
-    run, or to start them those that stand or have tripped; of what opens and shuts the valves, or pipes in a scene
-    without valves.
+    A name in the scene means its element, and that of a pipe with a gate valve the valve. Of pumps a pattern means
+    those that run, or to start them those at rest or tripped; to open and shut, the valves, or pipes in a scene without
+    valves.
     """
     if event.name in {*scene.lines, *scene.links, *scene.loads, *_nodes(scene)} or not {*event.name} & {*"*?,"}:
         yield event._replace(name=gate) if (gate := gate_of(event.name)) in scene.links else event

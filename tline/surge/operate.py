@@ -1,4 +1,4 @@
-"""A network as it is read, and with what is operated in it: valves, pipes, pumps, demands and bursts, by events."""
+"""A network as it is read, and with operations on valves, pipes, pumps, demands and bursts, by events."""
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -30,9 +30,9 @@ from tline.units import engineering
 from tline.words.wording import nearest, place
 
 Table = dict[str, Any]
-LEAST_PRESSURE = 1e3  # Pa; an outflow is told by the gauge pressure of its node, and by no less than that
-PRINTED_DIGITS = 5e-4  # of a flow, as results tell it in four digits
-SURPLUS = 1.2  # torque of a motor that starts, over the most that its pump takes at rated speed
+LEAST_PRESSURE = 1e3  # Pa; an outflow is given by the gauge pressure of its node, and by no less than that
+PRINTED_DIGITS = 5e-4  # of a flow, as results print four digits
+SURPLUS = 1.2  # torque of a starting motor, over the most that its pump takes at rated speed
 VALVE = "a valve, or an open pipe"
 NOTHING: Mapping[str, Any] = {}
 
@@ -45,10 +45,10 @@ def operated(
     rated_speed: float | str | None = None,
     more: Mapping[str, Any] = NOTHING,
 ) -> tuple[Scene, list[str]]:
-    """The scene with events, none twice for an element but for demands, and notes on what was guessed.
+    """Return the scene with events, none twice for an element but for demands, and notes on guesses.
 
-    Inertia, kg m², and rated speed, 1/s, are those of pumps that trip, unless the scene has them; else what is usual.
-    Tables of `more` take the place of what is there.
+    Inertia, kg m², and rated speed, 1/s, are those of pumps that trip, unless the scene has them; else usual values.
+    Tables of `more` replace those of the scene.
     """
     if scene.medium != "hydraulic" or scene.start != "steady":
         got = f"medium = '{scene.medium}', start = '{scene.start}'"
@@ -89,7 +89,7 @@ class _Operated:
         table |= given | {"trip": event.at}
 
     def start(self, event: Event) -> None:
-        """Let a pump that stands run up: with its motor's torque, or in the time that is given."""
+        """Let a pump at rest run up: with its motor's torque, or in a given time."""
         pump = self._link(event, Pump, "a pump")
         table = self.tables["links"][event.name]
         returns = "trip" in table and "start" not in table
@@ -141,7 +141,7 @@ class _Operated:
         self._let_out(event, event.flow)
 
     def demand(self, event: Event) -> None:
-        """Draw more at a node, or less of what is drawn there."""
+        """Draw more, or less, at a node."""
         if event.flow > 0:
             self._let_out(event, event.flow)
         else:
@@ -194,7 +194,7 @@ class _Operated:
         self.tables["lines"][name] = pipe.table() | {"nodes": [pipe.nodes[0], node]}
         for probe in self.tables["probes"].values():
             if probe.get("line") == name and probe["at"] == end:
-                del probe["line"]  # which ends at the valve now
+                del probe["line"]  # the line ends at the valve now
         if end in self.tables.get("nodes", {}):
             site = self.tables["nodes"][end]
             self.tables["nodes"][node] = {key: value for key, value in site.items() if key != "start"}
@@ -319,7 +319,7 @@ class Network(NamedTuple):
     """A network that was read."""
 
     scene: Scene
-    notes: tuple[str, ...] = ()  # on what is left out of its file
+    notes: tuple[str, ...] = ()  # on omissions from its file
     controls: tuple[WaterControl, ...] = ()  # of its file, that act within a run
 
 
@@ -332,7 +332,7 @@ def read_network(
     moving_tanks: bool = False,
     opened: Collection[str] = (),
 ) -> Network:
-    """The scene of a network, notes on what is left out of its file, and the file's controls; see `operate`.
+    """Return the scene of a network, notes on omissions from its file, and the file's controls; see `operate`.
 
     Pipes that are `opened` and that the file closes are there, behind a shut gate valve.
     """

@@ -50,16 +50,16 @@ Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guesse
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Operation(Presentation):
-    """An operated network and what came of it; printed, it is the report of ``tline surge``.
+    """An operated network and its results; printed, it is the report of ``tline surge``.
 
     Attributes
     ----------
     result : Result
         With an envelope; its probes are at the nodes that were operated, or those asked for.
     guesses : tuple of str
-        What was left out of the file, and taken where nothing was given.
+        Omissions from the file, and values assumed where none were given.
     columns : Columns or None
-        What columns did that separated, where cavities were laid; None if nothing boiled.
+        Results for columns that separated, where cavities were laid; None if nothing boiled.
     """
 
     result: Result
@@ -72,7 +72,7 @@ class Operation(Presentation):
         return [*text.splitlines(), *(f"note: {n}" for n in self.notes)]
 
     def __str__(self) -> str:
-        return "\n".join(self.text_lines())  # all of it, for what it ends with counts
+        return "\n".join(self.text_lines())  # all lines, for those at the end matter
 
     @property
     def scene(self) -> Scene:
@@ -87,12 +87,12 @@ class Operation(Presentation):
         return worst(self.result, SHOWN, columns.spread if columns else 0.0, alone)
 
     def band(self, known: Iterable[str] = (), progress: bool = False, seconds: float | str = SECONDS) -> Band | None:
-        """What guesses leave of the highest and lowest pressure: runs with each of them varied.
+        """Effect of guesses on the highest and lowest pressure: runs with each of them varied.
 
         Parameters
         ----------
         known : iterable of str
-            What is no guess: "wave speed", "friction", "travel", "inertia".
+            Quantities that are no guesses: "wave speed", "friction", "travel", "inertia".
         progress : bool
             Show a progress bar on stderr if a run takes more than two seconds.
         seconds : float or str
@@ -108,7 +108,7 @@ class Operation(Presentation):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The guesses, and all there is to remark of the run."""
+        """Guesses, and all notes on the run."""
         return (*self.guesses, *self.result.notes)
 
     def to_dict(self) -> dict[str, Any]:
@@ -201,7 +201,7 @@ def operate(
     trip : str, "PUMP@TIME"
         Pumps whose motors fail, and that run down; "*@TIME" all that run, "P1,P2@TIME" or "north*@TIME" a group.
     start : str, "PUMP@TIME"
-        Pumps that stand, and that their motors start; +DURATION does so evenly. After a trip the power returns.
+        Pumps at rest that their motors start; +DURATION does so evenly. After a trip the power returns.
     stop : str, "PUMP@TIME+DURATION"
         Pumps whose speed falls to nothing, linearly.
     speed : str, "PUMP:SHARE@TIME+DURATION"
@@ -216,7 +216,7 @@ def operate(
     demand : str, "NODE:±FLOW@TIME"
         Nodes that draw more, or less; twice for a pulse.
     when : str, "NODE>PRESSURE:close LINK+DURATION"
-        What is operated once a gauge pressure is reached, above or below (<).
+        Operations once a gauge pressure is reached, above or below (<).
     t_end : number or text
         How long to run, s.
     tol : float, 1e-13 to 0.1
@@ -226,7 +226,7 @@ def operate(
     order : int, 1 to 16
         One run of this order instead, in the slabs that suit it.
     inertia : number or text, optional
-        Of pumps that trip or start, such as "2 kg m^2"; what is usual for their power if not given.
+        Of pumps that trip or start, such as "2 kg m^2"; a usual one for their power if not given.
     rated_speed : number or text, optional
         Of pumps that trip or start, such as "1450 rpm"; a usual one if not given.
     rating : number or text, optional
@@ -234,8 +234,8 @@ def operate(
     units : str, optional
         In which results are read: "SI", "US", or units such as "US, MGD"; those of the file if not given.
     unsteady : "vardy-brown", "zielke" or "none", optional
-        What friction adds in all pipes while flows change: in turbulent flow, about the flow of the start, or in
-        laminar flow; what the scene says if not given, which is none of an .inp file.
+        Friction added in all pipes while flows change: in turbulent flow, about the flow of the start, or in laminar
+        flow; that of the scene if not given, which an .inp file does not have.
     at : str
         Nodes to probe, instead of those that are operated.
     record : iterable of str, optional
@@ -248,7 +248,7 @@ def operate(
         Of an .inp file, as of `tline.interchange.read_inp`.
     seconds : float or str
         Computing time for all runs, above 0. When a further run is expected to end later, the best so far is the
-        result, with what is known of its error; a class is named if that is enough for one.
+        result, with its estimated error; a class is named if that is enough for one.
     progress : bool
         Show a progress bar on stderr if a run takes more than two seconds.
 
@@ -329,7 +329,7 @@ def plan(
     progress: bool = False,
     **rotor: float | str | None,
 ) -> Planned:
-    """The scene with operations by kind and controls of a file, and notes on guesses and instants; see `operate`."""
+    """Return the scene with operations by kind and controls of a file, with notes on guesses and instants."""
     scene, told = with_unsteady(scene, unsteady) if unsteady is not None else (scene, [])
     solver = {"order": order} if order else {"tol": tol} if tol else ROUGHLY
     more = {"t_end": t_end, "solver": solver} | {
@@ -360,7 +360,7 @@ def plan(
 
 
 def run(scene: Scene, record: Iterable[str], progress: bool, budget: Budget) -> Result:
-    """Simulate with an envelope; what is not resolved is among the notes."""
+    """Simulate with an envelope; unresolved features are among the notes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
         shown = {"progress": progress, "budget": budget}
@@ -403,7 +403,7 @@ def carried_out(
 
 
 def as_texts(where: str, given: Texts) -> tuple[str, ...]:
-    """What is given as a tuple of texts."""
+    """Return the given texts as a tuple."""
     texts = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else (given,)
     for text in texts:
         if not isinstance(text, str):

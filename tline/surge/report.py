@@ -19,7 +19,7 @@ STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "
 
 
 def as_dict(result: Result, found: Worst, columns: Columns | None = None) -> dict[str, Any]:
-    """The worst nodes in SI, in full precision, and what columns did that separated."""
+    """The worst nodes in SI, in full precision, and results for columns that separated."""
     told = columns and {
         "places": list(columns.places),
         "spread": columns.spread,
@@ -105,7 +105,7 @@ def _separate(result: Result, columns: Columns) -> list[str]:
 
 
 def band_text(result: Result, band: Band) -> Iterator[str]:
-    """What guesses leave of the highest and the lowest pressure, which governs, and the classes between."""
+    """Effect of guesses on the highest and the lowest pressure, the governing guess, and the classes between."""
     size, unit = result.medium.unit("effort")
     told = worst(result)
     yield ""
@@ -127,7 +127,7 @@ def band_text(result: Result, band: Band) -> Iterator[str]:
 
 
 def _state(result: Result, trace: StateTrace) -> list[str]:
-    """A row: what an element shows, in the units of people."""
+    """Row of a state of an element, in the units of the scene."""
     size, unit = result.medium.unit(trace.unit)
     return [trace.name, unit, *(f"{x:.4g}" for x in trace.row(size))]
 

@@ -1,7 +1,7 @@
-"""Scenarios of a study: a network and variants of it, and what is operated in each, by one file.
+"""Scenarios of a study: a network and variants of it, and the operations in each, by one file.
 
-A variant is a part of a scene that is laid over the network's; an event is what `operate` takes, once or for each pump,
-valve, pipe or node in turn.
+A variant is a part of a scene that is laid over the network's; an event has arguments of `operate`, once or for each
+pump, valve, pipe or node in turn.
 """
 
 import inspect
@@ -39,14 +39,14 @@ class Scenario(NamedTuple):
     """One event in one variant."""
 
     event: str
-    element: str  # which one of those that the event is for in turn; else empty
+    element: str  # the element, where an event is for several in turn; else empty
     variant: str
     network: Network
     options: Tables  # of `operate`
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Name of the scenario."""
         alone = f"{self.event} {self.element}".rstrip()
         return alone if self.variant == AS_READ else f"{alone}, {self.variant}"
 
@@ -58,12 +58,12 @@ class Scenario(NamedTuple):
         return f"{re.sub(r'[^A-Za-z0-9.-]+', '_', self.name)[:80]}-{key[:10]}"
 
     def carried_out(self) -> Operation:
-        """Run it."""
+        """Run the scenario."""
         return operate(self.network, **self.options)
 
 
 class Plan(NamedTuple):
-    """What a study is to do."""
+    """Plan of a study."""
 
     title: str
     variants: Mapping[str, Network]
@@ -136,7 +136,7 @@ def _over(tables: Tables, more: Tables) -> dict[str, Any]:
 
 
 def _in_turn(where: str, table: Any, scene: Scene) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Each element that an event is for, and what is operated then."""
+    """Yield each element of an event, and its operations."""
     given = dict(_table(where, table, {*OPERATIONS, "when", "each"}))
     each = given.pop("each", None)
     if each is None:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 WRITTEN = ".html", ".pdf", ".csv"
 BAR = 1e5  # Pa
 SHOWN = 4  # decimals of pressures in tables
-# of what a node saw, Pa: what is largest where a surge hit hardest
+# of the extremes of a node, Pa: largest where a surge hit hardest
 MEASURES: dict[str, Callable[[Mapping[str, Any]], float]] = {
     "rise": lambda node: node["highest"] - node["before"],
     "fall": lambda node: node["before"] - node["lowest"],
@@ -43,23 +43,22 @@ MEASURES: dict[str, Callable[[Mapping[str, Any]], float]] = {
 
 
 class Outcome(NamedTuple):
-    """What came of a scenario."""
+    """Results of a scenario."""
 
     scenario: Scenario
-    # what `Operation.to_dict` has, with `nodes`: all that nodes saw, `estimate`: the estimated error, `seconds` of
-    # processor time and `scene`: what `tline.simulate` runs just so; or `mistake`: why there is none
+    # those of `Operation.to_dict`, with `nodes`: extremes of all nodes, `estimate`: the estimated error, `seconds` of
+    # processor time and `scene`: the text that `tline.simulate` runs just so; or `mistake`: the reason for having none
     told: Mapping[str, Any]
 
     @property
     def worst(self) -> dict[str, Mapping[str, Any]]:
-        """What the node saw that rose most, fell most, has the highest and the lowest pressure of all; empty if the
-        scenario failed."""
+        """Extremes of the nodes with the largest rise, fall, highest and lowest pressure; empty if failed."""
         nodes = self.told.get("nodes")
         return {word: max(nodes, key=measure) for word, measure in MEASURES.items()} if nodes else {}
 
     @property
     def verdict(self) -> str:
-        """The class of pressure, or why there is none."""
+        """Class of pressure, or the reason for naming none."""
         told = self.told
         if "mistake" in told:
             return told["mistake"]
@@ -75,7 +74,7 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SurgeStudy(Presentation):
-    """Scenarios of a network and what came of them; printed, the table of them all.
+    """Scenarios of a network and their results; printed, the table of them all.
 
     Attributes
     ----------
@@ -123,7 +122,7 @@ class SurgeStudy(Presentation):
         return [f"{round(MEASURES[word](worst[word]) / size, SHOWN):.4g}" for word in words if worst]
 
     def text_lines(self) -> Iterator[str]:
-        """The worst first, what rose or fell most."""
+        """Report lines, scenarios with the largest rise or fall first."""
         head, rows = self.table()
         yield self.plan.title or "a study of surges"
         failed = sum("mistake" in outcome.told for outcome in self.outcomes)
@@ -195,7 +194,7 @@ def surge_study(
     Returns
     -------
     SurgeStudy
-        What came of all scenarios; one that cannot be run has a sentence in place of numbers.
+        Results of all scenarios; one that cannot be run has a sentence in place of numbers.
 
     Raises
     ------
@@ -238,7 +237,7 @@ def surge_study(
 
 
 def run_scenarios(scenarios: Sequence[Scenario]) -> Batch:
-    """Run some, in whatever process, and tell all that is kept of each as JSON."""
+    """Run some scenarios, in any process, and return all that is kept of each as JSON."""
     started = time.perf_counter()
     told = [json.dumps(_told(scenario), ensure_ascii=False) for scenario in scenarios]
     return Batch([*range(len(told))], {"told": np.array(told, object)}, {}, time.perf_counter() - started)
@@ -281,7 +280,7 @@ def _batches(
 
 
 def _kept(folder: str | Path | None, scenario: Scenario) -> dict[str, Any] | None:
-    """What a folder has of a scenario, if it has it."""
+    """Results of a scenario in a folder, if it has them."""
     path = folder and Path(folder) / f"{scenario.file}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path and path.exists() else None
 

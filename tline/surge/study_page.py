@@ -1,4 +1,4 @@
-"""The report of a study as a page that stands alone: table, worst nodes, maps and profiles; it prints well."""
+"""The report of a study as a self-contained page: table, worst nodes, maps and profiles; it prints well."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from tline.surge.study import Outcome, SurgeStudy
 
 WORST = 10  # nodes in tables
-Nodes = Mapping[str, Mapping[str, Any]]  # what each saw in the scenario that was worst for it, with its name
+Nodes = Mapping[str, Mapping[str, Any]]  # extremes of each in the scenario that was worst for it, with its name
 
 
 def study_page(study: "SurgeStudy") -> str:
@@ -89,7 +89,7 @@ def _worst_nodes(study: "SurgeStudy", found: Sequence["Outcome"]) -> str:
 
 
 def _of_nodes(found: Sequence["Outcome"], word: str, sign: int) -> dict[str, dict[str, Any]]:
-    """What each node saw in the scenario that was worst for it."""
+    """Extremes of each node in the scenario that was worst for it."""
     worst: dict[str, dict[str, Any]] = {}
     for outcome in found:
         for node in outcome.told["nodes"]:

@@ -1,4 +1,4 @@
-"""Tables of a run, with coordinates: what nodes saw, what flowed in pipes, and what elements with states did."""
+"""Tables of a run, with coordinates: extremes at nodes, flows in pipes, and states of elements."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -26,7 +26,7 @@ OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
 PACKAGE = "http://schemas.openxmlformats.org/package/2006"
 KIND = "application/vnd.openxmlformats-officedocument.spreadsheetml"
 HEAD = '<?xml version="1.0" encoding="UTF-8" standalone="yes"?>'
-PLACES = 12  # stretches of a pipe at whose ends extremes are looked for
+PLACES = 12  # stretches of a pipe at whose ends extremes are sought
 WRITTEN = ".csv", ".xlsx", ".geojson"
 
 
@@ -36,7 +36,7 @@ def is_known(value: Any) -> bool:
 
 
 def write_workbook(path: Path, sheets: Mapping[str, Sequence[Sequence[Any]]]) -> None:
-    """Write sheets of rows of texts and numbers; numbers that are none leave a cell empty."""
+    """Write sheets of rows of texts and numbers; numbers that are not finite leave a cell empty."""
     files = {f"xl/worksheets/sheet{k}.xml": _sheet(rows) for k, rows in enumerate(sheets.values(), 1)}
     numbered = [(k, quoteattr(name)) for k, name in enumerate(sheets, 1)]
     names = "".join(f'<sheet name={name} sheetId="{k}" r:id="r{k}"/>' for k, name in numbered)
@@ -80,7 +80,7 @@ def _cell(value: Any) -> str:
 
 
 class Table(NamedTuple):
-    """Rows under heads with units; the first column names what a row is about."""
+    """Rows under heads with units; the first column names the subject of a row."""
 
     name: str
     head: Sequence[str]
@@ -93,7 +93,7 @@ def tables(result: Result) -> list[Table]:
 
 
 def save_tables(result: Result, path: str | Path) -> None:
-    """Write them as NAME-nodes.csv, NAME-pipes.csv and NAME-states.csv, as sheets (.xlsx), or as a map (.geojson)."""
+    """Write tables as NAME-nodes.csv, NAME-pipes.csv and NAME-states.csv, as sheets (.xlsx), or as a map (.geojson)."""
     path, found = Path(path), tables(result)
     suffix = path.suffix.lower()
     if suffix not in WRITTEN:

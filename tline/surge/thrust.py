@@ -1,4 +1,4 @@
-"""Forces of the liquid on bends, branches, valves and dead ends: what anchors and thrust blocks have to hold."""
+"""Forces of the liquid on bends, branches, valves and dead ends: the loads of anchors and thrust blocks."""
 
 from collections import defaultdict
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ def thrusts(result: Result) -> Mapping[str, Thrust]:
 
     Each pipe pushes with p·A + density·Q²/A along its axis into the node, p the gauge pressure; the force is the sum of
     these, as vectors. Directions follow from positions, vertices, elevations and lengths; of a single pipe none is
-    needed. Liquid that the fitting itself holds is not counted. Where a pressure is held there is none.
+    needed. Liquid that the fitting itself holds is not counted. Nodes at a held pressure are left out.
 
     References
     ----------

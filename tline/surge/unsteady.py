@@ -1,4 +1,4 @@
-"""What friction adds while flows change, in all pipes of a network by one word."""
+"""Friction added while flows change, in all pipes of a network by one word."""
 
 from math import pi
 from typing import Any

@@ -1,4 +1,4 @@
-"""The worst of a run at nodes: how far pressures rose and fell, when, and what that asks of the pipes."""
+"""The worst of a run at nodes: how far pressures rose and fell, when, and the class of pipes this requires."""
 
 from collections.abc import Iterator, Sequence
 from math import isnan, nan
@@ -25,7 +25,7 @@ RISES = "the highest pressure comes at the end of the run and may be higher late
 
 
 class Extreme(NamedTuple):
-    """What a node saw; pressures are gauge pressures, Pa, and instants s."""
+    """Extremes of a node; pressures are gauge pressures, Pa, and instants s."""
 
     node: str
     # before, lowest, lowest_at, lowest_error, highest, highest_at, highest_error: errors are estimated, and not a
@@ -64,7 +64,7 @@ class Worst(NamedTuple):
 
 
 def extremes(result: Result) -> list[Extreme]:
-    """What every node saw."""
+    """Return the extremes of every node."""
     seen = result.envelope
     if seen is None:
         raise InputError("envelope", "is missing", "a run with envelope=True")
@@ -90,8 +90,7 @@ def boils(node: Extreme) -> bool:
 
 
 def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") -> Worst:
-    """What is worst, of so many nodes, where the highest pressure may be higher by a spread, Pa, or for some reason
-    no class can be told."""
+    """Return the worst nodes; the highest pressure may be higher by `spread`, Pa, and `untold` forbids a class."""
     nodes = extremes(result)
     largest = max(max(node.rise, node.fall) for node in nodes)
     risen = sorted((node for node in nodes if node.rise > FAINT * largest), key=lambda node: -node.rise)

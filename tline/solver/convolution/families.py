@@ -1,7 +1,7 @@
-"""Fronts of waveforms in families: those that lie at one place of their slabs; and the sum of what each family does.
+"""Fronts of waveforms in families, by their places in slabs; and the sum of the responses to all families.
 
-A waveform is what it is before t = 0 and, from each of its fronts on, what changes there. So it is a sum of waveforms
-with a family of fronts each; and on a clock that began earlier these lie on the edges of slabs.
+A waveform is its value before t = 0 plus its changes at each of its fronts. So it is a sum of waveforms with a family
+of fronts each; and on a clock that began earlier these lie on the edges of slabs.
 """
 
 from collections.abc import Iterable
@@ -15,9 +15,9 @@ from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis
 
 MOST_FAMILIES = 128  # families that are worth a run each
-SAME_FAMILY = EDGE / 2  # slabs; fronts whose places are nearer than this are of one family
-SMALLEST_CORNER = 1e-14  # of a waveform; by so little it neither jumps nor bends
-SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with what was before
+SAME_FAMILY = EDGE / 2  # slabs; fronts whose places differ by less are of one family
+SMALLEST_CORNER = 1e-14  # relative to the waveform's amplitude; smaller jumps and bends are rounding
+SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with the value before
 
 
 class Changes(NamedTuple):
@@ -31,7 +31,7 @@ class Changes(NamedTuple):
     curved: bool
 
     def part(self, chosen: NDArray, ahead: float) -> Waveform:
-        """What chosen fronts change, of one that is curved all; on a clock so far ahead of the scene's, s."""
+        """Return the changes at chosen fronts, all of a curved waveform's; on a clock `ahead` of the scene's, s."""
         at = self.at[chosen]
         if self.curved:
             return Late(self.waveform, at + ahead, ahead, self.before) if len(at) else Straight.constant(0.0)
@@ -61,7 +61,7 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
 
 
 def leads(instants: NDArray) -> NDArray:
-    """By how many slabs slabs have to begin earlier for some instant each, in slabs, to be at the edge of one."""
+    """Leads by which slabs begin earlier, in slabs; with one of them each instant, in slabs, is at an edge."""
     found: list[float] = []
     for ahead in np.unique(-instants % 1.0).tolist():
         if not found or ahead - found[-1] > SAME_FAMILY:
@@ -72,7 +72,7 @@ def leads(instants: NDArray) -> NDArray:
 
 
 def family_of(instants: NDArray, ahead: NDArray) -> NDArray:
-    """Of each instant, in slabs, the number of the lead that puts it at an edge."""
+    """Number of the lead that puts each instant, in slabs, at an edge."""
     apart = np.abs(-instants[:, None] % 1.0 - ahead)
     return np.minimum(apart, 1.0 - apart).argmin(axis=1)
 
@@ -86,7 +86,7 @@ class Straight(NamedTuple):
 
     @classmethod
     def constant(cls, level: float) -> "Straight":
-        """Without a front."""
+        """Waveform without a front."""
         return cls(np.empty(0), np.array([level]), np.zeros(1))
 
     def breaks(self, t_end: float) -> NDArray:
@@ -126,7 +126,7 @@ class Late(NamedTuple):
 
 
 def summed(records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis) -> tuple[NDArray, Noted]:
-    """The sum of records on slabs that begin so many slabs earlier each, on n slabs from t = 0 on.
+    """Sum records, on slabs that begin `ahead` slabs earlier each, on n slabs from t = 0 on.
 
     Records have the shape (rows, 2, slabs * s), one for each of `ahead`; the sum has whole slabs, and pieces between
     the places at which slabs begin.
@@ -150,7 +150,7 @@ def summed(records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis) -> 
 
 
 def _pieces(record: NDArray, ahead: float, edges: NDArray, n: int, order: Basis) -> NDArray:
-    """The scene's slabs in pieces, of a record on slabs that begin so many of them earlier; (rows, 2, n, pieces, s)."""
+    """Cut a record, on slabs that begin `ahead` earlier, into pieces of the scene's; (rows, 2, n, pieces, s)."""
     rows, s = len(record), order.s
     waves = record.reshape(rows, 2, -1, s)
     start, stop = edges[:-1] + ahead, edges[1:] + ahead

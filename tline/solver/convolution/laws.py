@@ -1,8 +1,8 @@
-"""Laws beside a linear rest with a memory, seen through its weights of Radau's quadrature, slab by slab.
+"""Laws beside a linear rest with memory, by the rest's weights of Radau's quadrature, slab by slab.
 
 In waves about those before t = 0, α = c + S ∗ β with S = (Z - ρ)(Z + ρ)^-1 of the rest. A slab is one system in S_0 for
-the laws that see each other at once. What earlier slabs sent is a sum: within blocks it is added up as it stands, and
-from one block to the next, each as long as all before it, by Fourier transforms, in O(n log² n).
+the laws that interact at once. The waves of earlier slabs are a sum: within blocks it is added up directly, and from
+one block to the next, each as long as all before it, by Fourier transforms, in O(n log² n).
 
 References
 ----------
@@ -31,12 +31,12 @@ from tline.solver.kernel.units import law_addresses
 from tline.solver.radau import Basis
 from tline.solver.steady.steady_state import Before
 
-BLOCK = 32  # slabs, whose past is added up as it stands
-APART = 1e-11  # of a wave; laws that send each other less within a slab do not see each other at once
+BLOCK = 32  # slabs whose past is summed directly
+APART = 1e-11  # of a wave; laws that send each other less within a slab do not interact at once
 
 
 class LawsAtPorts:
-    """The laws and switches of a scene, and what there is before t = 0."""
+    """Laws and switches of a scene, with their state before t = 0."""
 
     def __init__(self, description: Description, network: LinearRest, before: Before):
         self.network, self.elements = network, network.laws
@@ -116,7 +116,7 @@ class LawsAtPorts:
 
 
 class _Past:
-    """What is given to slabs, and what they send; n slabs of M points."""
+    """Waves given to slabs, and waves sent by them; n slabs of M points."""
 
     def __init__(self, weights: NDArray, given: NDArray, sent: NDArray):
         self.weights, self.given, self.sent = weights, given, sent
@@ -141,7 +141,7 @@ class _Past:
 
 
 def _run(laws: Laws, step: NDArray, states: NDArray, s: int) -> Run:
-    """What units of laws get: no lines, and nodes of no number."""
+    """Pack a run of units of laws, without lines and with unnumbered nodes."""
     nodes = np.zeros(len(laws.first), np.int64)
     network = empty(Network)._replace(first=np.zeros(1, np.int64), group=nodes, step=step, laws=laws)
     state = empty(State)._replace(before=np.zeros((1, s)), load=states)
@@ -153,6 +153,6 @@ def _over_time(signal: Shape | None, now: float, order: Basis, h: float, ahead: 
     """A control signal at the points of n slabs, or the value that it always has."""
     if signal is None:
         return np.full(n * order.s, now)
-    slab, inside = np.arange(n)[:, None] - ahead, np.minimum(order.c, 1 - EDGE)  # at a slab's end what was before it
+    slab, inside = np.arange(n)[:, None] - ahead, np.minimum(order.c, 1 - EDGE)  # at a slab's end the value before it
     t, inside = (((slab + places) * h).ravel() for places in (order.c, inside))
     return np.where(inside < 0, now, signal.value(np.maximum(t, 0.0), np.maximum(inside, 0.0)))

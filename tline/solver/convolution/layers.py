@@ -1,4 +1,4 @@
-"""What slabs of one width miss beside fronts and their arrivals, put right in pieces that are ever narrower there."""
+"""Corrections to slabs of one width beside fronts and their arrivals, in pieces ever narrower towards them."""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
 MOST_ANSWERS = 3e6  # answers of the rest at all points
 MOST_LAYERS = 600  # rays of all fronts
-NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are none
+NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are dropped
 
 
 def affordable(network: LinearRest) -> bool:
@@ -37,13 +37,13 @@ class Source(NamedTuple):
     changes: Changes
 
     def sizes(self, h: float) -> NDArray:
-        """Its largest jump and bend, the latter within a time h."""
+        """Largest jump and bend of the waveform, the latter within a time h."""
         found = [np.abs(each).max(initial=0.0) for each in (self.changes.jump, self.changes.bend * h)]
         return abs(self.share) * np.array(found)
 
 
 class Layer(NamedTuple):
-    """What a front is at an arrival: polynomials on slabs of its own, and where they end; in slabs of the scene."""
+    """Response to a front at an arrival: polynomials on slabs of its own, and their end; in slabs of the scene."""
 
     edges: NDArray  # (slabs + 1,)
     end: float
@@ -54,8 +54,8 @@ class Layers:
     """Rays of all sources of a scene, on grids of slabs of a width and of its parts.
 
     Rows of the record are pairs of a node and a line end, or -1; `slabs` are whole ones by which lines move waves.
-    Behind `near` slabs of each width those of twice the width follow a front; slabs are halved so often at most, and
-    transforms are so many times as long as they (`padded`).
+    Behind `near` slabs of each width those of twice the width follow a front; slabs are halved `halvings` times at
+    most, and transforms are `padded` times as long as the slabs.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Layers:
     def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
         """A record (rows, 2, n s) on whole slabs, of sources as they are projected there, and its pieces beside fronts.
 
-        What narrower slabs change by less than `least` of the largest value is left as it is.
+        Changes by narrower slabs of less than `least` of the largest value are left out.
         """
         s, least = self.order.s, least * float(np.abs(record).max())
         left = record.reshape(len(record), 2, -1, s).copy()
@@ -97,7 +97,7 @@ class Layers:
         return left.reshape(record.shape), concatenated(pieces, s)
 
     def _layers(self, left: NDArray, source: Source, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
-        """Layers of one source at one group of nodes; what they are on whole slabs is taken from what is left."""
+        """Yield layers of one source at one group of nodes, and subtract their part on whole slabs from `left`."""
         waves = np.stack([ray.waves.reshape(self.halvings + 1, len(self.rule.points), -1) for ray in rays], axis=2)
         answers = self._answers(waves)
         levels = self._levels(answers, source, least)
@@ -121,14 +121,14 @@ class Layers:
                 yield Layer(edges, begin + self.rule.n, self._joined(answers[k], levels[k], weights))
 
     def _front(self, source: Source, k: int, first: int) -> tuple[NDArray, NDArray]:
-        """The transform of a front on whole slabs, from the one in which it lies; and its jump and bend."""
+        """Transform of a front on whole slabs, from its own slab on; and its jump and bend."""
         changes = source.changes
         weights = source.share * np.array([changes.jump[k], changes.bend[k]])
         front = Straight(changes.at[k : k + 1] - first * self.h, *np.pad(weights[:, None], ((0, 0), (1, 0))))
         return self.rule.forward(projected(front, self.order, self.h, 0, self.rule.n)[:, :, None])[:, 0], weights
 
     def _answers(self, waves: NDArray) -> NDArray:
-        """To a step and a ramp on slabs of each width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
+        """Responses to step and ramp on slabs by width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
         ramp = (np.arange(self.rule.n)[:, None] + self.order.c) * self.h
         step, ramp = self.rule.forward(np.stack([np.ones_like(ramp), ramp], axis=2)).T
         narrow = 0.5 ** np.arange(self.halvings + 1)[:, None]
@@ -144,7 +144,7 @@ class Layers:
         return np.moveaxis(found.reshape(self.rule.n, self.order.s, transforms.shape[1], -1), 2, 0)
 
     def _levels(self, answers: NDArray, source: Source, least: float) -> NDArray:
-        """Times that slabs have to be halved; -1 where the scene's own slabs follow what arrives, (rays,)."""
+        """Halvings of slabs that each ray needs, (rays,); -1 where the scene's own slabs follow the arrival."""
         r, s = len(answers), self.order.s
         narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, self.halvings, 2, self.near, 2, s, -1)
         wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, : self.near], optimize=True)
@@ -155,7 +155,7 @@ class Layers:
         return np.where(late.any(axis=1), last, begins - 1)
 
     def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer]) -> Noted:
-        """Pieces of slabs at one group of nodes: what is left of the record, and all layers there."""
+        """Pieces of slabs at one group of nodes: the remaining record, plus all layers there."""
         order, n = self.order, left.shape[2]
         touched = np.zeros(n, bool)
         for layer in layers:

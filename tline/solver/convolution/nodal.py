@@ -1,8 +1,8 @@
 """The linear rest of a scene in s, by nodal analysis: efforts at its nodes under sources, and under waves from laws.
 
-A law is replaced by the resistance ρ behind which it is seen and the wave β = e - ρ i that comes out of it: between its
-nodes stands ρ, and β/ρ flows. What is left is linear, and one matrix of the nodes at each s, with lines exactly as they
-are: y1 = Y11 u1 + Y12 u2 flows into end 1, Y11 = (1 + P²)/(1 - P²)/Zc and Y12 = -2P/(1 - P²)/Zc with P = exp(-Γl).
+A law is replaced by its reference resistance ρ and the wave β = e - ρ i that comes out of it: ρ joins its nodes, and
+β/ρ flows. The rest is linear: one matrix of the nodes at each s, with lines exactly as they are: y1 = Y11 u1 + Y12 u2
+flows into end 1, Y11 = (1 + P²)/(1 - P²)/Zc and Y12 = -2P/(1 - P²)/Zc with P = exp(-Γl).
 """
 
 from typing import NamedTuple
@@ -34,20 +34,20 @@ class Block(NamedTuple):
     one: NDArray  # (k,)
     other: NDArray
     back: NDArray  # (k, k)
-    pairs: NDArray  # (k, k); -1 where modes do not see each other
+    pairs: NDArray  # (k, k); -1 where modes do not couple
 
     def between(self, modal: NDArray) -> NDArray:
-        """What flows into conductors per effort of conductors, (n, k, k), of the same for all pairs, (n, P)."""
+        """Flow into conductors per effort of conductors, (n, k, k), from that of all pairs of modes, (n, P)."""
         own = np.where(self.pairs >= 0, modal[:, self.pairs], 0.0)
         return self.back.T @ own @ self.back
 
 
 class LinearRest(Scattering):
-    """A scene in s without its laws and switches, of which each is a resistance and a source of waves.
+    """Scene in s without its laws and switches, each replaced by a resistance and a source of waves.
 
-    Laws stand in the order of groups, then switches, seen behind `impedances` (K,): about what they see of the rest
-    within the shortest delay. `ports` (K, N) leads from efforts at nodes to those across laws. `pairs` (P, 2) are
-    numbers of lines of which the second's efforts drive the first's flows: each line itself, and modes that mix.
+    Laws are in the order of groups, then switches, behind `impedances` (K,): about that of the rest within the shortest
+    delay. `ports` (K, N) leads from efforts at nodes to those across laws. `pairs` (P, 2) are numbers of lines, where
+    the second's efforts drive the first's flows: each line with itself, and modes that mix.
     """
 
     def __init__(self, description: Description):
@@ -97,7 +97,7 @@ class LinearRest(Scattering):
         self.single = [(pair, *self.place[ends].tolist()) for pair, ends in single]
 
     def _check(self, description: Description) -> None:
-        """Laws stand behind their impedances, and modes of conductors are lines."""
+        """Accept any description: laws are behind their impedances, and modes of conductors are lines."""
 
     def _last(self, node: Node) -> float:
         return 0.0
@@ -115,7 +115,7 @@ class LinearRest(Scattering):
         return total, impedance
 
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Y11 and Y12 of all pairs, each of shape (n, P); `late`, of shape (n, lines), is what delays are beyond sT."""
+        """Y11 and Y12 of all pairs, shape (n, P) each; `late`, of shape (n, lines), is the excess of delays over sT."""
         total, impedance = self.propagation(s)
         total, impedance = (total + late)[:, self.alone], impedance[:, self.alone]
         passed, twice = np.exp(-total), -np.expm1(-2 * total)
@@ -152,7 +152,7 @@ class LinearRest(Scattering):
         return Efforts(found[:, :, :sets], found[:, :, sets:])
 
     def system(self, s: NDArray, lines: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
-        """What unknown efforts, and behind them flows into branches, are multiplied by; and p at these efforts."""
+        """Matrix of the unknown efforts, and behind them flows into branches; and p at these efforts."""
         balances, (same, other) = list(self.balances(s)), lines
         unknown = self.known_by.shape[1]
         size = unknown + sum(own.shape[1] - len(at) for at, _, own in balances)

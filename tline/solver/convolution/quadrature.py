@@ -1,4 +1,4 @@
-"""Convolution quadrature by Radau IIA: what a transfer function makes of polynomials on slabs.
+"""Convolution quadrature by Radau IIA: response of a transfer function to polynomials on slabs.
 
 With stage values g_k on slab k and G(ζ) = sum g_k ζ^k, Radau IIA turns d/dt into D(ζ)/h, D(ζ) = A^-1 (1 - ζ 1 e^T),
 with e^T the last row of the unit matrix. So K(d/dt) g has the stage values whose sum is K(D(ζ)/h) G(ζ). D has s
@@ -11,10 +11,10 @@ C. Lubich, A. Ostermann: Runge-Kutta methods for parabolic equations and convolu
 
 Whether a line by convolution quadrature can create energy.
 
-Where a delay is what Radau makes of exp(-sT) it cannot. The scattering S of the line is analytic, and at most 1, where
+It cannot where Radau IIA approximates all of exp(-sT). The scattering S of the line is analytic, and at most 1, where
 Re s > 0; the numerical range of D(ζ) lies there for |ζ| < 1, in the norm of the weights of Radau's quadrature; so
-‖S(D)‖ <= 1, by von Neumann's inequality. Where whole slabs of the delay are moved as they are, ζ^m stands for a part of
-exp(-sT), and the norm is looked at.
+‖S(D)‖ <= 1, by von Neumann's inequality. Where whole slabs of the delay are moved as they are, ζ^m replaces a part of
+exp(-sT), and the norm is computed.
 
 References
 ----------
@@ -32,19 +32,19 @@ from tline.solver.description.bundle import Bundle
 from tline.solver.radau import Basis, basis
 from tline.solver.stability.scattering import carried
 
-PADDED = 1, 2, 3, 7, 15  # times the slabs that a transform has
-ALIASING_SHARE = 0.2  # of a tolerance: what wraps around and rounding may be
+PADDED = 1, 2, 3, 7, 15  # lengths of a transform over the number of slabs
+ALIASING_SHARE = 0.2  # of a tolerance: largest error by aliasing and rounding
 ANCHORS, STEPS = 64, 6  # places from which eigenvalues are followed, and steps of Newton's method
-WRONG = 1e-12  # of a product of eigenvectors and their inverses
+WRONG = 1e-12  # largest error of a product of eigenvectors and their inverses
 EPS = float(np.finfo(float).eps)
-MOST_GAIN = 1 + 1e-9  # of a line that creates no energy: rounding
-SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of which transforms are quick
+MOST_GAIN = 1 + 1e-9  # largest gain of a line that creates no energy, with rounding
+SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of fast transforms
 KEPT_SLABS = 1000  # slabs of transforms whose modes are kept for the next scene
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 
 def rounding(padded: int) -> float:
-    """What wraps around, and rounding, of the largest value, where transforms have so many times the slabs."""
+    """Error by aliasing and rounding, of the largest value, of transforms `padded` times as long as the slabs."""
     return (1e3 if padded > 1 else 5e3) * EPS ** (padded / (padded + 1))
 
 
@@ -102,7 +102,7 @@ def _places(radius: float, n: int) -> NDArray:
 
 
 def on_circle(s: int, radius: float, n: int) -> Modes:
-    """D of order s there."""
+    """D of order s on half a circle."""
     return derivative(basis(s), _places(radius, n))
 
 
@@ -124,7 +124,7 @@ class Quadrature:
         s.
     n : int
     padded : int
-        Times n, at least, that transforms are long: see `padding`.
+        Smallest length of transforms over n: see `padding`.
 
     Examples
     --------
@@ -137,14 +137,14 @@ class Quadrature:
 
     def __init__(self, basis: Basis, h: float, n: int, padded: int = PADDED[-1]):
         self.n, self.h, self.length = n, h, _smooth(padded * n)
-        radius = EPS ** (1 / (n + self.length))  # what wraps around is then as small as rounding makes the last slabs
+        radius = EPS ** (1 / (n + self.length))  # makes aliasing as small as the rounding of the last slabs
         self.decay = radius ** np.arange(n)
         rates, self._from_eigen, self._to_eigen = (_kept if n <= KEPT_SLABS else on_circle)(
             basis.s, radius, self.length
         )
         self.points: NDArray = rates.ravel() / h  # where transfer functions are needed, 1/s
         late = -np.log(_places(radius, self.length))[:, None] - rates
-        self.late: NDArray = late.ravel()  # of a slab, what its delay is beyond sh
+        self.late: NDArray = late.ravel()  # of a slab, excess of its delay over sh
 
     def forward(self, values: NDArray) -> NDArray:
         """Transforms at all points, shape (points, k), of values of shape (n, s, k)."""
@@ -173,7 +173,7 @@ class Quadrature:
 def gain(line: LossyLine, z0: float, order: Basis, h: float, slabs: float) -> float:
     """The largest norm of the scattering of a line, at places all round the circle |ζ| = 1.
 
-    The line has the impedance z0 for a front; so many whole slabs of its delay, h s each, move waves as they are.
+    The line has the impedance z0 for a front; `slabs` whole slabs of its delay, h s each, move waves as they are.
     """
     rates, late, vectors, inverse = circle(order.s)
     across, back = carried(line, z0, rates.ravel() / h, slabs * late.ravel())
@@ -200,7 +200,7 @@ def bundle_creates_energy(bundle: Bundle, order: Basis, h: float, slabs: NDArray
 
 @lru_cache
 def circle(s: int) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Eigenvalues of D, what a slab's delay is beyond them, and eigenvectors with their inverse, in that norm."""
+    """Eigenvalues of D, excess of a slab's delay over them, eigenvectors with inverse, in the norm of the weights."""
     order = basis(s)
     zeta = np.exp(-2j * np.pi * np.geomspace(SLOWEST, 0.5, PLACES))
     rates, vectors, inverse = derivative(order, zeta)

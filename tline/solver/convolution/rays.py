@@ -1,11 +1,11 @@
-"""Rays: what each front of a source becomes at each of its arrivals, on slabs that are ever narrower towards it.
+"""Rays: responses to each front of a source at each of its arrivals, on slabs ever narrower towards it.
 
 Beside an arrival a line with a memory answers on all time scales at once, which slabs of one width cannot follow. With
-exp(-sT) taken out, a path from a source to a node is a transfer function F(s) that has no delay. So its answer to a
-step and to a ramp is known on few slabs of any width: on the scene's own, from which it is taken away, exactly as it is
-a part of the run there, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
+exp(-sT) taken out, a path from a source to a node is a transfer function F(s) without delay. So its response to a step
+and to a ramp is known on few slabs of any width: on the scene's own, where it is subtracted exactly as it is part of
+the run, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
 
-When jumps of sources arrive where.
+Instants at which jumps of sources arrive at nodes.
 """
 
 from collections.abc import Iterator
@@ -22,18 +22,18 @@ from tline.solver.description.description import Description
 from tline.solver.description.switches import switches_of
 
 MOST_RAYS = 100  # rays of one source
-SAME_ARRIVAL = 1e-9  # of the shortest delay; arrivals so near, of rays by paths that are moved alike, are one
+SAME_ARRIVAL = 1e-9  # of the shortest delay; nearer arrivals, of rays by paths that are moved alike, are one
 MOST_ARRIVALS = 10_000  # arrivals
 
 
 class Ray(NamedTuple):
-    """What arrives at a group of nodes at an instant after a front of a source."""
+    """Waves at a group of nodes that arrive a fixed time after a front of a source."""
 
     delay: float  # s
-    moved: int  # whole slabs of it, that waves are moved by
-    rest: float  # slabs of it that are a part of exp(-sT)
+    moved: int  # whole slabs of the delay by which waves are moved
+    rest: float  # slabs of the delay that are a part of exp(-sT)
     rows: NDArray  # (rows,) of the record
-    waves: NDArray  # (points, rows, 2) what arrives there and what leaves, without its delay
+    waves: NDArray  # (points, rows, 2) waves that arrive there and that leave, without the delay
 
 
 class Rays:
@@ -48,11 +48,11 @@ class Rays:
         s, delays = points * network.second, network.delays * network.second
         self.ways: list[tuple[float, int, float]] = [
             (delay, int(moved), delay / h - moved) for delay, moved in zip(delays.tolist(), slabs.tolist(), strict=True)
-        ]  # of each line its delay, s, and the slabs that it moves waves by, and does not
+        ]  # of each line: delay, s, whole slabs by which it moves waves, and the remaining slabs
         total, self.impedance = network.propagation(s)
         beyond = total - np.outer(s, network.delays)
         for k, line in network.lossy.items():
-            if line.constant:  # that difference would be rounding
+            if line.constant:  # the difference would be rounding
                 beyond[:, k] = line.beyond_delay(points, total[:, k])
         self.passed = np.exp(-beyond)
         matrix, p = network.system(s, (1 / self.impedance, np.zeros(self.impedance.shape)))
@@ -67,7 +67,7 @@ class Rays:
             self.rows[self.group_of[node]].append((row, node, end))
 
     def of(self, node: int, held: bool, t_end: float, least: float) -> Iterator[Ray]:
-        """Of a source of 1 at a node, which holds its effort or drives a flow, those that change fast.
+        """Yield the fast-changing rays of a unit source at a node, which holds its effort or drives a flow.
 
         A wave goes on where |s| > 1/h if it is `least` there: else the scene's own slabs follow it.
         """

@@ -1,11 +1,11 @@
 """One run by convolution quadrature: the waves of a linear scene on slabs, from its answers in s.
 
-All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
-with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
+The scene is linear and time-invariant. So its change from the state before t = 0 is a convolution with the changes of
+its sources, and laws of lines are exact in s: no circuit approximates them.
 
-The envelope of a convolution, from what its lines record.
+Envelope of a convolution, from its recorded lines.
 
-Which scenes are convolutions, and on which slabs these are is_affordable.
+Scenes suited to convolution, and slabs on which it is affordable.
 """
 
 import time
@@ -36,7 +36,7 @@ from tline.solver.result.merged import probed
 from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
-SILENT = 1e-14  # of what sources are: a row of the record that is below is rounding, and nothing has arrived
+SILENT = 1e-14  # relative to the sources: a smaller row of the record is rounding, and nothing has arrived
 LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
@@ -47,7 +47,7 @@ CUBE_POINTS = 8  # line ends beyond which an answer costs their cube
 
 
 def envelope_of(description: Description, result: Result) -> Envelope:
-    """Extremes at all nodes at which lines end, all of which are recorded; what their errors are is not known yet."""
+    """Extremes at all nodes with line ends, all of which are recorded; their errors are not known yet."""
     seen = {
         node: ProbeResult(node, name, float(side), record, result.slabs, description.heights.get(node, Height()))
         for name, record in result.lines.items()
@@ -62,7 +62,7 @@ def envelope_of(description: Description, result: Result) -> Envelope:
 
 
 class Convolved:
-    """A linear scene in s, and what its sources add to what they are before t = 0.
+    """Linear scene in s, with the changes of its sources from before t = 0.
 
     Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each. Slabs may be far wider
     than delays where all is `slow`.
@@ -96,19 +96,19 @@ class Convolved:
 
     @property
     def changes(self) -> list[Changes]:
-        """Of all waveforms at nodes."""
+        """Changes of all waveforms at nodes."""
         return [changes for parts in (*self.held, *self.flows) for changes, _ in parts]
 
     @cached_property
     def layered(self) -> bool:
-        """Whether what happens beside fronts is followed on narrower slabs there, along rays."""
+        """Whether the response beside fronts is followed on narrower slabs there, along rays."""
         straight = not any(changes.curved for changes in self.changes)
         alone = self.laws is None and not self.network.bundles and not self.clock and not self.slow
         return alone and straight and affordable(self.network)
 
     @cached_property
     def clock(self) -> float:
-        """What many fronts are whole numbers of apart, s: they all are at edges of such slabs; 0 where they are not."""
+        """Time of which the spacings of many fronts are multiples, s: slabs have them at edges; 0 if there is none."""
         apart = np.diff(self.instants)
         if len(apart) < MANY or not self.clocked or self.slow:
             return 0.0
@@ -129,13 +129,13 @@ class Convolved:
 
     @cached_property
     def instants(self) -> NDArray:
-        """Those and all fronts of sources, s."""
+        """Instants at which laws move, and all fronts of sources, s."""
         return np.unique(np.concatenate([self.moves, *(changes.at for changes in self.changes)]))
 
     def leads(self, h: float) -> NDArray:
-        """By how many slabs of width h slabs have to begin earlier, so that each front is once at an edge.
+        """Leads by which slabs of width h begin earlier, in slabs; with one of them each front is at an edge.
 
-        Laws see all fronts at once, on slabs at whose edges they move. Fronts of sources elsewhere come before.
+        Laws respond to all fronts at once, on slabs at whose edges they move. Fronts of sources elsewhere come before.
         """
         found = leads(self.instants / h)
         if self.laws is None or len(found) < 2:
@@ -145,7 +145,7 @@ class Convolved:
         return np.append(fronts if self.parts_into(len(fronts)) else [], moves if len(moves) == 1 else 0.0)
 
     def parts_into(self, families: int) -> bool:
-        """Whether what drives the scene is a sum of so many families of fronts: one that is curved has one front."""
+        """Whether the excitation is a sum of that many families of fronts; a curved waveform may have one front."""
         several = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
         return families <= (1 if several else MOST_FAMILIES)
 
@@ -198,7 +198,7 @@ class Convolved:
         return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> list[list[Excitation]]:
-        """Efforts held and flows at nodes due to one family of fronts, or what laws see: all; slabs begin earlier."""
+        """Efforts held and flows at nodes due to one family of fronts, or to all for laws; slabs begin earlier."""
         families = ahead[:-1] if self.laws and len(ahead) > 1 else ahead
         all_ = self.laws is not None and k == len(ahead) - 1
 
@@ -211,7 +211,7 @@ class Convolved:
     def _records(
         self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], ahead: NDArray
     ) -> Iterator[NDArray]:
-        """What waveforms add, on as many slabs as the rule has: (rows, 2, slabs * s) what arrives, what leaves.
+        """Yield the responses to waveforms, on all slabs of the rule: (rows, 2, slabs * s) arriving and leaving waves.
 
         Slabs begin by one lead earlier each; `lines` are admittances at all points. Rows are ends of recorded lines,
         and behind them probed nodes without a line.
@@ -228,7 +228,7 @@ class Convolved:
                     waves = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
                     efforts = efforts * (last == 0) + (found.from_laws @ waves[:, :, None])[:, :, 0]
                 record = self._recorded(rule, efforts, lines)
-                if self.laws is None:  # which may be what drives
+                if self.laws is None:  # otherwise laws may drive
                     sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
                     least = SILENT * max(sizes * [1.0, self.network.z0.max()])
                     record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
@@ -244,7 +244,7 @@ class Convolved:
         return values.reshape(rule.n, order.s, -1)
 
     def _recorded(self, rule: Quadrature, efforts: NDArray, lines: tuple[NDArray, NDArray]) -> NDArray:
-        """What efforts at nodes in s send into recorded lines, and what arrives there."""
+        """Waves that efforts at nodes in s send into recorded lines, and waves that arrive there."""
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = np.array([2 * numbers[name] + side for name in self.lines for side in (0, 1)], int)
         probed = [self.network.names.index(node) for node in self.description.probed_nodes]
@@ -296,7 +296,7 @@ class Convolved:
 
 
 def suits(description: Description) -> bool:
-    """Whether lines lose linearly, not all of them in diamonds, and the rest but laws and switches stays what it is."""
+    """Whether lines lose linearly, not all of them in diamonds, and the rest but laws and switches is constant."""
     return (description.dispersive or description.mixing) and _stays(description)
 
 

@@ -1,6 +1,6 @@
 """The loop over blocks of slabs: lines carry waves, nodes scatter them.
 
-Nodes do not see each other before the shortest delay has passed, so each is advanced over a whole block of slabs at
+Nodes do not affect each other before the shortest delay has passed, so each is advanced over a whole block of slabs at
 once (`tline.solver.kernel.scatter`).
 
 The fractional rest of a delay: a slab that arrives is the projection of parts of the last two that were sent.

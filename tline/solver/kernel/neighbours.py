@@ -66,8 +66,8 @@ def about(sizes, k):
 def join(at: Joined) -> int:
     """Let each cell begin where the one before it ends, if it goes on there. Returns whether that changes anything.
 
-    The error of one wave may come from the other, so both together tell what is to be expected; behind a far narrower
-    cell, the edge after it.
+    The error of one wave may come from the other, so the expected error is that of both together; behind a far narrower
+    cell, that of the edge after it.
     """
     waves, cells, p = at.values.shape
     s, largest, worst = at.s, 0.0, 0.0

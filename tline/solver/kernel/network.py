@@ -7,8 +7,8 @@ delay, and nothing is ever copied along a line.
 
 Nodes coupled without delay, through a state space, form a group. A node alone is one too.
 
-The two buffers of a line are one ring of twice its delay D: in slab t end 1 works at place t, end 2 at t + D. What
-passes p slabs from end 1 in slab t is found at t - p (from end 1) and t + p (from end 2). Losses act there, in place.
+The two buffers of a line are one ring of twice its delay D: in slab t end 1 works at place t, end 2 at t + D. Waves p
+slabs from end 1 in slab t are found at t - p (from end 1) and t + p (from end 2). Losses act there, in place.
 """
 
 from typing import NamedTuple

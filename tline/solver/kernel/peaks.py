@@ -8,8 +8,8 @@ from tline.compiled.structure import Floats, Floats2, Floats3
 from tline.compiled.unit import function, unit
 
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
-ROUNDED = 1e-12  # of a value: what may be missed
-TIE = 1e-9  # what differs by less, relatively, is the same extreme: the first counts
+ROUNDED = 1e-12  # of a value: largest excess that may be missed
+TIE = 1e-9  # relative difference below which extremes are the same: the first counts
 
 
 class ExtremesOfCopies(NamedTuple):
@@ -40,8 +40,8 @@ def extremes(
 def find_extremes(search: ExtremesOfCopies) -> int:
     """Find the extremes in all copies.
 
-    Slabs are searched whose points come near enough to the best: within twice what a parabola with the bend of the
-    first peak may rise between points, and within what the slab's own points differ.
+    Slabs are searched whose points come near enough to the best: within twice the rise between points of a parabola
+    with the bend of the first peak, and within the range of the slab's own points.
     """
     wave, edges, points, top, found = search.wave, search.edges, search.points, search.top, search.found
     slabs, s, copies = wave.shape

@@ -1,4 +1,4 @@
-"""Many runs of one scene at once, with numbers that vary from copy to copy: what sweeps of simple scenes stand on."""
+"""Many runs of one scene at once, with numbers that vary from copy to copy: the basis of sweeps of simple scenes."""
 
 from tline.solver.many.batches import ProbeOfCopies
 from tline.solver.many.runs import ManyRuns, many_runs

@@ -1,4 +1,4 @@
-"""Copies run in batches that fit the cache, and what their probes see."""
+"""Copies run in batches that fit the cache, and the records of their probes."""
 
 from dataclasses import dataclass
 from math import ceil
@@ -33,12 +33,12 @@ from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 BATCH = 64  # copies in the kernel at once
-PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # samples that are set up at once in a period, and in all; and of one copy
+PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # most samples that are set up at once in a period, and in all; and of one copy
 
 
 @dataclass(frozen=True, eq=False)
 class ProbeOfCopies:
-    """What one probe saw in all copies; Pa and m³/s, or V and A."""
+    """Record of one probe in all copies; Pa and m³/s, or V and A."""
 
     u: Floats  # (copies, instants) effort, piezometric pressure in a scene with elevations
     y: Floats  # (copies, instants) flow
@@ -51,7 +51,7 @@ class ProbeOfCopies:
     z0: Floats  # (copies,) impedance of its line
 
     def samples(self, t: Floats, height: Height) -> Samples:
-        """What it saw at the instants asked for, at its height, all copies as first axis."""
+        """Return the samples at the requested instants, at the probe's height, all copies as first axis."""
         q = self.z0[:, None] * self.y
         return Samples(t, self.u, self.y, self.u + q, self.u - q, height)
 
@@ -66,9 +66,9 @@ def run(
     *,
     judged: bool = False,
 ) -> dict[str, ProbeOfCopies]:
-    """Run those copies of some rows at order s, with slabs at edges (K + 1, copies); see them at instants t.
+    """Run the copies of some rows at order s, with slabs at edges (K + 1, copies), and sample them at instants t.
 
-    If they are judged that is done at the next higher order as well, which then is the one that is seen.
+    If `judged`, they run at the next higher order as well, which is then the recorded one.
     """
     where, orders = _line_ends(description), [basis(s), basis(s + 1)] if judged else [basis(s)]
     recorded, points, K = sorted({*where.values()}), orders[-1].s, len(edges) - 1
@@ -129,10 +129,10 @@ def _line_ends(description: Description) -> dict[str, int]:
 def _seen(
     t_end: float, copies: Copies, edges: Floats, orders: list[Basis], rows: NDArray, recorded: list[int], t: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    """Run copies (batches, B); of line ends the extremes of efforts and when, shape (batches, ends, 4, B).
+    """Run copies (batches, B); return extremes of efforts at line ends, with instants, (batches, ends, 4, B).
 
-    Beside them efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants), and by how much two
-    orders differ, as of `Apart`.
+    Also returned are efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants), and the
+    differences of two orders, as in `Apart`.
     """
     unit, ends, B = copies.unit[rows], len(recorded), rows.shape[1]
     n = max(ceil(t_end / unit.min() - 1e-9), 1)
@@ -152,7 +152,7 @@ def _seen(
             work = in_time[batch], apart[batch], np.empty((2, B))
             find_apart(pack(Apart(each[0].record, record, to_fine, *work)))
         for row in range(ends):
-            here = start[:, row, batch]  # without which waves are zero at t = 0
+            here = start[:, row, batch]  # without it waves are zero at t = 0
             if started:
                 record[row] -= here[:, None, None]
             seen, powers = (unit[batch], edges[batch]), fine.to_powers
@@ -218,7 +218,7 @@ class _OneOrder:
         )
 
     def ready(self, batch: int) -> Packed:
-        """A batch before t = 0."""
+        """Return a batch before t = 0."""
         rows, maps, states = self._rows[batch], self._run["maps"], self._run["states"]
         states.fill(0.0)
         for k, (load, end) in enumerate(zip(self._loads, self._at_loads, strict=True)):
@@ -238,7 +238,7 @@ class _OneOrder:
         return self._packed
 
     def _laws_of(self, rows: NDArray) -> LawsOfCopies:
-        """The laws of a batch, whose constants stand copy by copy."""
+        """Return the laws of a batch, with constants copy by copy."""
         placed = self._placed_laws
         if not self._laws:
             return placed

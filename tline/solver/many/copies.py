@@ -22,7 +22,7 @@ from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 MOST_UNITS = 1000  # in the shortest delay
-DROWNING = 1e6  # times that a wave may be as large as the efforts
+DROWNING = 1e6  # largest ratio of a wave to the efforts
 
 
 class Copies(NamedTuple):
@@ -43,7 +43,7 @@ class Copies(NamedTuple):
 
 
 def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
-    """All copies of a scene; for arguments and refusals see `tline.solver.many.runs`."""
+    """Return all copies of a scene; for arguments and errors see `tline.solver.many.runs`."""
     scene, count = description.scene, len(next(iter(vary.values())))
     numbers = {where: vary.get(where, np.full(count, value)) for where, value in variable(scene).items()}
     scenes, valid = scenes_of(scene, vary, count)

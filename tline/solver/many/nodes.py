@@ -1,6 +1,6 @@
 """The nodes of a scene in many copies: shares of waves, drives, loads with a state, as arrays over the copies.
 
-What no formula tells of all copies at once: laws, and waveforms with numbers that vary.
+Laws, and waveforms with numbers that vary, are made copy by copy.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -39,16 +39,16 @@ class LawOfCopies(NamedTuple):
 
 
 def within_element(scene: Scene, path: str) -> bool:
-    """Whether a number stands in a non-linear element, or is a source's value or in its waveform."""
+    """Whether a number belongs to a non-linear element, or to a source's value or waveform."""
     section, *keys = parts_of(path)
     element = getattr(scene, section, {}).get(keys[0]) if section in ("loads", "links", "sources") and keys else None
     return isinstance(element, NonLinear) or (section == "sources" and keys[1:2] == ["value"])
 
 
 def scenes_of(scene: Scene, vary: Mapping[str, Floats], copies: int) -> tuple[list[Scene], NDArray]:
-    """The scene of each copy with what varies within its elements, and whether these numbers fit there.
+    """Return the scene of each copy with the varying numbers of its elements, and whether these fit there.
 
-    It is one scene where nothing does.
+    One scene is returned if none of these vary.
     """
     own = {path: values for path, values in vary.items() if within_element(scene, path)}
     if not own:
@@ -59,14 +59,14 @@ def scenes_of(scene: Scene, vary: Mapping[str, Floats], copies: int) -> tuple[li
         if values not in known:
             try:
                 known[values] = changed(scene, dict(zip(own, values, strict=True)))
-            except InputError:  # which a run of its own tells
+            except InputError:  # a run of its own reports the error
                 known[values] = None
         found.append(known[values])
     return [each or scene for each in found], np.array([each is not None for each in found])
 
 
 def for_each(objects: Sequence[Any], make: Callable[[Any], Any]) -> list[Any]:
-    """What is made of each object; those that copies share are asked once."""
+    """Make one thing of each object; objects that copies share are asked once."""
     made: dict[int, Any] = {}
     for one in objects:
         if id(one) not in made:
@@ -232,6 +232,6 @@ def junction_of(node: Node, z0: Floats, numbers: Mapping[str, Floats], scenes: S
 
 
 def _prescribed(where: str, scenes: Sequence[Scene], level: float) -> Varying:
-    """What a source prescribes in each copy, less the level."""
+    """Value prescribed by a source in each copy, less the level."""
     sources = [scene.sources[parts_of(where)[1]] for scene in scenes]
     return varying(for_each(sources, lambda source: lowered(source.value, level)))

@@ -1,8 +1,8 @@
 """A period, the common measure of a copy's delays, cut in slabs so that all fronts pass at their edges.
 
 Fronts of a source leave at breaks of its waveform and meet nodes whole periods later. So if the breaks' places in the
-period are edges of slabs, every wave is smooth in every slab of every copy, whatever its delays. The copies of a batch
-are the last axis of all arrays: they stand side by side in memory, so that they are advanced together.
+period are edges of slabs, every wave is smooth in every slab of every copy, for any delays. The copies of a batch are
+the last axis of all arrays: they are side by side in memory, so that they are advanced together.
 """
 
 from collections.abc import Sequence
@@ -70,8 +70,8 @@ def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
 
     The first slab after any front is no wider than it would be were there no fronts.
 
-    Fronts have the shape (fronts, copies), as shares of the period; without fronts it would have so many parts. Behind
-    a front each slab is wider than the one before by the growth.
+    Fronts have the shape (fronts, copies), as shares of the period; without fronts it would have `parts` slabs. Behind
+    a front each slab is wider than the one before by the factor `growth`.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def cut(fronts: Floats, shares: Sequence[Floats]) -> Floats:
 def driven_waves(
     drives: list[list[tuple[Varying, Floats]]], order: Basis, unit: Floats, edges: Floats, n: int, t_end: float
 ) -> Floats:
-    """The sources' parts of Thévenin waves at all points of n periods, or of so many that the last one goes on.
+    """Sources' parts of Thévenin waves at all points of n periods, or of fewer, of which the last one repeats.
 
     Drives of each node with sources are waveforms and their shares (batches, B); edges have the shape (batches, slabs +
     1, B), waves (batches, nodes, periods, slabs, s, B).
@@ -117,6 +117,6 @@ def driven_waves(
 
 
 def _settled(waveform: Shape, last: float, t_end: float) -> bool:
-    """Whether a waveform stays what it is after the last break."""
+    """Whether a waveform is constant after the last break."""
     t = np.array([last, max(t_end, last)])
     return waveform.fastest() == inf and np.ptp(waveform.value(t, np.array(last + t_end))) == 0.0

@@ -21,16 +21,16 @@ from tline.solver.tolerance.compare import BETWEEN, SMALLEST_ESTIMATE
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 PARTS, ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 24, 32), np.arange(2, 11)
-GROWTHS = (1.0, 1.5)  # of slabs after a front: for what rings, and for what dies away
+GROWTHS = (1.0, 1.5)  # of slabs after a front: for oscillations, and for decays
 OVERHEAD = 20  # points of a load's map that cost as much as all else that is done with a point
-WANTED = 0.5  # of the tolerance, for what the sample does not show
-SAFELY = 1e-4  # of the tolerance: who may expect that needs no finer slabs
-COMPARED = 16  # copies that are judged, beside those with extreme numbers
+WANTED = 0.5  # of the tolerance, to allow for copies outside the sample
+SAFELY = 1e-4  # of the tolerance: slabs with a smaller expected error need not be finer
+COMPARED = 16  # copies whose errors are estimated, beside those with extreme numbers
 BY_HALVES = (5, 8)  # orders where slabs are halved
-TOLERANCE_SHARE = 0.1  # of the tolerance: what they are to leave in the sample
+TOLERANCE_SHARE = 0.1  # of the tolerance: largest error that halved slabs leave in the sample
 MOST_SLABS, HALVINGS = 400, 20  # of a period, and of one of them
 NOTHING = np.empty(0)
-CAUTION = BETWEEN / (1 - SLOWEST)  # errors of the finer run at any instant over differences at points
+CAUTION = BETWEEN / (1 - SLOWEST)  # ratio of errors of the finer run at any instant to differences at points
 Found = tuple[Floats, int, float]
 Apart = Callable[[Floats, int], Floats]
 TOLERANCE = Role("tolerance", "", at_least=1e-9, at_most=0.1)
@@ -60,9 +60,9 @@ def resolve(
 
 
 def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol: float) -> Found:
-    """Those are tried whose polynomials may follow a load's modes from front to front.
+    """Choose slabs whose polynomials can follow a load's modes from front to front.
 
-    Where that is not enough, those that follow them by so much better.
+    If the estimated error exceeds the expected one, later choices are expected to exceed it as much.
     """
     choices = _choices(fronts[:, rows], rates, tol)
     best, excess = (np.empty(0), 0, inf), 1.0
@@ -79,10 +79,9 @@ def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol
 
 
 def _halved(apart: Apart, fronts: Floats, s: int, tol: float) -> Found:
-    """Slabs from front to front are halved where they leave more than a share of the tolerance.
+    """Halve slabs from front to front where they leave more than a share of the tolerance.
 
-    As no load keeps a state, what arrives at a node has no other place in its period than what leaves: each slab
-    answers for itself.
+    As no load keeps a state, waves arrive at a node and leave it at one place in the period: each slab is independent.
     """
     shares = [np.array([0.0, 1.0])] * (len(fronts) - 1)
     edges = cut(fronts, shares)
@@ -113,7 +112,7 @@ def _rates(description: Description, loads: list[Floats], rows: NDArray) -> Comp
 
 
 def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, float, int, float, int]]:
-    """Cost, expected error, parts, growth and order of what may be chosen, by rising cost.
+    """List cost, expected error, parts, growth and order of all choices, by rising cost.
 
     The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
     front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.
@@ -149,9 +148,9 @@ class ManyRuns(NamedTuple):
     estimate: float
 
     def run(self, rows: NDArray, t: Floats) -> tuple[dict[str, ProbeOfCopies], Floats]:
-        """Run the copies of some rows, and see them at instants t, s; and the estimated error of each.
+        """Run the copies of some rows, sampled at instants t, s; return also the estimated error of each.
 
-        Those with laws, or waveforms of their own, are judged one by one, as single runs are.
+        Copies with laws, or waveforms of their own, are judged one by one, as single runs are.
         """
         judged = not (self.copies.linear and self.copies.alike)
         seen = run(self.description, self.copies, self.edges, self.order, rows, t, judged=judged)
@@ -165,13 +164,13 @@ def many_runs(description: Description, vary: Mapping[str, Floats], tol: float) 
     """Make a scene ready to run many times with other numbers, as finely as a tolerance takes.
 
     Scenes have single lossless lines in any topology, whose delays are whole multiples of a common measure; sources;
-    resistances, R, L and C in series or parallel, reservoirs, shorts, open and matched ends; valves, diodes and what
-    else has a law and no state, one at a node, to the reference or a held effort; probes at nodes. Numbers vary by
+    resistances, R, L and C in series or parallel, reservoirs, shorts, open and matched ends; valves, diodes and other
+    elements with a law and no state, one at a node, to the reference or a held effort; probes at nodes. Numbers vary by
     their place: ``lines.NAME.z0`` and ``lines.NAME.delay`` of lines that are given by them,
     ``sources.NAME.resistance``, and ``resistance``, ``inductance`` and ``capacitance`` of ``loads.NAME``, all above
     zero; the delays of a copy keep their proportions. So do those within elements with a law, and within waveforms of
-    sources. Errors are relative to the amplitude; where no slabs reach the tolerance, 1e-9 to 0.1, the estimate says
-    what was reached.
+    sources. Errors are relative to the amplitude; where no slabs reach the tolerance, 1e-9 to 0.1, the estimate is the
+    error reached.
     """
     TOLERANCE.parse(tol, "")
     copies = copies_of(description, vary)

@@ -48,7 +48,7 @@ def before(description: Description, junctions: Sequence[NodeOfCopies], z0: Floa
 
 
 def _at_part(junctions: list[NodeOfCopies], count: int) -> tuple[Floats, Floats]:
-    """The effort of nodes that lossless lines join, (copies,), and what flows from each into its lines."""
+    """Effort of nodes joined by lossless lines, (copies,), and the flow from each into its lines."""
     zero = np.zeros(count)
     waves = [sum((share * value_before(shape) for shape, share in each.drives), zero) for each in junctions]
     held = [wave for each, wave in zip(junctions, waves, strict=True) if each.conductance is None]
@@ -84,7 +84,7 @@ def _through(law: LawOfCopies, v: Floats, z: Floats) -> Floats:
 
 
 def _along(first: NDArray, second: NDArray, stiffness: Floats, flow_in: Floats, fixed: list[int]) -> Floats:
-    """Flows along lines (L, copies) that balance what flows in: differences of a potential, zero at fixed nodes."""
+    """Flows along lines (L, copies) that balance the inflow: differences of a potential, zero at fixed nodes."""
     n, count = flow_in.shape
     matrix, lines = np.zeros((n, n, count)), zip(first, second, stiffness, strict=True)
     for a, b, k in lines:

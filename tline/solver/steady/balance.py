@@ -1,8 +1,8 @@
 """Efforts and flows in equilibrium: laws of elements and lossy lines between parts of a network, solved by Newton.
 
-The unknowns are an effort of each part, and of each law the effort it sees behind an impedance r of its own,
-a = drop + r·flow. Drop and flow are smooth functions of a even where a valve is shut or a check valve has no loss.
-Multiports add linear equations, and flows; where these leave anything open, it is what a slow rise from rest leads to.
+The unknowns are an effort of each part, and of each law the effort behind an impedance r of its own, a = drop + r·flow.
+Drop and flow are smooth functions of a even where a valve is shut or a check valve has no loss. Multiports add linear
+equations, and flows; if these are underdetermined, the solution is the limit of a slow rise from rest.
 
 References
 ----------
@@ -10,8 +10,8 @@ E. Todini, S. Pilati: A gradient method for the analysis of pipe networks (1987)
 
 The limit of linear equations (A + s B) z = f as s goes to zero: where a slow rise from rest leads.
 
-Where A is singular, as in loops of inductances or at efforts that only capacitances tell, z + s z' with A z = f and
-A z' + B z = 0 is what is left of the first orders: each combination of the rows of A that vanishes tells B z = 0.
+Where A is singular, as in loops of inductances or at efforts that only capacitances determine, z + s z' with A z = f
+and A z' + B z = 0 is left of the first orders: for each y with yᵀA = 0 also yᵀB z = 0.
 """
 
 from collections.abc import Callable
@@ -24,28 +24,28 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
     from scipy.sparse.linalg import SuperLU
 
-SMALL_ENTRY, LARGE = 300, 1500  # unknowns: dense at once; and dense at all, where the matrix is singular
+SMALL_ENTRY, LARGE = 300, 1500  # unknowns up to which matrices are dense at once; and at all, where singular
 REGULAR = 1e12  # condition below which a matrix is not singular
 SINGULAR = 1e-13  # of the largest singular value, or pivot
-CONTRADICTORY = 1e-11  # of what is known
+CONTRADICTORY = 1e-11  # of the right side
 INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
 STEPS, HALVINGS = 400, 40
 BEST_RESIDUAL = 1e-15  # relative to the largest effort, at which Newton's method stops
 ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
-SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, that is taken for a law which has none at rest
-SHUT = 1e-9  # conductance of a law, in those units, that is taken beside multiports for one which lets nothing pass
-LEAK = 1e-14  # conductance of a part, in those units, that gives it an effort where nothing else does
-LEAKS = 10.0 ** np.arange(0, -14, -1)  # the same on the way to a state that is not found at once
+SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, for a law that has none at rest
+SHUT = 1e-9  # conductance of a closed law, in those units, beside multiports
+LEAK = 1e-14  # conductance of a part, in those units, that determines its effort where nothing else does
+LEAKS = 10.0 ** np.arange(0, -14, -1)  # leaks on the way to a state that is not found at once
 MOST_DENSE = 300  # unknowns
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
-NOTHING = 1e-12  # of the largest effort, or of 1 where nothing drives: so little is at rest
-TIED = 1e-13  # of what else ties a part, where that is not enough to tell its effort
+NOTHING = 1e-12  # of the largest effort, or of 1 without excitation: smaller ones are at rest
+TIED = 1e-13  # of the diagonal, where nothing else determines the effort of a part
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 
 
 class Limit(NamedTuple):
-    """The solution, and rows that contradict each other or columns that nothing determines; none of them is best."""
+    """Solution, with rows that contradict each other or undetermined columns, both empty at best."""
 
     z: NDArray
     rows: NDArray
@@ -154,13 +154,13 @@ class EdgeLaws(NamedTuple):
 
 
 class Linear(NamedTuple):
-    """What is linear; unknowns after the edges' are efforts of parts, then others of the size of efforts."""
+    """Linear equations; unknowns after the edges' are efforts of parts, then others of the size of efforts."""
 
     given: NDArray  # (parts,) effort where it is prescribed, else nan
     conductance: NDArray  # (parts,) to the reference
     driven: NDArray  # (parts,) flow of sources
     unit: float  # impedance by which balances of flows are multiplied, > 0
-    # entries beside these, numbered with the edges first: (A + s B) z = known. Without B a leak tells what is open
+    # entries beside these, numbered with the edges first: (A + s B) z = known. Without B a leak fixes free efforts
     A: Sparse = Sparse(np.zeros(0, int), np.zeros(0, int), np.zeros(0))
     B: Sparse | None = None
     known: NDArray = np.zeros(0)  # (others,)
@@ -177,19 +177,19 @@ class Linear(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """What was found."""
+    """Solution of laws and balances, with residuals."""
 
     unknowns: NDArray  # (edges + parts + others,)
     effort: NDArray  # (parts,)
     others: NDArray
     flow: NDArray  # (edges,)
-    rest: NDArray  # (edges + parts + others,) what is left of each equation, relative to the largest effort
+    rest: NDArray  # (edges + parts + others,) residual of each equation, relative to the largest effort
     leak: NDArray  # (parts,) flow that only the leak takes
     limit: Limit | None  # of the linear equations there, with B
 
     @property
     def worst(self) -> float:
-        """The most that is left of an equation."""
+        """Largest relative residual."""
         return float(self.rest.max(initial=0.0))
 
 
@@ -227,7 +227,7 @@ def _starts(laws: EdgeLaws, linear: Linear) -> list[NDArray]:
         z = np.concatenate([np.full(edges, share * largest), effort, np.zeros(len(linear.known))])
         starts.append((float(np.abs(_Point(system, z).left).max()), z))
     found = [z for _, z in sorted(starts, key=lambda start: start[0])]
-    return found if linear.B is None else [np.zeros(len(system.f)), *found]  # no flow goes round that nothing drives
+    return found if linear.B is None else [np.zeros(len(system.f)), *found]  # nothing drives a circulating flow
 
 
 def _largest(linear: Linear) -> float:
@@ -251,7 +251,7 @@ class _System:
 
 
 class _Point:
-    """What is left of laws and balances at some unknowns, and how that changes with them."""
+    """Residuals of laws and balances at some unknowns, and their derivatives."""
 
     def __init__(self, system: _System, z: NDArray):
         linear, edges, flows = system.linear, system.edges, system.flows
@@ -267,7 +267,7 @@ class _Point:
         self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
 
     def jacobian(self) -> Sparse:
-        """Laws first, then balances."""
+        """Jacobian of the residuals: laws first, then balances."""
         edges, flows = np.arange(len(self.flow)), self._system.flows
         own = Sparse(edges, edges, np.maximum(self._steep, SMALLEST_SLOPE))
         return self._system.matrix.plus(own, flows._replace(values=flows.values * self._slope[flows.columns]))
@@ -301,11 +301,11 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
 
 
 def _solved(J: Sparse, edges: int, left: NDArray) -> NDArray:
-    """Newton's step; the first unknowns, one for each law, stand on the diagonal of a block of their own.
+    """Newton's step; the first unknowns, one for each law, form a diagonal block of their own.
 
-    In large networks these are eliminated, which leaves a symmetric pattern of parts alone: a quarter of the time and
-    a sixth of the memory. What that loses where a drop is nearly flat is won back by a correction, or else all is
-    solved at once.
+    In large networks these are eliminated, which leaves a symmetric pattern of parts alone: a quarter of the time and a
+    sixth of the memory. Accuracy lost where a drop is nearly flat is restored by a correction, or else all is solved at
+    once.
     """
     n = len(left)
     if n <= MOST_DENSE:

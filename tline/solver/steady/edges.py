@@ -1,8 +1,8 @@
-"""What lies between the lossless parts of a network in the steady state: lossy lines, and elements without a state.
+"""Edges between the lossless parts of a network in the steady state: lossy lines, and elements without a state.
 
 Flows through the elements of a network without a state, each behind an effort and its source impedance.
 
-Lossy lines in a steady flow: what falls along them, what leaks from them, and efforts and flows inside.
+Lossy lines in a steady flow: drops along them, leakage from them, and efforts and flows inside.
 
 Of its resistance r and conductance g per metre such a line of length l makes a π: R = Zc sinh γl between its ends and
 G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that depends on the flow adds its fall to R's.
@@ -30,7 +30,7 @@ from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
 
-NOTHING = 1e-11  # of the largest flow: so little passes where it is rounded or leaks
+NOTHING = 1e-11  # of the largest flow: smaller flows are rounding or leakage
 NONE = np.empty(0)
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
 
@@ -60,7 +60,7 @@ Slopes = tuple[NDArray, NDArray, NDArray, NDArray]
 
 
 def pi(line: Line) -> tuple[float, float]:
-    """Resistance between the ends and conductance at each, to a steady flow, without what depends on its size."""
+    """Resistance between the ends and conductance at each, to a steady flow, without flow-dependent friction."""
     if line.losses is None:
         return 0.0, 0.0
     exact = line.losses.exact
@@ -75,7 +75,7 @@ def falling(line: Line) -> bool:
 
 
 class Falls:
-    """What falls along lines, over one unknown each: z0·y."""
+    """Drops along lines, over one unknown each: z0·y."""
 
     def __init__(self, lines: Mapping[str, Line]):
         first, like = distinct(lines.values())
@@ -174,7 +174,7 @@ class Edges:
         return out[:-1]
 
     def laws(self, part: NDArray, largest: float) -> EdgeLaws:
-        """The same between the parts that the nodes are in, where efforts are no larger than that."""
+        """Return the laws between the parts of the nodes, for efforts up to the largest."""
         ends = np.append(part, -1)
         self.packed = self.packed._replace(source_impedance=_steep(self.packed, largest))
         self._flows = Flows(self.packed)
@@ -220,7 +220,7 @@ def _steep(elements: Elements, largest: float) -> NDArray:
 
 
 def _standing(description: Description) -> list[PlacedLaw]:
-    """Elements without a state, and what passes a steady flow in proportion to the effort."""
+    """Elements without a state, and resistive ones, which pass a steady flow in proportion to the effort."""
     return [_running(element) for element in description.elements if not element.kind.fills] + description.resistive
 
 

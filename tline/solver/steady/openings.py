@@ -12,10 +12,10 @@ from tline.solver.description.elements import PlacedLaw
 if TYPE_CHECKING:
     from tline.solver.steady.steady_state import Before
 
-REGULATOR, DISC = 0.3, 1.0  # where the search begins
-SHUT = 1e-7  # an opening below it is shut
+REGULATOR, DISC = 0.3, 1.0  # start of the search
+SHUT = 1e-7  # a smaller opening is shut
 STEPS, LONGEST = 60, 1.5  # of Newton's method, for the logarithm of an opening
-DIFFERENCE = 1e-6  # of that, for slopes
+DIFFERENCE = 1e-6  # of the logarithm, for slopes
 SETTLED, ROUNDED = 1e-13, 1e-8  # of a step; below the second one it need not become shorter
 
 
@@ -30,7 +30,7 @@ def openings_at_rest(elements: Sequence[PlacedLaw]) -> dict[str, float]:
 
 
 def still(elements: Sequence[PlacedLaw], solve: "Callable[[dict[str, float]], Before]") -> "Before":
-    """The steady state in which openings do not move, or stand at an end to which they are driven.
+    """Steady state in which openings do not move, or are at an end to which they are driven.
 
     `solve` gives the steady state under openings by place.
     """

@@ -1,10 +1,10 @@
 """Efforts of pockets: of parts that shut valves and check valves cut off, so that no flow determines them.
 
-A valve that holds bounds the difference of efforts across it: so much may lie on a check valve before it opens, and
-anything on one that is shut. Of all efforts within these bounds a pocket has the one that it is said to start with, or
-else the least at which nothing opens toward it, as if it had been filled from there, or the largest at which nothing
-opens out of it; but the nearest to that of a neighbour where these are below the reference, or there are none, and to
-that of the reference where no neighbour is known.
+A valve without flow bounds the difference of efforts across it: by the opening drop of a check valve, by nothing at one
+that is shut. Of all efforts within these bounds a pocket has the given start, or else the least at which nothing opens
+toward it, as if it had been filled from there, or the largest at which nothing opens out of it; but the nearest to that
+of a neighbour where these are below the reference, or do not exist, and to that of the reference where no neighbour is
+known.
 """
 
 from typing import NamedTuple
@@ -16,20 +16,20 @@ from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import parts
 from tline.solver.kernel.network import Laws as Elements
 
-WITHIN = 1e-4  # of the largest effort: how exactly a start has to be known
+WITHIN = 1e-4  # of the largest effort: accuracy required of a start
 
 
 class Holding(NamedTuple):
-    """Elements that nothing passes, between groups of parts."""
+    """Elements without flow, between groups of parts."""
 
     from_group: NDArray  # (elements,) groups
     to_group: NDArray  # (elements,)
-    low: NDArray  # (elements,) by which the effort of the first may exceed that of the other, at least
-    high: NDArray  # (elements,) and at most
+    low: NDArray  # (elements,) least excess of the effort of the first over that of the other
+    high: NDArray  # (elements,) and largest
 
 
 def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
-    """Least and largest drop at which nothing passes each element; both zero of what nothing but balance stops."""
+    """Least and largest drop without flow through each element; both zero where balance alone stops it."""
     low, high = np.zeros(len(elements.kind)), np.zeros(len(elements.kind))
     for e, kind in enumerate(kinds_numbered(elements.kind.tolist())):
         constants, control = elements.constants[elements.at[e] :], max(float(elements.control[e]), 0.0)
@@ -82,7 +82,7 @@ def settled(
 
 
 def _bounds(holding: Holding, shift: NDArray, fixed: NDArray, g: int) -> tuple[float, float]:
-    """Between what a group may be shifted: shortest paths to it and from it, by way of groups that are not fixed."""
+    """Bounds of the shift of a group: shortest paths to it and from it, by way of groups that are not fixed."""
     least, most = np.where(fixed, shift, -np.inf), np.where(fixed, shift, np.inf)
     from_group, to_group, low, high = holding
     for _ in range(len(fixed)):

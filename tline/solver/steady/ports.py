@@ -1,13 +1,13 @@
 """Multiports and coupled conductors as linear equations beside the balances of nodes, with lossless lines among them.
 
-All unknowns are of the size of efforts: flows count times an impedance. Where the equations at s = 0 leave something
-open, those of the first order in s tell it.
+All unknowns are of the size of efforts: flows count times an impedance. Where the equations at s = 0 are
+underdetermined, those of the first order in s complete them.
 
 References
 ----------
 C.-W. Ho, A. E. Ruehli, P. A. Brennan: The modified nodal approach to network analysis (1975).
 
-What stands at s = 0 at each node and joins nodes without a fall: what is held, driven, conducted; lossless lines.
+Terms at s = 0 of each node, and joins of nodes without a drop: held efforts, flows, conductances; lossless lines.
 
 To the first order in s there are capacities to the reference, and an inertia along each join.
 """
@@ -31,7 +31,7 @@ NAMED = 4  # elements in a message
 
 
 class AtNodes(NamedTuple):
-    """Of each node, shape (nodes,)."""
+    """Terms of each node, shape (nodes,)."""
 
     given: NDArray  # effort that is held, else nan
     conductance: NDArray  # to the reference
@@ -41,7 +41,7 @@ class AtNodes(NamedTuple):
 
 
 class Lines(NamedTuple):
-    """Of each line, shape (lines,)."""
+    """Parameters of each line, shape (lines,)."""
 
     ends: NDArray  # (lines, 2), numbers of nodes
     z0: NDArray
@@ -68,7 +68,7 @@ def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
 
 
 def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) -> AtNodes:
-    """Balances of all nodes, with half of what leaks from a line and of what it stores at each of its ends."""
+    """Balances of all nodes, with half of the leakage and of the storage of a line at each of its ends."""
     n = len(number)
     given, conductance, driven, capacity, tie = np.full(n, np.nan), *np.zeros((4, n))
     for k, node in enumerate(description.nodes.values()):
@@ -105,7 +105,7 @@ def joins_of(description: Description, number: Mapping[str, int], lines: Lines) 
 
 
 class Ported(NamedTuple):
-    """Equations, what each of them and each unknown belongs to, and places of the joins' flows among the others."""
+    """Equations, owners of each of them and of each unknown, and places of the joins' flows among the others."""
 
     linear: Linear
     names: list[str]
@@ -113,7 +113,7 @@ class Ported(NamedTuple):
 
 
 class _Equations:
-    """Entries of A and B, collected, and what each equation and unknown belongs to: edges first, then nodes.
+    """Collected entries of A and B, and owners of each equation and unknown: edges first, then nodes.
 
     Flows are multiplied by the impedance `unit`, s by 1/rate; nodes are numbered from `first` on.
     """
@@ -164,7 +164,7 @@ class _Equations:
         return slice(known - len(flows), known)
 
     def ties(self, nodes: NDArray, tie: NDArray, given: NDArray, names: Iterable[str]) -> None:
-        """Add inductances to such efforts at nodes."""
+        """Add inductances between nodes and given efforts."""
         tied = len(self.names) + np.arange(len(nodes))
         self.add(tied, self.first + nodes, 1.0)
         self.add(self.first + nodes, tied, 1.0)
@@ -173,7 +173,7 @@ class _Equations:
         self.known.append(given)
 
     def matrices(self, held: NDArray) -> tuple[Sparse, Sparse]:
-        """A and B without the balances of what is held."""
+        """A and B without the balances of held nodes."""
         rows, columns, now, slow = (np.concatenate(part) for part in zip(*self._all, strict=True))
         kept = ~np.isin(rows, self.first + held)
         rows, columns = rows[kept].astype(int), columns[kept].astype(int)

@@ -1,9 +1,9 @@
-"""The steady state that constant sources imply: one effort on all lines that hang together, and a flow in each.
+"""Steady state under constant sources: one effort on all connected lossless lines, and a flow in each.
 
-A lossless line keeps effort and flow the same at both ends. The effort of a connected part follows from the sum of what
-its sources drive, its loads take, and lossy lines and elements between parts carry away. Where lines form loops, or
-several ideal efforts share a part, the flows are not unique; taken is the one that a slow rise from rest leads to: no
-net inertia round any loop, so that flow = difference of a potential over z0·T of the line.
+A lossless line keeps effort and flow the same at both ends. The effort of a connected part follows from the sum of the
+flows of its sources, its loads, and lossy lines and elements between parts. Where lines form loops, or several ideal
+efforts share a part, the flows are not unique; taken are those to which a slow rise from rest leads: no net inertia
+round any loop, so that flow = difference of a potential over z0·T of the line.
 """
 
 from typing import NamedTuple
@@ -33,25 +33,25 @@ from tline.solver.steady.ports import (
 from tline.words.wording import place
 
 SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equal
-LAST_DIGITS = 1e-14  # of the level, which efforts have lost by counting from it
+LAST_DIGITS = 1e-14  # of the level: rounding of efforts that count from it
 MOST_DENSE = 300  # nodes
 BALANCE_ROUNDING = 1e-12  # of the flows that meet
 DROWNING = 1e9  # times such a flow: waves have no digits left for the efforts that drive it
-STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
+STUCK = 1e-9  # of the largest flow, or of that from held efforts and pumps into a line: most that only a leak may take
 
 
 class Before(NamedTuple):
-    """What there is before t = 0; efforts count from the level."""
+    """State before t = 0; efforts count from the level."""
 
     effort: dict[str, float]  # of each node
     flows: NDArray  # (lines, 2) at both ends, from end 1 to end 2
-    through: dict[str, float]  # of each element that lets something pass
+    through: dict[str, float]  # of each element that passes a flow
     openings: dict[str, float]  # of each element that moves its opening
-    unknowns: NDArray | None = None  # of what was balanced
+    unknowns: NDArray | None = None  # of the balances
 
 
 def rest(description: Description) -> Before:
-    """While all stands still."""
+    """State at rest."""
     flows = np.zeros((len(description.lines), 2))
     return Before(dict.fromkeys(description.nodes, 0.0), flows, {}, openings_at_rest(description.elements))
 
@@ -72,7 +72,7 @@ def above_level(description: Description) -> Before:
 
 
 class _Parts(NamedTuple):
-    """Nodes that lossless lines and inductors join, and what stands at each node."""
+    """Nodes joined by lossless lines and inductors, and the terms of each node."""
 
     description: Description
     number: dict[str, int]
@@ -104,7 +104,7 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
 
 
 def _parted(description: Description) -> _Parts:
-    """What stands at the nodes of a description, and what joins them, which other values there leave as it is."""
+    """Parts of a description with the terms of their nodes; the joins stay when values change."""
     grids = description.grids
     if _Parts not in grids:
         grids[_Parts] = _joined(description)
@@ -123,7 +123,7 @@ def _joined(description: Description) -> tuple[dict[str, int], Lines, Joins, NDA
 
 
 def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Efforts of nodes, and flows through joins and edges: first what the parts exchange, then flows inside them."""
+    """Efforts of nodes, and flows through joins and edges: first those between parts, then those inside."""
     at, joins, part, n = parted.at, parted.joins, parted.part, len(parted.part)
     given, tie = _least(at.given, part), at.tie.copy()
     total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
@@ -141,7 +141,7 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
 
 
 def _near(description: Description, count: int) -> NDArray | None:
-    """As many unknowns of a description as there were in the one from which it was changed."""
+    """Unknowns of the description from which this one was changed; None if their number differs."""
     known = description.origin and description.origin.description.known.get(Before)
     found = None if known is None else known.unknowns
     return None if found is None or len(found) != count else found
@@ -171,7 +171,7 @@ def _unit(parted: _Parts, laws: EdgeLaws) -> float:
 
 
 def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, driving: float) -> None:
-    """Refuse what was not found, and a flow that nothing takes.
+    """Raise an error if no solution was found, or nothing takes a flow.
 
     `driving` is the largest flow that something drives, `part` the number of each node's balance.
     """
@@ -212,7 +212,7 @@ def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, know
 
 
 def _starts(description: Description, number: dict[str, int], part: NDArray) -> NDArray:
-    """What parts are to start with, above the level, where nothing else determines it; else nan."""
+    """Starts of parts, above the level, where nothing else determines the effort; else nan."""
     start = np.full(part.max() + 1, np.nan)
     for name, effort in description.starts.items():
         start[part[number[name]]] = description.nodes[name].height.below(effort)
@@ -265,7 +265,7 @@ def _check_between(description: Description, part: NDArray, number: dict[str, in
 
 
 def _potential(first: NDArray, second: NDArray, stiffness: NDArray, flow_in: NDArray, tie: NDArray) -> NDArray:
-    """Potential of each node, zero where the tie is infinite: the flows that it drives balance what flows in."""
+    """Potential of each node, zero where the tie is infinite, whose flows balance the inflow."""
     n, free = len(tie), np.flatnonzero(tie < np.inf)
     potential = np.zeros(n)
     diagonal = np.where(tie < np.inf, tie, 0.0)

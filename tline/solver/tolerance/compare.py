@@ -1,4 +1,4 @@
-"""Errors of a run by its differences to a finer one: whatever tells an error compares two runs here."""
+"""Estimated errors of a run, from its differences to a finer one."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,20 +13,20 @@ from tline.solver.result.result import Result
 from tline.solver.tolerance.difference import EPS, Difference, difference, difference_at_ends, is_smooth
 
 SMALLEST_ESTIMATE = 2e-15  # relative to the amplitude; no estimate is smaller
-NOTHING = 1e-13  # of the largest amplitude of all probes; what is below is rounding
-SILENT = 1e-9  # of the larger of u and z0·y; an amplitude below it is not weighed
-BETWEEN = 1.5  # times the largest difference at the places that are compared: what lies between them
-BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the difference before: a step that leaves less follows every decay
-STEPS = 2  # in a row that have to: two runs may agree by accident
-ROUNDED = 1e-13  # of the amplitude: a difference below is rounding
+NOTHING = 1e-13  # relative to the largest amplitude of all probes; smaller amplitudes are rounding
+SILENT = 1e-9  # relative to the larger of u and z0·y; a smaller amplitude has no error estimate
+BETWEEN = 1.5  # ratio of the largest difference at any instant to that at the places compared
+BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the previous difference; a step that leaves less resolves every decay
+STEPS = 2  # consecutive steps that must do so: two runs may agree by accident
+ROUNDED = 1e-13  # relative to the amplitude; smaller differences are rounding
 
 
 class Comparison(NamedTuple):
-    """A run beside a finer one."""
+    """Differences between a run and a finer one, with the factors from these to errors."""
 
-    differences: Accuracy  # taken for errors
-    by: float  # errors at any instant over differences
-    merged: float  # of the largest wave: fronts that both runs leave out if they are smaller
+    differences: Accuracy  # largest differences, from which errors are estimated
+    by: float  # ratio of errors at any instant to differences
+    merged: float  # relative to the largest wave; smaller fronts are left out of both runs
 
     @property
     def errors(self) -> Accuracy:
@@ -75,7 +75,7 @@ def differences(
 
 
 def as_computed(result: Result) -> Result:
-    """A result with the polynomials that its slabs were computed with, of which envelopes are taken."""
+    """Return a result with the polynomials its slabs were computed with, from which envelopes are taken."""
     lines = {name: replace(line, raw=True) for name, line in result.lines.items()}
     probes = {name: replace(at, record=replace(at.record, raw=True)) for name, at in result.probes.items()}
     return replace(result, lines=lines, probes=probes)
@@ -128,10 +128,10 @@ def magnified(description: Description, coarse: Result, fine: Result, steps: Seq
 
 
 def unseen(description: Description, result: Result, followed: bool) -> float:
-    """Times that the fastest load, vessel or waveform is as fast as what a run resolves.
+    """Ratio of the time scale that a run resolves to the fastest one of loads, vessels and waveforms.
 
     The pressure at vessels is taken to be the highest at the ends of any recorded line. Loads and vessels do not count
-    where the other run follows what decays behind fronts; beside dispersive lines fronts are not followed.
+    where the other run follows decays behind fronts; beside dispersive lines fronts are not followed.
     """
     if followed and not description.dispersive:
         return _over(result, [waveform.fastest() for waveform in description.waveforms.values()])
@@ -149,7 +149,7 @@ def _over(result: Result, decays: Sequence[float]) -> float:
 
 
 def with_errors(result: Result, other: Result, by: float) -> Result:
-    """A result whose envelope, if it has one, has its differences to that of another run, so many times, as errors."""
+    """Return a result whose envelope, if any, has `by` times its differences to another run's as errors."""
     if result.envelope is None or other.envelope is None:
         return result
     return replace(result, envelope=result.envelope.compared(other.envelope, by))

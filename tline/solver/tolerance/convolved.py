@@ -23,16 +23,16 @@ from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
 from tline.words.wording import place
 
 ORDER = 5
-CLOSEST = 1e-11  # tolerance; transforms are as good as some 1e-13
-ROUNDED = 1e-12  # slabs, by which the end of one lies in it
-LEAST_SHARE = 0.1  # of a difference, that a step is taken to leave
-FIRST = 8  # slabs, at least, in the shortest delay
-SETTLED, FINER = 0.02, 0.1  # of the tolerance: what narrower slabs beside fronts change no more; and later
-ALIKE = 2  # times that two runs are off at most by more than they differ, so near to a jump that neither follows it
-BLURRED = 0.01  # of the shortest delay of a lossy line: so near to a jump nothing is asked
-MOST_BLURRED = 0.25  # of a run
-WIDE, MOST_WIDE = 64, 1e4  # slabs of a run in which all is slow: of the first, and of the last
-MOST_CLOCKED = 2.5e5  # samples, with fronts at edges of slabs; where they ask for more, slabs narrower beside them do
+CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
+ROUNDED = 1e-12  # slabs; the end of a slab is taken this far inside it
+LEAST_SHARE = 0.1  # smallest share of a difference that a step is assumed to leave
+FIRST = 8  # fewest slabs in the shortest delay
+SETTLED, FINER = 0.02, 0.1  # of the tolerance: least change for which slabs beside fronts are halved; factor per run
+ALIKE = 2  # largest ratio of errors to differences of two runs so near to a jump that neither follows it
+BLURRED = 0.01  # of the shortest delay of a lossy line: nearer to a jump the tolerance does not apply
+MOST_BLURRED = 0.25  # largest share of a run that may be blurred
+WIDE, MOST_WIDE = 64, 1e4  # slabs of a run without fast changes: of the first, and of the last
+MOST_CLOCKED = 2.5e5  # samples with fronts at edges of slabs; beyond these, narrower slabs beside fronts take over
 
 
 def convolved(search: Search) -> Result | None:
@@ -65,10 +65,10 @@ def convolved(search: Search) -> Result | None:
 class Convolutions(Grids):
     """Slabs halved, and ever narrower ones beside fronts.
 
-    The error of a run is told by its difference to the one before: where each step leaves the share r of the
-    difference, the next ones leave r + r² + …. Where waves bend inside slabs one step says nothing of the next.
-    Beside a jump, nearer than a hundredth of the delay, polynomials cannot follow it; there no tolerance is asked, but
-    what is off is told.
+    The error of a run is estimated from its difference to the previous one: where each step leaves the share r of the
+    difference, the next ones leave r + r² + …. Where waves bend inside slabs one step says nothing of the next. Nearer
+    to a jump than a hundredth of the delay, polynomials cannot follow it; the tolerance does not apply there, but the
+    error is reported.
     """
 
     def __init__(self, search: Search, *, clocked: bool = True, slow: bool = False):
@@ -83,7 +83,7 @@ class Convolutions(Grids):
         lossy = [line.delay for line in description.lines.values() if line.losses is not None]
         jumping = any(len(each) for each in self.jumps.values())
         self.settle = BLURRED * min([*lossy, *(bundle.delays.min() for bundle in bundles)]) if jumping else 0.0
-        self.alone = any(bundle.skin.any() for bundle in bundles)  # other runs do not know that
+        self.alone = any(bundle.skin.any() for bundle in bundles)  # no other method computes these
         self.share, self.off = SLOWEST, inf
 
     def first(self) -> Result:
@@ -98,7 +98,7 @@ class Convolutions(Grids):
         return self.scene.run(last._replace(h=last.h / 2, near=last.near + 2, layers=FINER * last.layers))
 
     def step(self, ladder: Ladder, finer: Result) -> Step:
-        """What the run is off, if the next ones leave as large a share of the difference as the last two."""
+        """Estimate the error of a run, if the next steps leave as large a share of the difference as the last two."""
         scene, least = self.search.description.scene, rounding(self.scene.padded)
         differences = {
             name: _difference(
@@ -112,7 +112,7 @@ class Convolutions(Grids):
         self.share, self.off = min(share, SLOWEST), found.worst
         by = BETWEEN * self.share / (1 - self.share)
         told = replace(found.times(by, by), blurred=found.times(ALIKE * BETWEEN / (1 - SLOWEST)).blurred)
-        if self.scene.slow:  # what rings behind a corner of a waveform shows as a jump there, in both runs
+        if self.scene.slow:  # ringing behind a corner of a waveform shows as a jump there, in both runs
             torn = {name: np.full(2, BETWEEN * sum(map(_torn, probe.waves))) for name, probe in finer.probes.items()}
             rings = relative({name: each._replace(inside=torn[name]) for name, each in differences.items()})[1]
             told = replace(told, inside=added(told.inside, rings), blurred=added(told.blurred, rings))
@@ -123,7 +123,7 @@ class Convolutions(Grids):
         return ladder.told.met
 
     def limit(self, ladder: Ladder) -> str:
-        """What forbids a finer run: that it takes too long."""
+        """Reason against a finer run: slow convergence or too long a run; empty if none."""
         if self.scene.slow and ladder.last.slabs.number > MOST_WIDE:
             return "slabs wider than delays converge slowly"
         if self.scene.clock and 2 * ladder.last.samples > MOST_CLOCKED:
@@ -132,7 +132,7 @@ class Convolutions(Grids):
         return "" if finer else "narrower slabs would take too long"
 
     def _bends(self, h: float) -> bool:
-        """Whether waves bend inside slabs of width h: errors are those of places in slabs then, small by accident.
+        """Whether waves bend inside slabs of width h; differences then depend on places in slabs, small by accident.
 
         That is where sources or laws do, or where a line that carries corners has no whole number of slabs.
         """
@@ -147,10 +147,10 @@ class Convolutions(Grids):
         return bool((np.abs(slabs - np.round(slabs)) > SAME_FAMILY).any())
 
     def _first_slab(self) -> float:
-        """A slab to begin with, s; where fronts have narrower ones beside them, only what rings asks for more.
+        """First slab width, s; where fronts have narrower slabs beside them, only oscillations ask for a narrower one.
 
-        It divides what many fronts are apart, and beside laws what is between two fronts, or moves of laws, if that is
-        enough for all of them to be at edges of slabs.
+        The width divides the spacing of many fronts, and beside laws the shortest time between two fronts, or two moves
+        of laws, if that puts all of them at edges of slabs.
         """
         description, scene, s = self.search.description, self.scene, self.order
         if scene.slow:
@@ -180,7 +180,7 @@ def _torn(wave: Wave) -> float:
 
 
 def _near(name: str, scene: Scene, jumps: dict[str, NDArray], settle: float) -> NDArray:
-    """Instants at which jumps pass a probe; none if what is blurred would be much of the run."""
+    """Instants at which jumps pass a probe; empty if their blurred intervals would be much of the run."""
     probe, line = scene.probes[name], scene.single_lines.get(scene.probed_line(name) or "")
     if line is None:
         near = jumps[probe.at or ""]
@@ -198,7 +198,7 @@ def _seen(probe: ProbeResult, t: NDArray) -> NDArray:
 
 
 def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: float, least: float) -> Difference:
-    """Of two runs at a probe, at slab ends of the coarser and at places in slabs of the finer."""
+    """Difference between two runs at a probe, at slab ends of the coarser and at places in slabs of the finer."""
     edges = np.concatenate([[-np.inf], near, [np.inf]])
 
     def far(t: NDArray) -> NDArray:
@@ -229,7 +229,7 @@ def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: f
 
 
 def _in_pieces(probe: ProbeResult, x: NDArray, end: float) -> NDArray:
-    """Instants at places of all pieces that a probe sees, s."""
+    """Instants at places of all pieces of the waves at a probe, s."""
     found = [np.empty((0, x.size))]
     for wave, late in zip(probe.waves, ways(probe), strict=True):
         start, stop = (wave.pieces.slab[:, None] + wave.pieces.span).T[:, :, None] * wave.h + late

@@ -16,14 +16,12 @@ from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Matrix, basis, chebyshev
 from tline.solver.result.result import ProbeResult, Wave
 
-BESIDE = 1e-7  # slabs, from an edge that is no front to the places beside it
-SAME_BREAK = (
-    2.5e-9  # slabs of the coarser run; breaks nearer to each other are one, for each run moves them by up to 1e-9
-)
-ROUNDINGS = 32  # of an instant, by which runs may differ about one front
+BESIDE = 1e-7  # slabs, from an edge without a front to the places beside it
+SAME_BREAK = 2.5e-9  # slabs of the coarser run; nearer breaks count as one, for each run moves them by up to 1e-9
+ROUNDINGS = 32  # roundings of an instant by which two runs may differ about one front
 CLUSTER = 4  # narrow pieces side by side
 EPS = float(np.finfo(float).eps)
-SETTLES = 16  # times that lumped lines settle: a piece up to that wide is blurred, for each pass adds one
+SETTLES = 16  # settling times of lumped lines: a piece up to that wide is blurred, for each pass adds one
 CHUNK = 100_000  # slabs at a time
 
 
@@ -41,8 +39,8 @@ def smooth_difference(
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Largest differences at slab ends of the coarser run and at any place, and largest values of the finer one.
 
-    Each is of effort and of z0 times flow, shape (2,), in so many coarse slabs. So many fine slabs make one of them; in
-    each of these places are Chebyshev's, and its end.
+    Each holds effort and z0 times flow, shape (2,), over `count` coarse slabs of `every` fine ones. Places in each fine
+    slab are Chebyshev's, and its end.
     """
     s, other = coarse.waves[0].basis.s, fine.waves[0].basis.s
     weight, most = fine.height.weight, np.zeros((6, BLOCK))
@@ -65,19 +63,19 @@ def at_same_places(coarse: int, fine: int, every: int, places: int) -> tuple[Mat
 
 
 class Difference(NamedTuple):
-    """Of effort (pressures are gauge pressures) and flow times impedance z0·y, each of shape (2,)."""
+    """Differences of effort (pressures are gauge pressures) and flow times impedance z0·y, each of shape (2,)."""
 
     at_ends: NDArray  # largest difference at slab ends
-    inside: NDArray  # the same at all places, but where lumped lines settle after a front
-    blurred: NDArray  # the same there, too
+    inside: NDArray  # largest difference at all places except while lumped lines settle after a front
+    blurred: NDArray  # largest difference at all places
     amplitude: NDArray  # largest value of the finer run
 
 
 def difference(coarse: ProbeResult, fine: ProbeResult, settle: float = 0.0, followed: bool = False) -> Difference:
-    """Compare what one probe saw in two runs; a slab of the coarser run is a whole number of slabs of the finer one.
+    """Compare a probe in two runs; a slab of the coarser run is a whole number of slabs of the finer one.
 
-    `settle` is the time that lumped lines take after a front, s; `followed` tells whether both runs follow what decays
-    behind fronts, so that what rises there in pieces too narrow to be compared is known by its height.
+    `settle` is the settling time of lumped lines after a front, s; `followed` says whether both runs follow decays
+    behind fronts, so that peaks in pieces too narrow to be compared are known by their height.
     """
     every = round(coarse.record.a1.h / fine.record.a1.h)
     slabs = Slabs.until(fine.slabs.end, coarse.record.a1.h)
@@ -136,7 +134,7 @@ def on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
 
 
 def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> NDArray:
-    """A wave that comes so many slabs late, shape (n, places)."""
+    """Return values of a wave delayed by `late` slabs, shape (n, places)."""
     slab = np.floor(x - late).astype(int)
     seen = np.empty((n, len(x)))
     for k in np.unique(slab):
@@ -152,10 +150,10 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
 def _in_pieces(
     coarse: ProbeResult, fine: ProbeResult, broken: NDArray, narrowest: float, widest: float, followed: bool
 ) -> tuple[NDArray, NDArray]:
-    """The same at places of the pieces, so wide, of slabs that hold fronts.
+    """Largest difference, and value, in pieces between two widths, of slabs that hold fronts; each of shape (2,).
 
-    A place is a share of its piece, or runs would differ by what rounding moves a front. That is added, as much as a
-    rounding of the instant changes a wave that rises evenly: where it rises in 1e-9 s after 1 s, 2e-7 of the rise.
+    Places are shares of their piece, or runs would differ by the rounding of a front's instant. That rounding is added
+    for a wave that rises evenly: where it rises in 1e-9 s after 1 s, 2e-7 of the rise.
     """
     n, h = len(broken), fine.record.a1.h
     if not broken.any():
@@ -253,7 +251,7 @@ def breakpoints(probe: ProbeResult) -> NDArray:
 
 
 def ways(probe: ProbeResult) -> tuple[float, float]:
-    """How much later each is seen by the probe, s."""
+    """Delays of the two waves on their way to the probe, s; zero at the ends of a line."""
     if probe.share in (0.0, 1.0):
         return 0.0, 0.0
     return probe.share * probe.record.delay, (1.0 - probe.share) * probe.record.delay

@@ -1,8 +1,8 @@
 """Runs whose delays are rounded to whole slabs, on ever narrower ones, until extremes no longer move.
 
 This is the method of characteristics of textbooks, in the first order: no front lies inside a slab, so a network of
-many pipes costs little. Fronts arrive up to half a slab early or late at every pipe's end; what a tolerance is about
-are therefore the highest and the lowest values, at all nodes and probes.
+many pipes costs little. Fronts arrive up to half a slab early or late at every pipe's end; the tolerance is therefore
+one of the highest and the lowest values, at all nodes and probes.
 
 Conductors whose losses mix the modes and that are no convolution: with twice as many places in each run.
 """
@@ -21,10 +21,10 @@ from tline.solver.tolerance.compare import added, relative
 from tline.solver.tolerance.difference import Difference
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
 
-CAUTION = 2.0  # errors over differences: delays that are rounded err at random, and by half as much on half the slab
-CLOSER = 0.1  # tolerance of the next over what the last doubling changed
-SHARE = 1 / 3  # of the tolerance, for what slabs may have wrong
-OFF = 0.618  # of what is between them: places of instants at which two runs are compared, between round ones
+CAUTION = 2.0  # ratio of errors to differences: rounded delays err at random, and by half as much on half the slab
+CLOSER = 0.1  # tolerance of the next run over the change by the last doubling
+SHARE = 1 / 3  # of the tolerance, for the error of slabs
+OFF = 0.618  # of their spacing: offset of the instants at which two runs are compared, away from round ones
 INSTANTS, PER_SLAB, MOST_INSTANTS = 4001, 4, 200_000
 ROUGH = 1e-3  # tolerance of the slabs of the first runs
 MOST_SAMPLES = 3e7  # line-end samples of all runs
@@ -32,7 +32,7 @@ GROWTH = 6  # times as many samples with each doubling
 
 
 class Rounded(Grids):
-    """Slabs halved, until the extremes of two runs differ by what is asked; two comparisons are made at least."""
+    """Slabs halved until the extremes of two runs agree to the tolerance; at least two comparisons are made."""
 
     latest = True
 
@@ -51,7 +51,7 @@ class Rounded(Grids):
             raise InputError(error.where, error.problem) from error
 
     def step(self, ladder: Ladder, finer: Result) -> Step:
-        """By how much extremes differ from those of the run before it; at each node no less than half as before."""
+        """Estimate errors from the change of extremes; at each node no less than half the previous estimate."""
         told, before = compared(self.search.tol, ladder.last, finer), ladder.best.envelope
         assert finer.envelope is not None
         assert before is not None
@@ -59,11 +59,11 @@ class Rounded(Grids):
         return Step(replace(finer, envelope=replace(finer.envelope, **halved)), told, CAUTION)
 
     def is_enough(self, ladder: Ladder) -> bool:
-        """Whether the tolerance is met, of which one comparison is no proof."""
+        """Whether the tolerance is met; a single comparison is no proof."""
         return ladder.compared > 1 and ladder.told.met
 
     def limit(self, ladder: Ladder) -> str:
-        """What forbids a finer run: that it takes too many samples."""
+        """Reason against a finer run: too many samples; empty if none."""
         return limit_of(ladder.attempts, 0, False, self.search.most)
 
 
@@ -117,7 +117,7 @@ class Doublings(Grids):
         return self.run(ladder.compared + 1, self.close)
 
     def step(self, ladder: Ladder, finer: Result) -> Step:
-        """What places may leave, beside what slabs do."""
+        """Add the error estimates of places and of slabs."""
         own, found = finer.accuracy, _changes(ladder.last, finer)
         assert own is not None
         self.samples += sum(attempt.samples for attempt in own.attempts)
@@ -134,7 +134,7 @@ class Doublings(Grids):
         return ladder.told.met and not self._own(ladder)
 
     def limit(self, ladder: Ladder) -> str:
-        """What forbids more places: what slabs could not, or time."""
+        """Reason against more places: the limit of the slabs, or time; empty if none."""
         if self._own(ladder) or GROWTH * self.samples <= MOST_SAMPLES:
             return self._own(ladder)
         problem = f"the losses mix the modes; {ladder.compared} doublings of the places where they stand leave"

@@ -1,6 +1,6 @@
-"""When laws of elements kink, as a run saw it, for the next run to have its slabs cut in pieces there.
+"""Instants at which laws of elements kinked in a run, for the next run to cut its slabs there.
 
-Friction is such a law, |y|·y where the flow turns. Inside a line what follows smooths that, at its ends nothing does.
+Friction is such a law, |y|·y where the flow turns. Inside a line this kink is smoothed, at its ends it is not.
 
 A law is smooth between some points of its graph. With e the effort across the element and i the flow, the wave e + ρ i
 into it rises along the graph, and passes each point once. A piece without a kink inside is as accurate as its order; so
@@ -22,13 +22,13 @@ from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
 from tline.solver.run import NO_KINKS, Kinks, at_node
 
-MOST_KINKS = 2000  # instants of an element; where there are more, none is followed
-MOST_HALVED = 50_000  # the same of middles of pieces
-STEPS, STEP = 8, 1e-4  # of Newton's method, and for its slopes, in pieces
-SETTLED = 1e-13  # pieces; a step that short is the last, for each is some 1e4 times shorter than the one before
-OVER = 1.5  # pieces, to which a neighbour is continued
-ROUNDED = 1e-12  # of the largest wave; so little has no sign
-STILL = 1e-9  # of the largest wave: so little a flow does not turn
+MOST_KINKS = 2000  # instants of an element; beyond, none is followed
+MOST_HALVED = 50_000  # middles of pieces of an element; beyond, none is followed
+STEPS, STEP = 8, 1e-4  # of Newton's method; and the step for its slopes, in pieces
+SETTLED = 1e-13  # pieces; a step this short is the last, for each is some 1e4 times shorter than the one before
+OVER = 1.5  # pieces by which a neighbour is extrapolated
+ROUNDED = 1e-12  # of the largest wave; smaller values have no sign
+STILL = 1e-9  # of the largest wave; a smaller flow does not turn
 
 
 class PiecewiseQuantity(NamedTuple):
@@ -113,8 +113,9 @@ def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kin
 class Halved(NamedTuple):
     """Known instants, and the middles of pieces that the middle of their slab does not part, s.
 
-    Of these all; or only such in which a wave changes by more than half of what it does in any other: the rest are as
-    well resolved as slabs half as wide. But a run that leaves them as they are tells their errors by its order alone.
+    `every` has all of these, `steep` those in which a wave changes by more than half its largest change in any other:
+    the rest are as well resolved as slabs half as wide. But a run that keeps them shows their errors by its order
+    alone.
     """
 
     every: Kinks
@@ -150,7 +151,7 @@ def together(one: Kinks, other: Kinks) -> Kinks:
 
 
 def _less(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, result: Result) -> PiecewiseQuantity:
-    """By how much what enters an element is beyond a bend."""
+    """Subtract from the wave into an element its value at a bend."""
     control = 1.0
     if bend.varying and element.law.factor is not None:
         t = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c
@@ -176,7 +177,7 @@ def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
     """Instants at which a quantity passes zero, s."""
     order = basis(result.resolution.s)
     heights = np.column_stack([np.append(seen.before, seen.values[:-1, -1]), seen.values])
-    told = np.abs(heights) > ROUNDED * np.abs(heights).max()  # else it has the sign that it had
+    told = np.abs(heights) > ROUNDED * np.abs(heights).max()  # the others keep the sign before them
     told[0, 0] = True
     last = np.maximum.accumulate(np.where(told, np.arange(heights.size).reshape(heights.shape), 0).ravel())
     below = (heights.ravel() < 0)[last].reshape(heights.shape)

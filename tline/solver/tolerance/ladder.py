@@ -1,9 +1,9 @@
 """One loop for all tolerances: runs on ever finer grids, each compared with the one before.
 
-What the grids are is the business of whoever brings them (`Grids`): orders and slabs, places of losses, slabs of
-convolutions. What a run is worth, what is given out, and what forbids a finer run is told here alone.
+Subclasses of `Grids` choose the grids: orders and slabs, places of losses, slabs of convolutions. The error of a run,
+the choice of the result and the reason to stop are found here alone.
 
-How long a search may take, and what it expects to take.
+Limit and forecast of a search's computing time.
 """
 
 import sys
@@ -27,28 +27,28 @@ from tline.solver.run import NO_KINKS, Kinks, run
 from tline.solver.tolerance.compare import compare, with_errors
 from tline.words.progress import DELAY
 
-MOST_SECONDS = 600  # where nothing is asked
-PACE = 0.5  # of an estimate, that a run leaves where nothing is known yet
-SAMPLES = 2.0  # times as many in the next run, at least
-HELPS = 0.5  # a step that leaves more of the difference than this does not converge
-MISSED = 4  # grids in a row on which no flow was found, at most
+MOST_SECONDS = 600  # default, if no limit is given
+PACE = 0.5  # share of an estimate that a run is assumed to leave before anything is known
+SAMPLES = 2.0  # smallest growth of samples from one run to the next
+HELPS = 0.5  # a step that leaves a larger share of the difference does not converge
+MISSED = 4  # grids in a row without a flow, at most
 MOST_INSIDE = 2e7  # line-end samples in all runs together, for the sake of instants inside slabs alone,
-WORTH = 64  # or so many times those of the first run, if that is more
-TRIED = 2  # halvings of the slab, from which the next ones are foretold,
+WORTH = 64  # or this many times those of the first run, if that is more
+TRIED = 2  # halvings of the slab, from which the next ones are predicted,
 FORETOLD = 2e6  # and line-end samples in all runs together: before, runs may converge slower than they will; so few
 # are cheap where nothing else is computed inside lines
-STALE, CHEAP = 2, 1e5  # halvings of the slab in a row that may bring nothing; line-end samples that are tried anyway
+STALE, CHEAP = 2, 1e5  # halvings of the slab in a row without gain; line-end samples that are tried anyway
 MOST_SAMPLES = 3e9  # line-end samples in all runs together
-LOST = 0.3  # estimates beyond, one after the other, with cavities: no run resembles another
+LOST = 0.3  # consecutive estimates beyond this, with cavities: no run resembles another
 COLLAPSE = (
     ": cavities collapse at other instants in each run, and that spreads; order = 1 and no tolerance give one run"
 )
 
 
 class Budget:
-    """Computing time from now on for all runs of a search, without what compiling takes.
+    """Computing time from now on for all runs of a search, without compilation.
 
-    Ten minutes if none is given; where it is shown, it is said after two seconds how many more are expected.
+    Ten minutes if none is given; if shown, the expected remaining time is printed after two seconds.
     """
 
     def __init__(self, seconds: float | None = None, shown: bool = False):
@@ -62,15 +62,15 @@ class Budget:
         return self.seconds - (_passed() - self._started)
 
     def keeping(self, keeps: Callable[[Any], float]) -> "Budget":
-        """The same for a search from now on that leaves so many seconds to others, or all, by its best result."""
+        """Return a budget for a search from now on that leaves `keeps(best)` seconds to others, or all (inf)."""
         other = copy(self)
         other._begun, other._keeps = _passed(), keeps
         return other
 
     def limit(self, attempts: Sequence[Attempt], tol: float, least: float = 1.0, best: Any = None) -> str:
-        """What forbids one more run beside these, each with the time of its comparison; empty if nothing does.
+        """Reason against one more run after these, each with the time of its comparison; empty if none.
 
-        No run is of use that has not `least` times as many samples as the last one; the best result is `best`.
+        A run is of use with at least `least` times as many samples as the last one; the best result is `best`.
         """
         passed, kept = self.seconds - self.left, self._keeps(best)
         stepping = sum(attempt.seconds for attempt in attempts)
@@ -99,12 +99,12 @@ def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: floa
 
 
 class Step(NamedTuple):
-    """What a finer run adds to those before it."""
+    """Contribution of a finer run to those before it."""
 
-    result: Result  # that run, or what it and others extrapolate to
-    told: Accuracy  # estimated errors: of the run before it, which bound its own, or of what is extrapolated
-    by: float  # errors over differences to the run before it
-    differences: Accuracy | None = None  # from the run before it, if they are taken for errors
+    result: Result  # that run, or the extrapolation from it and others
+    told: Accuracy  # estimated errors: of the run before it, which bound its own, or of the extrapolation
+    by: float  # ratio of errors to differences from the run before it
+    differences: Accuracy | None = None  # from the run before it, if errors are estimated from them
 
 
 class Start(NamedTuple):
@@ -112,28 +112,28 @@ class Start(NamedTuple):
 
     order: int
     left: float  # of a difference, by a step of the order
-    halved: int = 0  # how often the slab is, that suits the scene
-    told: float = inf  # by a search, of its error on this grid
+    halved: int = 0  # halvings of the slab that suit the scene
+    told: float = inf  # error estimate of a search on this grid
 
 
 class Search(NamedTuple):
-    """What is asked of runs, and what they may take."""
+    """Request for a search: scene, tolerance, records and limits."""
 
     description: Description
     tol: float  # 0 where order or slab are fixed by hand, and none is asked
     record: list[str]
     progress: bool
     budget: Budget
-    most: float = MOST_SAMPLES  # line-end samples that it may take
+    most: float = MOST_SAMPLES  # largest number of line-end samples
     envelope: bool = False
     ledger: bool | None = None
-    active: bool = False  # whether elements may be
-    start: Start | None = None  # what a run with other values has found
+    active: bool = False  # whether active elements are allowed
+    start: Start | None = None  # from a run with other values
 
     def run(
         self, chosen: Resolution, kinks: Kinks = NO_KINKS, laws: Sequence[str] = (), slabs: int | None = None
     ) -> Result:
-        """One run to the scene's end time, or for so many slabs."""
+        """Run to the scene's end time, or for a number of slabs."""
         asked = self.description, chosen, self.record
         return run(*asked, envelope=self.envelope, progress=self.progress, kinks=kinks, laws=laws, slabs=slabs)
 
@@ -158,7 +158,7 @@ class Grids(ABC):
         Raises
         ------
         StopIteration
-            There is none.
+            No finer grid exists.
         NoFlowError
             No flow was found there; the next may do.
         InputError
@@ -166,7 +166,7 @@ class Grids(ABC):
         """
 
     def step(self, ladder: "Ladder", finer: Result) -> Step:
-        """What a run is worth beside those before it: its difference to the last one, for the error of that."""
+        """Estimate the error of the last run from its difference to a finer one."""
         pair = ladder.last, finer, self.search.tol, ladder.differences, self.unknown
         comparison = compare(self.search.description, *pair)
         return Step(finer, comparison.errors, comparison.by, comparison.differences)
@@ -176,15 +176,15 @@ class Grids(ABC):
         """Whether the tolerance is met, as far as is known how fast runs converge."""
 
     def limit(self, ladder: "Ladder") -> str:
-        """What forbids a finer run beside the budget; empty if nothing does."""
+        """Reason against a finer run, apart from the budget; empty if none."""
         return ladder.limit()
 
 
 class Ladder:
     """The runs so far, and the best of them.
 
-    `last` is the finest run, `told` its errors after the last step, and whether that converged (`helps`); `stale`
-    counts halvings of the slab in a row that brought nothing; `best` is what is given out.
+    `last` is the finest run, `told` its errors after the last step, and `helps` whether that converged; `stale` counts
+    halvings of the slab in a row without gain; `best` is the result.
     """
 
     def __init__(self, grids: Grids, first: Result):
@@ -201,7 +201,7 @@ class Ladder:
 
     @property
     def least(self) -> float:
-        """How many times as many samples a run has in which no oscillation passes unseen, at least."""
+        """Smallest growth of samples for a run in which every oscillation is resolved."""
         periods = (period for _, period in self.search.description.time_scales.values())
         chosen = self.last.resolution
         return chosen.resolved / min(periods, default=inf) if chosen.blind else 1.0
@@ -224,7 +224,7 @@ class Ladder:
         self.last = finer
 
     def limit(self) -> str:
-        """What forbids a finer run, as far as the runs so far foretell; empty if nothing does."""
+        """Reason against a finer run, as predicted from the runs so far; empty if none."""
         description, attempts = self.search.description, self.attempts
         foretell = description.dispersive or description.collapses or sum(a.samples for a in attempts) >= FORETOLD
         limit = limit_of(attempts, foretell * self.stale, description.collapses, self.search.most)
@@ -233,7 +233,7 @@ class Ladder:
         return limit or (not self.last.resolution.blind and inside_limit(attempts, self.told, foretell)) or ""
 
     def result(self, limit: str) -> Result:
-        """The best run, and how accurate it is; `limit` is what forbade to go on, if anything did."""
+        """Return the best run and its accuracy; `limit` is the reason to stop, if there was one."""
         best, accuracy, tol = self.best, self._accuracy, self.search.tol
         if self._pair and accuracy.at_slab_ends > tol:
             accuracy = compare(self.search.description, *self._pair, self._grids.unknown, whole=True).errors
@@ -268,13 +268,13 @@ def refined(grids: Grids) -> Result:
 
 
 def rank(found: Accuracy) -> tuple[float, float]:
-    """What orders runs by their accuracy: slab ends first, as long as these are not as asked; then any instant."""
+    """Sort key of runs by accuracy: error at slab ends, as long as beyond the tolerance; then at any instant."""
     assert found.tol is not None
     return max(found.at_slab_ends, found.tol), found.worst
 
 
 def gained(before: Accuracy, found: Accuracy) -> float:
-    """What a step left of the difference: at slab ends as long as these are not as asked, and then inside."""
+    """Share of the difference left by a step: at slab ends as long as these are beyond the tolerance, then inside."""
     assert found.tol is not None
     here, there = (
         (accuracy.at_slab_ends if found.at_slab_ends > found.tol else accuracy.worst) for accuracy in (found, before)
@@ -283,7 +283,7 @@ def gained(before: Accuracy, found: Accuracy) -> float:
 
 
 def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: float) -> str:
-    """What forbids a finer run; empty if nothing does."""
+    """Reason against a finer run; empty if none."""
     told = [a.estimate for a in attempts if a.estimate is not None][-STALE - 1 :]
     samples, next_ = sum(a.samples for a in attempts), _growth(attempts) * attempts[-1].samples
     lost = collapses and len(told) > 1 and min(told) > (LOST if len(told) > STALE else 1.0)
@@ -295,7 +295,7 @@ def limit_of(attempts: Sequence[Attempt], stale: int, collapses: bool, most: flo
 
 
 def inside_limit(attempts: Sequence[Attempt], found: Accuracy, foretell: bool = True) -> str:
-    """What forbids finer runs for the sake of instants inside slabs: that they would not be enough."""
+    """Reason against finer runs for instants inside slabs: they would not suffice; empty if none."""
     assert found.tol is not None
     if found.at_slab_ends > found.tol or found.worst <= found.tol:
         return ""
@@ -313,13 +313,13 @@ def inside_limit(attempts: Sequence[Attempt], found: Accuracy, foretell: bool = 
 
 
 def _growth(attempts: Sequence[Attempt]) -> float:
-    """By how much a halved slab multiplies samples: by two, or as it did."""
+    """Growth of samples by a halved slab: as in the last halving, at least two."""
     halved = [fine.samples / rough.samples for rough, fine in pairwise(attempts) if fine.slab < rough.slab]
     return max([2.0, *halved[-1:]])
 
 
 def inside_slabs(accuracy: Accuracy) -> str:
-    """What kept the tolerance from being met, if that was not at slab ends."""
+    """Explain that the tolerance is missed inside slabs alone; empty if it is not so."""
     if accuracy.tol is None or accuracy.at_slab_ends > accuracy.tol or accuracy.worst <= accuracy.tol:
         return ""
     name, told = max(accuracy.inside.items(), key=lambda item: item[1].worst)

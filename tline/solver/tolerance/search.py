@@ -14,19 +14,19 @@ from tline.solver.result.result import Result
 from tline.solver.tolerance.kinks import Cuts
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 
-FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where what decays behind fronts is followed
-DIGITS = 3  # of the tolerance beyond three, for which the first order is one higher
-JOINED, FINER = 5e-2, 0.5  # of the tolerance: pieces that continue each other so well are one; and in later runs
-FOLLOWED = 1e-3  # of the tolerance: what is left of what decays behind a front, where it is no longer followed
-MOST_FOLLOWED = 1e6  # slabs at line ends; of more, what decays behind fronts is not followed: that takes seconds
-CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: an error told by two runs alone is to be below; if laws kink
+FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
+DIGITS = 3  # digits of the tolerance per order of the first run, beyond three
+JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
+FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
+MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
+CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: largest error estimate accepted from two runs alone; if laws kink
 LEAST_CELL = 4.0  # slabs of a cell of friction that is halved; narrower ones give way to diamonds
 FITTED = 0.1, 1e-9  # tolerance of circuits over the run's, and the least
-STEPS, SOON, MOST_CELLS = 3, 5e5, 1e7  # steps that tell a pace; cells of one run: a second, and half a minute
-HALVED = 4  # times that a slab is halved at most to find a flow
+STEPS, SOON, MOST_CELLS = 3, 5e5, 1e7  # steps that show a pace; cells of one run: a second, and half a minute
+HALVED = 4  # halvings of the slab, at most, to find a flow
 MOST_SECTIONS = 8  # of a lumped line
-AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones for the sake of what is behind fronts
-ALIKE = 10  # times the difference of runs with more sections there: they err alike
+AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
+ALIKE = 10  # times the difference between runs with more sections, which err alike there
 
 State = tuple[bool, bool, bool, bool]
 
@@ -80,9 +80,9 @@ class Orders(Grids):
     """Higher orders, and narrower slabs where an order leaves more than half of a difference.
 
     From where the tolerance is met on, lumped lines have twice as many sections in each finer run: the last must have.
-    Slab ends come first; what is left inside slabs is worked on while that promises to be enough. Where laws kink,
-    slabs are cut in pieces where they did in the run before; openings that move by themselves begin and end to do so
-    inside slabs, which runs of another order on the same slabs have wrong alike, so slabs are halved with each step.
+    Slab ends come first; errors inside slabs are reduced while that promises to suffice. Where laws kink, slabs are cut
+    in pieces where they did in the run before; openings that move by themselves start and stop inside slabs, which runs
+    of another order on the same slabs have wrong alike, so slabs are halved with each step.
     Where no flow is found on the first slabs, the search begins with narrower ones. `settle` is the time in which
     lumped lines settle after a front, s.
     """
@@ -131,7 +131,7 @@ class Orders(Grids):
         return (ladder.compared > 1 or sure) and ladder.told.met and not ladder.last.resolution.blind
 
     def limit(self, ladder: Ladder) -> str:
-        """What forbids a finer run, or long ones: where lines remember none that is affordable might be enough."""
+        """Reason against a finer run: where lines remember, also that no affordable one would do; empty if none."""
         return ladder.limit() or self._too_slow(ladder)
 
     def _too_slow(self, ladder: Ladder) -> str:
@@ -147,11 +147,11 @@ class Orders(Grids):
         return f"narrower slabs would reach {reached:.1g} in some minutes, at the pace so far"
 
     def _finer(self, halved: int) -> Generator[Resolution, State, None]:
-        """Ever finer orders and slabs, from slabs so often halved on; see `next` for what is sent in.
+        """Generate ever finer orders and slabs, from slabs halved `halved` times on; `next` has the values sent in.
 
-        It tells whether the last step helped, follows fronts, and met all, and whether pieces may stay as wide as they
-        are when slabs are halved: then the order rises, too. Beside lumped lines slabs are not narrowed: fronts are
-        blurred there for a time of its own.
+        They say whether the last step helped, followed fronts, and met the tolerance, and whether pieces may stay as
+        wide as they are when slabs are halved: then the order rises, too. Beside lumped lines slabs are not narrowed:
+        fronts are blurred there for a time of its own.
         """
         description, sections, tol = self.search.description, self.sections, self.search.tol
         given = description.scene.solver

@@ -1,15 +1,15 @@
 """Friction in cells many slabs wide and high: it is as smooth as the waves that it takes from, and these change slowly.
 
-A cell is a rectangle of the (ξ, η) plane where k slabs of a meet k of b. Of both it sees the L2 projection on one
-polynomial, or one on each side of a jump; these it advances as a diamond does, and what lies between the waves and
-their projections passes untouched. These are of a low order
-whatever that of the waves. Cells that touch a node would bind it for k slabs, so there are none: what is lost
-there is added to that of the cells beside them, to each part of a wave as much as it misses (`weigh`).
+A cell is a rectangle of the (ξ, η) plane where k slabs of a meet k of b. It advances the L2 projections of both on one
+polynomial, or one on each side of a jump, as a diamond does, and attenuates the difference of the waves from them.
+Projections are of a low order at any order of the waves. Cells that touch a node would bind it for k slabs, so they are
+left out: the loss there is added to that of the cells beside them, to each part of a wave as much as it misses
+(`weigh`).
 
-What lines in cells remember or leak: circuits, each in its place along the line, from one cell there to the next.
+Memory and leakage of lines in cells: circuits, each in its place along the line, from one cell there to the next.
 
-A circuit sees one polynomial of each wave over its cell, and is advanced by Radau IIA. What lies between a wave and its
-polynomial changes so fast, as fronts do, that the circuit answers at once: it is attenuated.
+A circuit takes one polynomial of each wave over its cell, and is advanced by Radau IIA. The difference of a wave from
+its polynomial changes so fast, as fronts do, that the circuit answers at once: it is attenuated.
 """
 
 import numpy as np
@@ -20,13 +20,13 @@ from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, l
 from tline.solver.kernel.network import SQUARE, Run
 from tline.solver.kernel.scatter import FAR
 
-CELL_ORDER = 2  # at most: what cells take in place of half diamonds is of second order whatever theirs
+CELL_ORDER = 2  # at most: the friction of cells in place of half diamonds is of second order in any case
 PARTS = 8  # of a wave in a cell, between jumps; beyond that jumps are projected
 
 
 @function
 def weigh(run, row, i, j, first, last):
-    """Let friction in part i of a and j of b count as often as it takes for what no cell covers at an end.
+    """Weigh friction in part i of a and j of b, so that it includes the places at an end without a cell.
 
     With p and q in [0, 1] along the k slabs of a and b, and o over k slabs that the cells leave beside half ones, at
     end 1 a misses 1 - p + o and b q + o of a cell: both are integrals of (1 - p + o)(q + o)/(1/2 + o).
@@ -64,9 +64,9 @@ def meet_in_cell(run, row, n, m, first, last):
 
 @function
 def attenuate(run, row, n, m, first, last):
-    """Put the share in the workspace that friction leaves of what lies between n parts of a, m of b, and their waves.
+    """Put in the workspace the share that friction leaves of waves beyond their projections, n parts of a, m of b.
 
-    That is the slope of friction at the mean flow: without it what is faster than cells would ring on.
+    It follows from the slope of friction at the mean flow: without it oscillations faster than cells would persist.
     """
     diamonds, work = run.network.diamonds, run.work.diamonds
     k, weight, d = diamonds.cell[row], 1.0, diamonds.steady[row, 2] - diamonds.steady[row, 0]
@@ -106,7 +106,7 @@ def fetch(run, row, o, at, ring, side):
 
 @function
 def shape(run, length):
-    """Legendre polynomials over so many slabs at the points of these, in the workspace; kept for the next of them."""
+    """Put Legendre polynomials over a number of slabs, at the points of these, in the workspace, unless kept there."""
     work, c = run.work.diamonds, run.network.laws.tools.c
     if work.shaped[0] == length:
         return
@@ -141,7 +141,7 @@ def take_up(run, side, n):
 
 @function
 def find_change(run, side, part):
-    """Put the coefficients of what has become of a part, less what is left of what it was, in the workspace."""
+    """Put the coefficients of a part's new values, less the remaining share of the old ones, in the workspace."""
     work = run.work.diamonds
     times(run.network.diamonds.tools.to_legendre, work.parts[side, part], 0, work.a)
     for k in range(work.a.size):
@@ -150,7 +150,7 @@ def find_change(run, side, part):
 
 @function
 def put_back(run, row, o, at, ring, side, n):
-    """Write the slabs of a cell back with what has changed."""
+    """Write the slabs of a cell back with the changes."""
     waves, work, s = run.state.waves, run.work.diamonds, run.state.before.shape[1]
     slabs, size, begin = work.slabs[side], run.network.diamonds.cell[row] * s, o + at * s
     for part in range(n):
@@ -184,15 +184,15 @@ def due(run, row, count):
 
 @function
 def places_in_ring(begin, before_a, before_b, D):
-    """Places of a cell's first slabs of a and b, so many slabs before those that have left the ends."""
+    """Places of a cell's first slabs of a and b, some slabs before those that have left the ends."""
     a, b = begin - before_a, begin - before_b + D
     return a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
 
 
 @function
 def taken_by_square(r, k, before, weight, d):
-    """What friction r x + k |x| x takes so often, beyond what it did before, of a flow d that this lowers to x."""
-    much = weight * (r * d + k * abs(d) * d - before)  # by the flow as it comes; nothing while that is steady
+    """Loss by friction r x + k |x| x with a weight, less that before t = 0, of a flow d that it lowers to x."""
+    much = weight * (r * d + k * abs(d) * d - before)  # by the flow as it arrives; zero while that is steady
     rise, bend = 1.0 + weight * (r + 2.0 * k * abs(d)), weight * (k if d > 0.0 else -k)
     inside = rise * rise - 4.0 * bend * much
     taken = 2.0 * much / (rise + np.sqrt(max(inside, 0.0)))
@@ -205,7 +205,7 @@ def taken_by_square(r, k, before, weight, d):
 
 @function
 def taken_from(diamonds, row, before, weight, d, size):
-    """The same for any friction, by Newton's method, to what matters beside waves of a size; and whether it ended."""
+    """Find the loss for any friction by Newton's method, to a tolerance over the waves' size; and whether it ended."""
     taken = 0.0
     for turn in range(ROUNDS):
         value, slope = lost(diamonds, row, d - taken)
@@ -218,7 +218,7 @@ def taken_from(diamonds, row, before, weight, d, size):
 
 @function
 def pass_constants(run, row, count):
-    """Do what `pass_line` does, of constants in cells of one slab: waves are their projections. Nothing remembers."""
+    """Advance a line as `pass_line`, for constants in cells of one slab without memory: waves are their projections."""
     diamonds, waves, line = run.network.diamonds, run.state.waves, run.network.diamonds.line[row]
     D, o, begin = run.network.delay[line], run.network.offset[line], due(run, row, count)
     square, begun = diamonds.kind[row] == SQUARE, diamonds.steady[row, 2] - diamonds.steady[row, 0]
@@ -263,7 +263,7 @@ def take_wave(run, row, o, at, ring, side, whole):
 
 @function
 def put_wave(run, row, o, at, ring, side, in_pieces, n):
-    """Write a wave in a cell back with what has changed."""
+    """Write a wave in a cell back with the changes."""
     put_back(run, row, o, at, ring, side, n)
 
 
@@ -282,10 +282,10 @@ def recall(job, run, row, o, a, b, ring, column, take, put):
 
 @function
 def pass_line(job, run, row, count, take, put):
-    """Advance a line by cells that are complete after so many slabs more. Returns whether friction was found.
+    """Advance a line by the cells completed with `count` more slabs. Returns whether friction was found.
 
-    Cells half of whose time has passed come first, then those half a cell later, with what they remember and friction
-    in reverse order. Waves are taken from the line for a cell, and put back.
+    Cells half of whose time has passed come first, then those half a cell later, with memory and friction in reverse
+    order. Waves are taken from the line for a cell, and put back.
     """
     network, line, k = run.network, run.network.diamonds.line[row], run.network.diamonds.cell[row]
     begin = due(run, row, count)
@@ -313,7 +313,7 @@ def pass_line(job, run, row, count, take, put):
 
 @unit
 def pass_cells(run: Run, chosen: int, count: int) -> int:
-    """Advance the FAR or NEAR lines with losses by cells that are complete after so many slabs more.
+    """Advance the FAR or NEAR lines with losses by the cells completed with `count` more slabs.
 
     Returns as `pass_diamonds` does.
     """
@@ -332,9 +332,9 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
 
 @unit
 def remember(run: Run, row: int, column: int) -> int:
-    """Let the circuits of a column of cells take from the two waves in the workspace what they see of them.
+    """Let the circuits of a column of cells take their share of the two waves in the workspace.
 
-    Puts the share in the workspace that is left of what they do not see.
+    Puts the remaining share of waves beyond their polynomials in the workspace.
     """
     diamonds, work, states = run.network.diamonds, run.work.diamonds, run.state.memory
     memory, a, b, w, out = diamonds.memory, work.parts[0, 0], work.parts[1, 0], work.a, work.b

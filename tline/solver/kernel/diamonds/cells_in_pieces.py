@@ -73,7 +73,7 @@ def take_up_pieces(job, k, o, at, ring, side, n):
 
 @function
 def put_back_pieces(job, k, o, at, ring, side, n):
-    """Add to the pieces of a cell what has changed."""
+    """Add the changes to the pieces of a cell."""
     pieces, waves, work, tools = job.fronts.pieces, job.run.state.waves, job.run.work.diamonds, job.fronts.tools
     coef, more, i, s = job.fronts.work.part, job.fronts.work.whole, 0, job.fronts.work.whole.size
     for part in range(n):
@@ -114,7 +114,7 @@ def take_wave_in_pieces(job, row, o, at, ring, side, whole):
 
 @function
 def put_wave_in_pieces(job, row, o, at, ring, side, in_pieces, n):
-    """Add to a wave in a cell what has changed."""
+    """Add the changes to a wave in a cell."""
     if in_pieces:
         put_back_pieces(job, job.run.network.diamonds.cell[row], o, at, ring, side, n)
     else:

@@ -1,4 +1,4 @@
-"""Diamonds inside lines: a slab of the wave a meets one of the wave b, and each loses what friction takes.
+"""Diamonds inside lines: a slab of the wave a meets one of the wave b, and each loses effort to friction.
 
 With ξ = t - τ and η = t + τ, τ the delay from end 1, a_η = -φ/2 and b_ξ = φ/2. Both are collocated at Radau's points, a
 along η at each point of ξ, b along ξ at each point of η.
@@ -20,10 +20,10 @@ BITS, MANTISSA, ONE = 52, 2**52 - 1, 1023 << 52  # of a number: those of its fra
 TERMS, PLACES = 7, 128  # of a power's series, and in its table
 ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
 TANGENT_RANGE, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
-LINEAR = 1e-5  # of what a step of Newton's method mends: what its rounds may leave
-ROUNDED = 1e-12  # of the largest wave: changes with which no iteration may go on
+LINEAR = 1e-5  # of the correction by a step of Newton's method: largest rest after its rounds
+ROUNDED = 1e-12  # of the largest wave: with smaller changes a stalled iteration ends
 MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
-REACH = 0.6  # about by how much what is lost at a place changes the flow there, of order 1; all lead to the same end
+REACH = 0.6  # about the change of the flow at a place by the loss there, of order 1; all lead to the same end
 
 
 @function
@@ -46,7 +46,7 @@ def swamee_jain(roughness, reynolds):
 
 @function
 def colebrook(tables, at, reynolds):
-    """The same from a table: ln of the first Re, their distance, number of points, and ln f at these."""
+    """Friction factor and exponent from a table: ln of the first Re, their distance, number of points, ln f there."""
     if reynolds <= LAMINAR:
         return 64.0 / reynolds, -1.0
     n = int(tables[at + 2])
@@ -62,8 +62,8 @@ def colebrook(tables, at, reynolds):
 def power(tables, at, x):
     """x^n, x ≥ 0, from a table: five times as fast as the library's.
 
-    With x = 2^e m, and m near one of so many places in [1, 2): n's binomials up to r^6, these places to the n, one over
-    each, and 2^(n e).
+    With x = 2^e m, and m near one of PLACES points in [1, 2), the table has n's binomials up to r^6, these points to
+    the n, one over each, and 2^(n e).
     """
     bits = np.float64(x).view(np.int64)
     m = np.int64(bits & MANTISSA | ONE).view(np.float64)
@@ -96,7 +96,7 @@ def lost(diamonds, row, d):
 
 @unit
 def lose_steadily(diamonds: Diamonds) -> int:
-    """Find what friction takes before t = 0, beside cells."""
+    """Find friction before t = 0, beside cells."""
     for row in range(diamonds.line.size):
         diamonds.steady[row, 3], _ = lost(diamonds, row, diamonds.steady[row, 2])
     return 0
@@ -110,14 +110,14 @@ def flushed(x):
 
 @function
 def bent(slope, flow, base):
-    """About by how much friction is off the tangent at another flow; unknown, and so large, if that is not near."""
+    """Estimate how far friction is off the tangent at another flow; very large, as unknown, if that is not near."""
     away = abs(flow - base)
     return slope * away * away / abs(base) if away < TANGENT_RANGE * abs(base) else away * UNKNOWN
 
 
 @function
 def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
-    """Advance s values of a from place p past s of b from place q, through a rectangle so many slabs wide and high.
+    """Advance s values of a from place p past s of b from place q, through a rectangle `wide` × `high` slabs.
 
     Returns whether the iteration ended: Newton's, for friction is dear, each step of it by rounds that leave no more of
     the last one than the slope of friction. Where steps do not end, for friction bends, each is a single round.
@@ -185,7 +185,7 @@ def pass_rectangle(run: Run, row: int, wide: float, high: float) -> int:
 
 @function
 def meet_apart(run, row, a, p, b, q, wide, high):
-    """Do what `meet` does, by a unit of its own."""
+    """Advance two waves as `meet`, by a unit of its own."""
     work = run.work.diamonds
     for i in range(work.a.size):
         work.a[i], work.b[i] = a[p + i], b[q + i]

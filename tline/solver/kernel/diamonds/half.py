@@ -1,12 +1,12 @@
-"""Half diamonds at the ends of lines, solved with what stands at the node.
+"""Half diamonds at the ends of lines, solved together with the elements at the node.
 
-With p along the wave that leaves an end and q along the one that arrives, 0 ≤ p ≤ q ≤ 1 is a triangle; the end is
-p = q. What friction takes is a polynomial of degree s there, the L2 projection of g(d) with d that of the flow. The
-node sees what arrives, the triangle what it sends; both are found in turns. Where the two waves leave the triangle with
+With p along the wave that leaves an end and q along the one that arrives, 0 ≤ p ≤ q ≤ 1 is a triangle; the end is p =
+q. Friction is a polynomial of degree s there, the L2 projection of g(d) with d that of the flow. The node takes the
+arriving wave, the triangle the one that it sends; both are found in turns. Where the two waves leave the triangle with
 more energy than they bring, they are projected, and then they do not (docs/theory.md).
 
-A delay of D + f slabs: what arrives in a slab of the end is the rest of the slab before, and the head of the next. The
-rest of that one, past which the wave goes that leaves, is a rectangle one slab wide and f high.
+A delay of D + f slabs: the wave arriving in a slab of the end is the rest of the slab before, and the head of the next.
+The rest of that one, past which the leaving wave goes, is a rectangle one slab wide and f high.
 """
 
 import numpy as np
@@ -59,7 +59,7 @@ def part_of(matrix, values, o, out):
 
 @function
 def begin_half(diamonds, e, coming, work, k):
-    """Put aside of what arrives what it has to do with the flow in the triangle, and what is lost there so far."""
+    """Put aside the share of the arriving wave in the flow in the triangle."""
     n = diamonds.moments.shape[0]
     for i in range(n):
         work.seen[k, i] = 0.0
@@ -68,7 +68,7 @@ def begin_half(diamonds, e, coming, work, k):
 
 @function
 def arrive(diamonds, taken, e, coming, work, k, out, o):
-    """What arrives at an end if friction takes as much in the triangle as it is thought to, put at place o."""
+    """Find the wave that arrives at an end under the assumed friction in the triangle, and put it at place o."""
     modes, s = work.modes[k], coming.shape[1]
     for i in range(modes.size):
         modes[i] = 0.0
@@ -89,9 +89,9 @@ def has_ended(diamonds, change, last, turn, size):
 
 @function
 def lose_half(diamonds, row, taken, e, sent, work, k, turn, size):
-    """Let friction be what the flow asks for that comes of what is sent. Returns the largest change.
+    """Set friction to that of the flow due to the sent wave. Returns the largest change.
 
-    From the second turn on it is on its tangent wherever that is as exact as is asked, for friction is dear.
+    From the second turn on it is taken from its tangent where that is exact enough, for friction is costly.
     """
     flow, modes, wide, change = work.flow, work.modes[k], work.width[0], 0.0
     base, here, slopes = work.tangent[0, k], work.tangent[1, k], work.tangent[2, k]
@@ -119,7 +119,7 @@ def lose_half(diamonds, row, taken, e, sent, work, k, turn, size):
 
 @function
 def leave(diamonds, sent, work, k):
-    """What leaves the triangle, in place of what the node has sent."""
+    """Replace the wave that the node has sent by the one that leaves the triangle."""
     modes, wide = work.modes[k], work.width[0]
     for i in range(sent.size):
         total = 0.0
@@ -130,7 +130,7 @@ def leave(diamonds, sent, work, k):
 
 @function
 def makes_energy(diamonds, coming, arrived, sent, work, k):
-    """Whether a half diamond would give more than it gets."""
+    """Whether a half diamond would give more energy than it gets."""
     s, modes, wide, gain, size = sent.size, work.modes[k], work.width[0], 0.0, 0.0
     for i in range(s):
         total = 0.0
@@ -144,7 +144,7 @@ def makes_energy(diamonds, coming, arrived, sent, work, k):
 
 @function
 def prepare(run, g):
-    """Put aside what is about to arrive at the ends of a group: at those with friction, the head of a slab."""
+    """Put aside the waves about to arrive at the ends of a group: at those with friction, the head of a slab."""
     network, waves, before, diamonds, work = (
         run.network,
         run.state.waves,
@@ -173,7 +173,7 @@ def prepare(run, g):
 
 @function
 def respond(run, g, here, column, n):
-    """Efforts of a group's nodes under what arrives now."""
+    """Find efforts of a group's nodes under the arriving waves."""
     network, u, waves, diamonds = run.network, run.work.u, run.state.waves, run.network.diamonds
     low = network.first[network.group[g]]
     for node in range(network.group[g], network.group[g + 1]):
@@ -193,9 +193,9 @@ def respond(run, g, here, column, n):
 
 @function
 def settle(run, g, here, column, n):
-    """Find friction in the half diamonds at a group, with what the group sends. Returns whether that ended.
+    """Find friction in the half diamonds at a group, with the waves that it sends. Returns whether that ended.
 
-    Friction is what it was in the last slab, to begin with.
+    Friction begins as in the last slab.
     """
     network, waves, diamonds, u = run.network, run.state.waves, run.network.diamonds, run.work.u
     work, position, last, one = run.work.diamonds, run.work.position, 1e300, run.network.group[g]
@@ -224,7 +224,7 @@ def settle(run, g, here, column, n):
 
 @function
 def check_energy(run, g, n):
-    """Have what leaves a half diamond projected where it makes energy. Returns whether there is such a one."""
+    """Mark half diamonds for projection where the leaving waves make energy. Returns whether there is any."""
     network, waves, diamonds, u = run.network, run.state.waves, run.network.diamonds, run.work.u
     work, one, found = run.work.diamonds, run.network.group[g], False
     for node in range(one, network.group[g + 1]):

@@ -1,4 +1,4 @@
-"""Half diamonds of a slab in pieces: one after the other, with rectangles of what leaves and what arrives later."""
+"""Half diamonds of a slab in pieces: one after the other, with rectangles of leaving and later arriving waves."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from tline.solver.kernel.fronts.structures import BEGIN, END, FEWER, FrontRun
 
 @function
 def begin_piece(job, g, piece):
-    """Put aside what arrives in a piece at the ends of lines with losses."""
+    """Put aside the waves that arrive in a piece at the ends of lines with losses."""
     run, fronts = job.run, job.fronts
     network, work, s = run.network, run.work.diamonds, fronts.tools.c.size
     low = network.first[network.group[g]]
@@ -30,7 +30,7 @@ def begin_piece(job, g, piece):
 
 @function
 def settle_piece(job, g, piece, m):
-    """Find friction in the half diamonds of a piece, with what the group sends. Returns whether that ended."""
+    """Find friction in the half diamonds of a piece, with the waves of the group. Returns whether that ended."""
     run, fronts = job.run, job.fronts
     network, diamonds, u, work = run.network, run.network.diamonds, run.work.u, run.work.diamonds
     s, one, last, halves = fronts.tools.c.size, network.group[g], 1e300, run.state.halves
@@ -70,7 +70,7 @@ def settle_piece(job, g, piece, m):
 
 @function
 def check_piece(job, g, piece):
-    """Have what leaves a half diamond projected where it makes energy. Returns whether there is such a one."""
+    """Mark half diamonds for projection where the leaving waves make energy. Returns whether there is any."""
     run, network, work, found = job.run, job.run.network, job.run.work.diamonds, False
     arrived, left, low = job.fronts.work.arrived, job.fronts.work.left, network.first[network.group[g]]
     for i in range(low, network.first[network.group[g + 1]]):
@@ -84,7 +84,7 @@ def check_piece(job, g, piece):
 
 @function
 def pass_later(job, g, piece, m):
-    """Let what leaves a piece go past what arrives in later ones. Returns whether all friction was found."""
+    """Let waves that leave a piece go past those that arrive in later ones. Returns whether all friction was found."""
     run, fronts, network, diamonds = job.run, job.fronts, job.run.network, job.run.network.diamonds
     work, edges, s, done = run.work.diamonds, fronts.work.edges, fronts.tools.c.size, True
     low, zero = network.first[network.group[g]], np.int64(0)
@@ -112,7 +112,7 @@ def pass_later(job, g, piece, m):
 
 @function
 def pass_tails(job, g):
-    """Let what a group has sent go past the rests of slabs that are arriving. Returns whether friction was found."""
+    """Let waves sent by a group go past the rests of slabs that are arriving. Returns whether friction was found."""
     run, fronts, network, pieces, done = job.run, job.fronts, job.run.network, job.fronts.pieces, True
     waves, before, s = run.state.waves, run.state.before, fronts.tools.c.size
     for i in range(network.first[network.group[g]], network.first[network.group[g + 1]]):

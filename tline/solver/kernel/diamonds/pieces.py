@@ -8,15 +8,15 @@ from tline.solver.kernel.diamonds.full import flushed, meet_apart
 from tline.solver.kernel.fronts.merge import release
 from tline.solver.kernel.fronts.structures import MERGE, SCALE, FrontRun
 
-WEAK = 8.0  # times what may be left of a breakpoint: fronts that friction does not see
+WEAK = 8.0  # times the allowed size of a breakpoint: weaker fronts are left out of friction
 
 
 @function
 def take_up(fronts, row, wave, side):
-    """Hold a slab by values at the points of pieces, as friction sees it. Returns how many these are.
+    """Hold a slab by values at the points of pieces, as needed for friction. Returns the number of pieces.
 
-    Pieces beside a weak front are one: what each loses is the polynomial that their projection loses, so no energy is
-    made, and the front itself stays as it is.
+    Pieces beside a weak front are one: each loses the polynomial that their projection loses, so no energy is made, and
+    the front itself stays as it is.
     """
     pieces, tools, whole = fronts.pieces, fronts.tools, fronts.work.whole
     edges, values, n = fronts.work.pair_edges[side], fronts.work.pair[side], np.int64(0)
@@ -42,7 +42,7 @@ def take_up(fronts, row, wave, side):
 
 @function
 def put_back(fronts, row, wave, side, n):
-    """Write down what has become of n pieces as friction sees them."""
+    """Write back the n pieces that friction has changed."""
     pieces, tools, whole, part = fronts.pieces, fronts.tools, fronts.work.whole, fronts.work.part
     edges, values, before, j = fronts.work.pair_edges[side], fronts.work.pair[side], fronts.work.pair[side + 2], 0
     if row < 0:
@@ -64,7 +64,7 @@ def put_back(fronts, row, wave, side, n):
 
 @function
 def meet_in_pieces(job, line, row_a, a, row_b, b, wide, high):
-    """Advance a slab of a past one of b, or parts of slabs so wide and high, in pieces or not. See `meet`."""
+    """Advance a slab of a past one of b, or parts of slabs `wide` and `high`, in pieces or not, as `meet` does."""
     fronts, done = job.fronts, True
     pair, edges = fronts.work.pair, fronts.work.pair_edges
     n, m, zero = take_up(fronts, row_a, a, 0), take_up(fronts, row_b, b, 1), np.int64(0)

@@ -1,6 +1,6 @@
-"""The loop over slabs in which fronts are under way.
+"""The loop over slabs while fronts are in the network.
 
-What happens at a group, in order of time: what is due at an instant happens there, or counts as late.
+Events at a group, in order of time: each is handled at its instant, or counts as late.
 """
 
 import numpy as np
@@ -107,7 +107,7 @@ def scatter_all(job, slab, k):
 def advance_past(job, k, n_slabs, column):
     """Advance by slabs in which no group meets a front. Returns as `advance_fronts` does.
 
-    Where some are under way, cells of friction see them: what is due is left to those that know pieces.
+    While fronts are live, cells of friction contain them: cells that are due are left to the unit that knows pieces.
     """
     run, since, cell, done = job.run, job.run.state.since, job.run.network.diamonds.cell, np.int64(0)
     if run.units.diamonds == 0 or job.fronts.counts[LIVE] == 0:

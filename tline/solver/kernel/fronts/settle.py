@@ -73,7 +73,7 @@ def map_of(fronts, at, k, n, h, out):
 def settling(fronts, g, slab, m, anew):
     """Add breakpoints where the group has settled after fronts; in `outer` leave out those that arrive before that.
 
-    Marks the pieces in which it settles. Returns the number of pieces with all breakpoints, and without those left out.
+    Marks the settling pieces. Returns the number of pieces with all breakpoints, and without those left out.
     """
     edges, outer, unsettled, given = fronts.work.edges, fronts.work.outer, fronts.work.unsettled, fronts.work.size
     until, n, kept, outer[0] = fronts.settled[g] - slab, 0, 0, 0.0

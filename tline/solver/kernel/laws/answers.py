@@ -72,7 +72,7 @@ def unbalance(run, g, q, h, step, at, k, mu):
 def answered(run, g, q, h, stores):
     """How flows answer to waves, law by law: `answer[a, j]` is the change of flow a with wave j of the same law.
 
-    Of stores, which are asked for each point, it may stay what it was.
+    The answers of stores, which take an evaluation for each point, may be kept as they are.
     """
     laws, work = run.network.laws, run.work.circuit
     first, aimed, trial, answer = laws.first[g], work.aimed, work.trial, work.answer

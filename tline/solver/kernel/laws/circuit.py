@@ -7,9 +7,9 @@ added it has one root α(μ) for any laws. As μ falls from 1 that root moves, f
 distance of c from a solution, and ends at the solution nearest to c (Tikhonov): a path of finite length, which
 Newton's method follows if it does not find the solution from the last slab's waves directly.
 
-A step of which only a small part reduces the residual is stopped by a kink; it goes to just beyond. Beyond a kink the
-next step continues, since Jacobians on both sides have determinants of one sign (Katzenelson 1965); where several kinks
-meet it may return. So every other step is that of a contraction, which no kink stops.
+If only a small part of a step reduces the residual, a kink stops it; it goes to just beyond. Beyond a kink the next
+step continues, since Jacobians on both sides have determinants of one sign (Katzenelson 1965); where several kinks meet
+it may return. So every other step is that of a contraction, which no kink stops.
 
 References
 ----------
@@ -128,7 +128,7 @@ def followed(run, g, q, h, step, at, k):
 def found(run, g, q, h, step, at, k):
     """Find the waves into the laws of a group, from the last ones or along the path. Returns whether it could.
 
-    Where stores miss what flows, or no flow is found for them, it does so once more with their slab divided.
+    Where stores miss the flow, or none is found for them, the search is repeated with their slab divided.
     """
     laws, work, division = run.network.laws, run.work.circuit, run.work.store.division
     first, last, s, stores = laws.first[g], laws.first[g + 1], run.state.before.shape[1], 0

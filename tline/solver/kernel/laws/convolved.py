@@ -1,7 +1,7 @@
 """Laws beside a linear rest with a memory: slab by slab, as its convolution weights send their waves back.
 
-α_k = given_k + Σ S_j β_(k-j): what came of slabs of this block is summed here, all that is earlier is part of what is
-given. S_0 acts at once, and is to the circuit's Newton method what the map of a circuit over a slab is.
+α_k = given_k + Σ S_j β_(k-j): waves from slabs of this block are summed here, all earlier ones are part of the given
+waves. S_0 acts at once, in place of the map of a circuit over a slab in Newton's method.
 """
 
 from typing import NamedTuple

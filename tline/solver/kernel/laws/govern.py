@@ -3,8 +3,8 @@
 With x the opening, 0 to 1, u and w the efforts at the element's nodes and i its flow, the drive is
 d = a (u - u0) + b (w - w0) + c (i - i0) - k x. A regulator has x' = d within its slowest and fastest rate; a disc with
 inertia M and damping D has M x'' = d - D x'. Both stop at 0 and 1. Radau's stages of x' are found with the flows of the
-group, by Broyden's method on the rates, and where that does not end, one rate after the other: a group's circuit stays
-what it is, with openings that are given.
+group, by Broyden's method on the rates, and where that does not end, one rate after the other: a group's circuit is
+unchanged, with given openings.
 
 Constants: a, u0, b, w0, c, i0, k, slowest and fastest rate, M, D, number of points of a characteristic; its openings,
 and its shares of the capacity.
@@ -223,8 +223,8 @@ def settled_at_once(run, g, n, h, own):
 def settled_in_turn(run, g, n, h, own):
     """Find one rate after the other by halving, until none moves any more. Returns whether they came to rest.
 
-    An opening that rises lowers its own drive. So what a rate is in excess rises with it, and at least as much: its
-    root is no farther away than that excess.
+    An opening that rises lowers its own drive. So the residual of a rate rises with it, and at least as much: its root
+    is no farther away than that residual.
     """
     laws, work = run.network.laws, run.work.govern
     for _ in range(IN_TURN):

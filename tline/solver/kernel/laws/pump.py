@@ -2,7 +2,7 @@
 
 Constants: effort beyond the element, rise at rest at N = 1, 1 with a check valve, twice the energy of the rotor at
 N = 1, rise at rest at N = -1, the numbers of pieces for N >= 0 and for N < 0, the motor's torque times the rated speed
-when it starts, and what it gives now. Then for each of these two the inner borders of q/|N|, forms (a, b, c) of rise
+when it starts, and the present one. Then for each of these two the inner borders of q/|N|, forms (a, b, c) of rise
 less rise at rest = a N² + b |N| q + c q², and forms of the torque at N = 1. The control signal of a pump is its speed
 over the rated one.
 """

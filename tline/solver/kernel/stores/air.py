@@ -163,7 +163,7 @@ def air(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into an air valve at the points of a slab of width h, under the efforts v there.
 
     It opens at a root of v less the pressure outside; then follows a Radau IIA step up to where no air is left, and
-    liquid, as far as the outlet is open then. What flows in is projected on the slab. The step keeps the volume; if it
+    liquid, as far as the outlet is open then. The inflow is projected on the slab. The step keeps the volume; if it
     would add energy, the air comes nearer to the pressure outside, and if that does not do, the step is halved.
     """
     states, tools, flow, v, coef = store.states, store.tools, store.flow, store.v, store.coef

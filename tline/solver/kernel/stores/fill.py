@@ -1,8 +1,8 @@
 """One Radau IIA step of an element whose state y is one number.
 
-The state is seen through X(y), the root of twice the energy stored, so that the step cannot add energy (Hairer, Wanner:
-Solving Ordinary Differential Equations II, 1996, theorem IV.12.9). A store tells of y: X, dX/dy, its effort, and r
-where dX/dt = r i, of a rotor about; and behind an effort and an impedance the flow i, and dX/dt.
+The step is one of X(y), the root of twice the energy stored, so that it cannot add energy (Hairer, Wanner: Solving
+Ordinary Differential Equations II, 1996, theorem IV.12.9). A store gives of y: X, dX/dy, its effort, and r where dX/dt
+= r i, of a rotor about; and behind an effort and an impedance the flow i, and dX/dt.
 """
 
 import numpy as np
@@ -118,7 +118,7 @@ def fill(stored, entering, store, at, state, h, z, most):
     """Flows at the points of a slab of width h, under the efforts v there; nan at the last if none were found.
 
     A slab that is far too long for the element is divided, if it may be: not wave by wave, for flows that jump where
-    waves change a little may fit none. The flow in its parts is projected on the slab, which keeps what has flowed and
+    waves change a little may fit none. The flow in its parts is projected on the slab, which keeps the integral and
     adds no energy.
     """
     if not store.division[DIVIDED]:

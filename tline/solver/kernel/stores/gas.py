@@ -95,7 +95,7 @@ def is_missed(store, at, state, start, h):
 def gas(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into the gas at the points of a slab of width h, behind the efforts v and the impedance z.
 
-    With order 1 the volume is what has flowed, and the step found at once.
+    With order 1 the volume follows from the flow, and the step is found at once.
     """
     start, c, flow = store.states[state], store.constants, store.flow
     if store.division[DIVIDED] or flow.size == 1:

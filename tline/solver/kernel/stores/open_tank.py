@@ -1,8 +1,8 @@
 """Tank between a bottom and a rim, behind a loss for each direction. Its state is its effort.
 
 Constants: effort beyond the element, capacities of the loss inwards and outwards, capacitance, efforts at the bottom
-and at the rim. What comes in at the rim runs over: it passes the loss and nothing stores it. The rim is at zero or
-above, so that what runs over takes energy.
+and at the rim. Inflow at the rim runs over: it passes the loss and nothing stores it. The rim is at zero or above, so
+that the overflow takes energy.
 """
 
 import numpy as np

@@ -2,7 +2,7 @@
 
 Constants: effort beyond the element, capacity of the orifice, capacitance.
 
-What has a volume, by steps of Euler's implicit method: slabs of order 1, and any that are far too long.
+Elements with a volume, by steps of Euler's implicit method: slabs of order 1, and any that are far too long.
 """
 
 import numpy as np

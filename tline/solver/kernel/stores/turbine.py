@@ -1,7 +1,7 @@
 """Impulse turbine: its rotor turns as water and load let it, and its governor moves the gates.
 
 With d the drop, x the opening of the gates, n the speed over the rated one and R that of the runaway, the flow is
-i = C x sqrt(d), whatever the speed; the torque of the jets falls along a line to nothing at the runaway, as the blades
+i = C x sqrt(d), at any speed; the torque of the jets falls along a line to nothing at the runaway, as the blades
 go as fast as the water. Both rates are found with the flows by iteration over the points of a slab.
 
 Constants: effort beyond the element, capacity at the opening of the start, whether flow passes one way only, that

@@ -19,8 +19,8 @@ def freed(c, at, volume, share, d, z):
 def vapour(store: Store, at: int, state: int, h: float, z: float) -> int:
     """Flows into a vapour cavity at the points of a slab of width h, under the efforts v there.
 
-    It opens at a root of v less its pressure, and shuts where the integral has filled its volume again. What flows in
-    between is projected on the slab: that keeps the volume, and adds no energy.
+    The cavity opens at a root of v less its pressure, and shuts where the integral has filled its volume again. The
+    flow in between is projected on the slab: that keeps the volume, and adds no energy.
     """
     states, tools, flow, v, gauss, s = store.states, store.tools, store.flow, store.v, store.tools.gauss, store.v.size
     above, opened, piece, whole = store.coef, store.integral, store.piece, store.whole

@@ -1,6 +1,6 @@
 """Copies of a network advanced abreast: lines carry waves, nodes scatter them, as in the kernel of single runs.
 
-Values of waves at given instants, and what two orders differ by.
+Values of waves at given instants, and differences of two orders.
 """
 
 from typing import NamedTuple
@@ -49,7 +49,7 @@ class CopiesRun(NamedTuple):
     record_row: Integers  # (2 L,) row in the record of an end, or -1
     weight: Floats2  # (2 L, B) share of an arriving wave in the Thévenin wave
     maps: Floats5  # (rows, K, s + n, s + n, B) by columns
-    drive: Floats5  # (rows, periods, K, s, B), the last goes on: of nodes, then control signals, then what is beyond
+    drive: Floats5  # (rows, periods, K, s, B), the last goes on: of nodes, then control signals, then efforts beyond
     record: Floats5  # (rows, 2, n K, s, B) efforts and arriving waves of n periods
     offset: Integers  # (L + 1,) first period of a line's two buffers
     waves: Floats4  # (periods, K, s, B) all buffers
@@ -172,7 +172,7 @@ def respond_abreast(step, states, u, out):
 
 @function
 def scatter_abreast(u, waves):
-    """Send back from an end what the efforts leave of the arriving waves, for all copies."""
+    """Replace the arriving waves of an end by those sent back under the efforts, for all copies."""
     for j in range(waves.shape[0]):
         for c in range(waves.shape[1]):
             back = 2.0 * u[j, c] - waves[j, c]
@@ -261,6 +261,6 @@ def find_apart(runs: Apart) -> int:
 
 @function
 def raise_one(most, c, value):
-    """Let the largest value of a copy be no less than another; what is no number stays."""
+    """Raise the largest value of a copy to another; NaN persists."""
     if value > most[c] or value != value:
         most[c] = value
