@@ -136,6 +136,37 @@ def test_copies_are_runs_of_their_own(change):
             assert abs(found["highest"][k, j] - high) <= 2 * tol * most
 
 
+@pytest.mark.parametrize("start", ["rest", "steady"])
+def test_diodes_beside_loads_with_states_are_runs_of_their_own(start):
+    ramp = {"shape": "ramp", "from": 0.3 if start == "steady" else 0.0, "to": 3.0, "at": "0.4 ns", "duration": "0.7 ns"}
+    scene = tl.Scene(
+        medium="electrical",
+        start=start,
+        t_end="12 ns",
+        lines={
+            "in": {"nodes": ["near", "tee"], "z0": 50, "delay": "1 ns"},
+            "up": {"nodes": ["tee", "clamp"], "z0": 75, "delay": "1.5 ns"},
+            "on": {"nodes": ["tee", "receiver"], "z0": 60, "delay": "0.5 ns"},
+        },
+        loads={
+            "clamp": {"at": "clamp", "kind": "diode", "saturation": 1e-12},
+            "receiver": {"at": "receiver", "kind": "series", "resistance": 40, "capacitance": "4 pF"},
+        },
+        sources={"s": {"at": "near", "kind": "voltage", "value": ramp, "resistance": 25}},
+        probes={"clamp": {"at": "clamp"}, "receiver": {"at": "receiver"}},
+    )
+    capacitance, z0 = np.linspace(3e-12, 5e-12, 20), np.linspace(40, 60, 20)
+    numbers, times = {"loads.receiver.capacitance": capacitance, "lines.in.z0": z0}, TIMES * 2e-9
+    found = sweep(scene, numbers, sample="list", keep=["extremes", times], tol=1e-5)
+    assert found.method == "vectorised"
+    for k in (0, 7, 19):
+        alone = tl.simulate(scene.change({path: float(each[k]) for path, each in numbers.items()}), tol=1e-9)
+        for j, probe in enumerate(alone.probes.values()):
+            seen = probe.at(times)
+            for ours, theirs in ((found["u"], seen.u), (found["y"], seen.y)):
+                np.testing.assert_allclose(ours[k, j], theirs, rtol=0, atol=1e-5 * np.abs(theirs).max())
+
+
 def test_numbers_that_do_not_fit_are_told_beside_the_others():
     found = sweep(valve(), {"loads.valve.kv": [100.0, -1.0, 200.0, 300.0]}, tol=1e-4)
     assert found.method == "vectorised"

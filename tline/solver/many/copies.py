@@ -37,9 +37,9 @@ class Copies(NamedTuple):
     valid: NDArray  # (N,) whether those numbers fit there, and flows before t = 0 do not drown efforts in rounding
 
     @property
-    def linear(self) -> bool:
-        """Whether no element has a law."""
-        return all(junction.law is None for junction in self.junctions)
+    def judged(self) -> bool:
+        """Whether each has an error of its own, by laws or waveforms with other numbers."""
+        return not self.alike or any(junction.law is not None for junction in self.junctions)
 
 
 def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
@@ -68,9 +68,9 @@ def copies_of(description: Description, vary: Mapping[str, Floats]) -> Copies:
         for name, node in description.nodes.items()
         if node.ends
     ]
-    for node in description.nodes.values():
-        if laws and node.load is not None:
-            raise InputError(node.load_name, "keeps a state beside elements with a law", WHAT)
+    for name in laws:
+        if description.nodes[name].load is not None:
+            raise InputError(description.nodes[name].load_name, "keeps a state beside elements with a law", WHAT)
     start = before(description, junctions, z0, delays)
     effort, wave = np.abs(start).max(axis=1)
     valid &= wave <= DROWNING * effort

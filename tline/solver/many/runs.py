@@ -1,6 +1,6 @@
 """Many runs of one scene: copies side by side in the kernel, slabs and loads' maps of their own for each copy."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import repeat
 from math import inf
 from typing import NamedTuple
@@ -12,9 +12,10 @@ from scipy.special import ive
 from tline.errors import InputError
 from tline.scene.quantity import Role
 from tline.solver.description.description import Description
+from tline.solver.description.given import Shape
 from tline.solver.many.batches import ProbeOfCopies, run
 from tline.solver.many.copies import Copies, copies_of
-from tline.solver.many.period import breaks_of, cut, front_places, slab_edges
+from tline.solver.many.period import breaks_of, front_places, slab_edges
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.tolerance.compare import BETWEEN, SMALLEST_ESTIMATE
 
@@ -32,6 +33,7 @@ MOST_SLABS, HALVINGS = 400, 20  # of a period, and of one of them
 NOTHING = np.empty(0)
 CAUTION = BETWEEN / (1 - SLOWEST)  # ratio of errors of the finer run at any instant to differences at points
 Found = tuple[Floats, int, float]
+Choice = tuple[float, float, int, float, int]  # cost, expected error, parts, growth and order
 Apart = Callable[[Floats, int], Floats]
 TOLERANCE = Role("tolerance", "", at_least=1e-9, at_most=0.1)
 
@@ -54,9 +56,12 @@ def resolve(
         found = run(description, copies, edges, s, rows, NOTHING, judged=True).values()
         return np.nan_to_num(np.max([seen.apart.max(axis=0) for seen in found], axis=0), nan=inf)
 
-    if not copies.linear:
-        return min((_halved(apart, fronts, s, tol) for s in BY_HALVES), key=lambda found: _cost(found, tol))
-    return _foreseen(apart, fronts, _rates(description, loads, rows) * copies.unit[rows], rows, tol)
+    unit = copies.unit[rows]
+    if any(junction.law is not None for junction in copies.junctions):
+        choices = _choices(fronts[:, rows], _rates([], loads, rows) * unit, tol)
+        return min((_halved(apart, fronts, choices, s, tol) for s in BY_HALVES), key=lambda found: _cost(found, tol))
+    rates = _rates(description.waveforms.values(), loads, rows) * unit
+    return _foreseen(apart, fronts, rates, rows, tol / CAUTION if copies.judged else tol)
 
 
 def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol: float) -> Found:
@@ -78,22 +83,24 @@ def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol
     return best
 
 
-def _halved(apart: Apart, fronts: Floats, s: int, tol: float) -> Found:
-    """Halve slabs from front to front where they leave more than a share of the tolerance.
+def _halved(apart: Apart, fronts: Floats, choices: list[Choice], s: int, tol: float) -> Found:
+    """Slabs that follow the modes of loads are halved where they leave more than a share of the tolerance.
 
-    As no load keeps a state, waves arrive at a node and leave it at one place in the period: each slab is independent.
+    What arrives at a node has no other place in its period than what leaves: each slab answers for itself, and for what
+    it leaves to the states of loads.
     """
-    shares = [np.array([0.0, 1.0])] * (len(fronts) - 1)
-    edges = cut(fronts, shares)
+    own = [choice for choice in choices if choice[-1] == s]
+    enough = (choice for choice in own if choice[1] <= TOLERANCE_SHARE * tol)
+    _, expected, parts, growth, _ = next(enough, min(own, key=lambda choice: choice[1]))
+    edges = slab_edges(fronts, parts, growth)
+    told = CAUTION * apart(edges, s)
     for _ in range(HALVINGS):
-        told = CAUTION * apart(edges, s)
         if told.max() <= TOLERANCE_SHARE * tol or len(told) > MOST_SLABS:
             break
-        beyond = np.split(told > TOLERANCE_SHARE * tol, np.cumsum([len(each) - 1 for each in shares])[:-1])
-        middles = [(each[:-1] + each[1:])[far] / 2 for each, far in zip(shares, beyond, strict=True)]
-        shares = [np.sort(np.append(each, more)) for each, more in zip(shares, middles, strict=True)]
-        edges = cut(fronts, shares)
-    return edges, s, CAUTION * float(apart(edges, s).max())
+        beyond = np.flatnonzero(told > TOLERANCE_SHARE * tol)
+        edges = np.insert(edges, beyond + 1, (edges[beyond] + edges[beyond + 1]) / 2, axis=0)
+        told = CAUTION * apart(edges, s)
+    return edges, s, max(expected, float(told.max()))
 
 
 def _cost(found: Found, tol: float) -> tuple[bool, int]:
@@ -101,18 +108,18 @@ def _cost(found: Found, tol: float) -> tuple[bool, int]:
     return estimate > tol, len(edges) * s
 
 
-def _rates(description: Description, loads: list[Floats], rows: NDArray) -> Complexes:
+def _rates(waveforms: Iterable[Shape], loads: list[Floats], rows: NDArray) -> Complexes:
     """Rates of loads' modes and of waveforms in some copies, (…, copies), 1/s; those of waveforms are imaginary."""
     rates: Complexes = np.zeros((1, len(rows)), complex)
-    for waveform in description.waveforms.values():
+    for waveform in waveforms:
         rates = np.vstack([rates, np.full(len(rows), 1j / waveform.fastest())])
     for A in loads:
         rates = np.vstack([rates, np.linalg.eigvals(A[rows]).T.astype(complex)])
     return rates
 
 
-def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[tuple[float, float, int, float, int]]:
-    """List cost, expected error, parts, growth and order of all choices, by rising cost.
+def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[Choice]:
+    """Cost, expected error, parts, growth and order of what may be chosen, by rising cost.
 
     The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
     front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.
@@ -152,7 +159,7 @@ class ManyRuns(NamedTuple):
 
         Copies with laws, or waveforms of their own, are judged one by one, as single runs are.
         """
-        judged = not (self.copies.linear and self.copies.alike)
+        judged = self.copies.judged
         seen = run(self.description, self.copies, self.edges, self.order, rows, t, judged=judged)
         if not judged:
             return seen, np.full(len(rows), self.estimate)
