@@ -18,7 +18,7 @@ WINDOWS, SEED = 32, 5
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # of a window; every second one is a node of the rougher rule
 DIGITS = 1e-10  # of the largest magnitude of each column: what exact runs are held to
 TIMES_TOLD = 10.0  # by which estimates may be wrong, at single instants
-PEAK = 3.0  # times v_s, above which nothing is left of the Stribeck peak
+PEAK = 5.0  # times v_s, above which nothing is left of the Stribeck peak
 UNCERTAIN = 10.0  # share of the difference of two rules that is not held against a run
 
 
@@ -219,6 +219,7 @@ def _undisturbed(model: Model, bench: Testbench, at: Columns, events: Sequence[f
     t, v, force, pid = at["t"], at["v"], bench.force, bench.controller
     slow = np.minimum(np.abs(v[:, 1:]), np.abs(v[:, :-1])) < PEAK * _of(model, "v_s")
     hit = (slow & (np.abs(np.diff(v)) > _of(model, "v_s"))).any(axis=1)
+    hit |= np.ptp(at["mode"], axis=1) > 0  # as where a dead zone ends, which is no event
     if pid and pid.period:
         hit |= np.ptp(np.ceil((t[:, [0, -1]] - pid.delay) / pid.period + 1e-9 * np.array([-1, 1])), axis=1) > 0
     elif bench.spring and bench.spring.play:
