@@ -4,11 +4,9 @@ On the triangle 0 ≤ p ≤ q ≤ 1 polynomials of degree s are held by K = (s +
 takes is projected on these, and the flow likewise before friction is looked up. What leaves the triangle is
 interpolated at Radau's points: accurate at slab ends. Where that would make energy, it is projected on the polynomials
 of a slab: the transposed matrices do that, so energy is lost whatever the law (docs/theory.md).
-
-Lossy lines in a steady flow as arrays: waves before t = 0 on lines in diamonds.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
@@ -26,15 +24,12 @@ from tline.solver.description.lines import Line, distinct
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.diamonds.cells import CELL_ORDER
 from tline.solver.kernel.diamonds.full import PLACES, TERMS, lose_steadily, lost
-from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds, Memory
+from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds, Memory, Network, State
 from tline.solver.radau import Basis, basis, gauss
+from tline.solver.steady.edges import Ends
 
 if TYPE_CHECKING:
     from tline.solver.assembly.layout import Junctions, SlabGrid
-from collections.abc import Mapping
-
-from tline.solver.kernel.network import Network, State
-from tline.solver.steady.edges import Ends
 
 EXPONENT = 1023  # of 1.0, as numbers hold it
 EXACT, SHARE = 1e-15, 1e-6  # of the largest wave, and of what may be left out: changes that end an iteration
