@@ -4,8 +4,6 @@ Beside an arrival a line with a memory answers on all time scales at once, which
 exp(-sT) taken out, a path from a source to a node is a transfer function F(s) that has no delay. So its answer to a
 step and to a ramp is known on few slabs of any width: on the scene's own, from which it is taken away, exactly as it is
 a part of the run there, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
-
-When jumps of sources arrive where.
 """
 
 from collections.abc import Iterator

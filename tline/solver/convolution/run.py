@@ -2,10 +2,6 @@
 
 All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
 with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
-
-The envelope of a convolution, from what its lines record.
-
-Which scenes are convolutions, and on which slabs these are is_affordable.
 """
 
 import time
@@ -258,8 +254,6 @@ class Convolved:
         Where no law answers that is no matter: nothing is fed back.
         """
         slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
-        for bundle in self.network.bundles.values():
-            slabs[bundle.lines] = np.floor(bundle.delays / h * (1 + WHOLE))
         if self.laws is None:
             return slabs
         for k, line in self.network.lossy.items():

@@ -2,8 +2,6 @@
 
 What the grids are is the business of whoever brings them (`Grids`): orders and slabs, places of losses, slabs of
 convolutions. What a run is worth, what is given out, and what forbids a finer run is told here alone.
-
-How long a search may take, and what it expects to take.
 """
 
 import sys
