@@ -39,7 +39,7 @@ class Basis:
 
     def values(self, x: NDArray, polynomials: NDArray) -> NDArray:
         """Values of polynomials, each given at the points, shape (n, s), at places of its own, shape (n, places)."""
-        few = np.array_split(polynomials, len(polynomials) // ALONE + 1)
+        few = np.array_split(polynomials, len(polynomials) // ALONE + 1) if len(polynomials) > ALONE else [polynomials]
         series = np.concatenate([part @ self.to_legendre.T for part in few]).T[:, :, None]
         return legendre.legval(2 * x - 1, series, tensor=False)
 

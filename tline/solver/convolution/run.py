@@ -1,11 +1,7 @@
 """One run by convolution quadrature: the waves of a linear scene on slabs, from its answers in s.
 
-The scene is linear and time-invariant. So its change from the state before t = 0 is a convolution with the changes of
-its sources, and laws of lines are exact in s: no circuit approximates them.
-
-Envelope of a convolution, from its recorded lines.
-
-Scenes suited to convolution, and slabs on which it is affordable.
+All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
+with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
 """
 
 import time
@@ -258,8 +254,6 @@ class Convolved:
         Where no law answers that is no matter: nothing is fed back.
         """
         slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
-        for bundle in self.network.bundles.values():
-            slabs[bundle.lines] = np.floor(bundle.delays / h * (1 + WHOLE))
         if self.laws is None:
             return slabs
         for k, line in self.network.lossy.items():

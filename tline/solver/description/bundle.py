@@ -27,11 +27,6 @@ class Bundle(NamedTuple):
     added: bool
     conductance: NDArray
 
-    @property
-    def delays(self) -> NDArray:
-        """Delays of its modes without losses, s."""
-        return self.length * np.sqrt(self.inductance * self.capacitance)
-
     def series(self, s: NDArray) -> NDArray:
         """Z (n, k, k): sL + sqrt(R² + K² s), in units in which L is 1, or sL + R + K √s."""
         s, root = s[:, None, None], np.sqrt(self.inductance)
@@ -52,7 +47,7 @@ class Bundle(NamedTuple):
         """
         Z, Y = self.series(s), self.conductance + s[:, None, None] * np.diag(self.capacitance)
         squares, vectors = np.linalg.eig(Z @ Y)
-        gamma, inverse, first = np.sqrt(squares), np.linalg.inv(vectors), late[:, [int(self.delays.argmin())]]
+        gamma, inverse, first = np.sqrt(squares), np.linalg.inv(vectors), late[:, [np.abs(late).sum(axis=0).argmin()]]
         alone = np.sqrt(np.einsum("nkk,nkk->nk", Z, Y)) * self.length
         passed = (vectors * np.exp(-gamma * self.length - first)[:, None, :]) @ inverse
         np.einsum("nkk->nk", passed)[:] += np.exp(-alone - late) - np.exp(-alone - first)

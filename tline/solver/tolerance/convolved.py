@@ -79,11 +79,11 @@ class Convolutions(Grids):
         self.order = description.scene.solver.order or ORDER
         self.h = self._first_slab()
         self.jumps = arrivals(description)
-        bundles = self.scene.network.bundles.values()
-        lossy = [line.delay for line in description.lines.values() if line.losses is not None]
+        network, bundles = self.scene.network, self.scene.network.bundles.values()
+        lossy = [*network.lossy, *(k for bundle in bundles for k in bundle.lines)]
         jumping = any(len(each) for each in self.jumps.values())
-        self.settle = BLURRED * min([*lossy, *(bundle.delays.min() for bundle in bundles)]) if jumping else 0.0
-        self.alone = any(bundle.skin.any() for bundle in bundles)  # no other method computes these
+        self.settle = BLURRED * network.second * float(network.delays[lossy].min()) if jumping else 0.0
+        self.alone = any(bundle.skin.any() for bundle in bundles)  # other runs do not know that
         self.share, self.off = SLOWEST, inf
 
     def first(self) -> Result:
