@@ -212,6 +212,8 @@ class Graph(Nodes):
         """Input impedance of a line: characteristic impedance, propagation times length (T s if lossless), load."""
         if not propagation[0]:
             return load
+        if not z0[0] and load[0]:
+            return ZERO
         found = ONE, self.node("line", (z0, propagation, load))
         self.mark(found)
         return found

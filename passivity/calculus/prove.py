@@ -21,7 +21,7 @@ from passivity.calculus.fact import (
 )
 from passivity.calculus.graph import ZERO, Graph, Value
 from passivity.calculus.leaf import Waves, rational_facts
-from passivity.calculus.rewrite import Line, absorbing, lines, merged, rewritings
+from passivity.calculus.rewrite import Line, Rewriting, absorbing, lines, merged, rewritings
 from passivity.calculus.values import needed
 from passivity.delayed.boxes import ALL_RULES, prove_in_balls
 from passivity.errors import ExpressionError
@@ -50,6 +50,7 @@ class Prover:
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []
         self.known: dict[int, list[int]] = {}
+        self.seen: set[int] = set()  # nodes that were looked at
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
         self.waves: Waves | None = None
@@ -69,7 +70,9 @@ class Prover:
             self._run(self._rewrite(value[1], lambda k: self._best(value, goal, [k]) is not None, found))
             if found:
                 return found[0]
-            self.known = {n: steps for n, steps in self.known.items() if steps and (most or self._is_line(steps))}
+            keep = self._is_passive if most else lambda k: self.steps[k][2] == "line"
+            self.seen = {n for n in self.seen if any(map(keep, self.known[n]))}
+            self.known = {n: steps for n, steps in self.known.items() if most or n in self.seen}
         return None
 
     def strictly(self, kind: Kind, value: Value) -> bool:
@@ -83,9 +86,10 @@ class Prover:
             n = next(stack[-1], None)
             if n is None:
                 stack.pop()
-            elif n not in self.known:
+            elif n not in self.seen:
                 spend(_COST, "a proof by composition")
-                self.known[n] = []
+                self.seen.add(n)
+                self.known.setdefault(n, [])
                 stack.append(self._facts(n))
 
     def _waves(self, n: int) -> list[int]:
@@ -102,9 +106,6 @@ class Prover:
         """The marks among what a node is made of, in order."""
         return sorted(set(needed(self.graph, root)).intersection(self.graph.marks))
 
-    def _is_line(self, steps: list[int]) -> bool:
-        return any(self.steps[k][2] == "line" for k in steps)
-
     def _implying(self, value: Value, goal: Fact) -> int | None:
         return self._best(value, goal, self.known.get(value[1], ()))
 
@@ -117,8 +118,16 @@ class Prover:
     def _facts(self, n: int) -> Task:
         """Steps about a node, those that others imply left out."""
         yield from self._direct(n)
-        if not any(disc(self.steps[k][1]) for k in self.known[n]):
+        known = any(disc(self.steps[k][1]) for k in self.known[n])
+        if not known:
             yield from self._rewrite(n, lambda _: True, [])
+        elif self.most > DEPTHS[1] and self.graph.nodes[n][0] == "mul" and not any(map(self._is_passive, self.known[n])):
+            yield from self._rewrite(n, self._is_passive, [])
+
+    def _is_passive(self, k: int) -> bool:
+        """Whether a step says that something or its negative is positive real, or bounded real."""
+        fact = self.steps[k][1]
+        return tilt_of(fact) <= 1 or size_of(fact) <= 1
 
     def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
         """Apply a rule, and keep what is new."""
@@ -310,7 +319,7 @@ class Prover:
         ]
         if all(x < math.inf for x, _ in angles):
             c, squared = graph.product([(Fraction(1), n)], [2])
-            if c > 0 and squared != n and graph.is_rational[squared]:
+            if c > 0 and squared != n and not any(graph.nodes[m][0] == "sqrt" for m in needed(graph, squared)):
                 yield squared
                 for k in list(self.known[squared]):
                     self.follow(n, "square", [k, *(x for _, x in angles)], [written(c), [e for _, e in pieces]])
@@ -369,7 +378,7 @@ class Prover:
             return
         self.depth += 1
         try:
-            for upside_down, (c, m), cut in rewritings(self.graph, n):
+            for upside_down, (c, m), cut in self._ways(n):
                 self.rewritten += 1
                 if self.rewritten > MAX_REWRITINGS:
                     return
@@ -385,6 +394,14 @@ class Prover:
             return
         finally:
             self.depth -= 1
+
+
+    def _ways(self, n: int) -> Iterator[Rewriting]:
+        """Other ways to write a node, then its inverse."""
+        yield from rewritings(self.graph, n)
+        if self.graph.nodes[n][0] == "mul":
+            m = self.graph.inverse((Fraction(1), n))[1]
+            yield from ((not upside_down, value, cut) for upside_down, value, cut in rewritings(self.graph, m))
 
 
 def _alike(graph: Graph, a: int, b: int) -> bool:

@@ -192,6 +192,8 @@ def absorbing(graph: Graph, line: Line) -> Iterator[tuple[Value, list[int]]]:
     wave, minus = graph.function("exp", graph.scaled(through, -2)), (Fraction(-1), 0)
     for above, below, sign in ((z0, load, 1), (load, z0, -1)) if load[0] else ():
         one = graph.sum([UNIT, graph.product([above, below], [1, -1])])
+        if not one[0]:  # Z = -A, which passes through any line
+            return
         h = graph.sum([graph.scaled(graph.inverse(one), 2 * sign), graph.scaled(minus, sign)])
         less = graph.sum([UNIT, graph.scaled(graph.product([wave, h]), -1)])
         whole = graph.sum([graph.scaled(graph.inverse(less), 2), minus])
