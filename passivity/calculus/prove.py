@@ -21,7 +21,7 @@ from passivity.calculus.fact import (
 )
 from passivity.calculus.graph import ZERO, Graph, Value
 from passivity.calculus.leaf import Waves, rational_facts
-from passivity.calculus.rewrite import Line, Rewriting, absorbing, lines, merged, rewritings
+from passivity.calculus.rewrite import Line, absorbing, lines, merged, rewritings
 from passivity.calculus.values import needed
 from passivity.delayed.boxes import ALL_RULES, prove_in_balls
 from passivity.errors import ExpressionError
@@ -29,12 +29,8 @@ from passivity.expression.number import written
 from passivity.status import Kind
 from passivity.verifier import disc, implies, scaled, turn
 
-DEPTHS = (
-    0,
-    2,
-    4,
-    6,
-)  # of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
+# of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
+DEPTHS = (0, 2, 4, 6)
 MAX_REWRITINGS = 60  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
@@ -118,16 +114,14 @@ class Prover:
     def _facts(self, n: int) -> Task:
         """Steps about a node, those that others imply left out."""
         yield from self._direct(n)
-        known = any(disc(self.steps[k][1]) for k in self.known[n])
-        if not known:
+        if not any(disc(self.steps[k][1]) for k in self.known[n]):
             yield from self._rewrite(n, lambda _: True, [])
-        elif self.most > DEPTHS[1] and self.graph.nodes[n][0] == "mul" and not any(map(self._is_passive, self.known[n])):
+        elif self.most > DEPTHS[1] and self.graph.nodes[n][0] == "mul" and not self._is_passive(*self.known[n]):
             yield from self._rewrite(n, self._is_passive, [])
 
-    def _is_passive(self, k: int) -> bool:
-        """Whether a step says that something or its negative is positive real, or bounded real."""
-        fact = self.steps[k][1]
-        return tilt_of(fact) <= 1 or size_of(fact) <= 1
+    def _is_passive(self, *steps: int) -> bool:
+        """Whether one of some steps says that something or its negative is positive real, or bounded real."""
+        return any(tilt_of(self.steps[k][1]) <= 1 or size_of(self.steps[k][1]) <= 1 for k in steps)
 
     def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
         """Apply a rule, and keep what is new."""
@@ -378,7 +372,7 @@ class Prover:
             return
         self.depth += 1
         try:
-            for upside_down, (c, m), cut in self._ways(n):
+            for upside_down, (c, m), cut in rewritings(self.graph, n):
                 self.rewritten += 1
                 if self.rewritten > MAX_REWRITINGS:
                     return
@@ -394,14 +388,6 @@ class Prover:
             return
         finally:
             self.depth -= 1
-
-
-    def _ways(self, n: int) -> Iterator[Rewriting]:
-        """Other ways to write a node, then its inverse."""
-        yield from rewritings(self.graph, n)
-        if self.graph.nodes[n][0] == "mul":
-            m = self.graph.inverse((Fraction(1), n))[1]
-            yield from ((not upside_down, value, cut) for upside_down, value, cut in rewritings(self.graph, m))
 
 
 def _alike(graph: Graph, a: int, b: int) -> bool:

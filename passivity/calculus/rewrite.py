@@ -13,7 +13,14 @@ Reading = tuple[bool, int, Line, list[int]]  # as before, of 1 or -1 times a lin
 
 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
-    """Other ways to write a node, the promising first."""
+    """Other ways to write a node, the promising first; then its inverse, if it is a product."""
+    yield from _written(graph, n)
+    if graph.nodes[n][0] == "mul":
+        inverse = graph.inverse((Fraction(1), n))[1]
+        yield from ((not upside_down, value, cut) for upside_down, value, cut in _written(graph, inverse))
+
+
+def _written(graph: Graph, n: int) -> Iterator[Rewriting]:
     powers = graph.powers(n)
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
