@@ -221,3 +221,29 @@ def _atoms(graph: Graph, nodes: list[int], deeper: int = -1) -> list[int]:
             inner = graph.terms(b) if b in (deeper, n) and graph.nodes[b][0] == "sum" else {b: 1}
             found |= {x for m in inner for x in graph.powers(m) if graph.nodes[x][0] in ("sum", "line")}
     return sorted(found - {deeper})
+
+
+def pieces_of(graph: Graph, powers: dict[int, int]) -> list[tuple[int, int]]:
+    """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
+    left = dict(powers)
+    found: list[tuple[int, int]] = []
+    for chosen in (
+        {b: e for b, e in left.items() if not graph.moves[b]},
+        {b: e for b, e in left.items() if graph.moves[b] and graph.is_rational[b]},
+    ):
+        if chosen and len(chosen) < len(powers):
+            found.append((_powered(graph, chosen)[1], 1))
+            left = {b: e for b, e in left.items() if b not in chosen}
+    sums = [b for b in left if graph.nodes[b][0] == "sum"]
+    for a in sums:
+        for b in sums:
+            if left.get(a, 0) > 0 > left.get(b, 0) and len(left) + len(found) > 2 and _alike(graph, a, b):
+                found.append((_powered(graph, {a: 1, b: -1})[1], 1))
+                left[a], left[b] = left[a] - 1, left[b] + 1
+    return found + [(b, e) for b, e in left.items() if e]
+
+
+def _alike(graph: Graph, a: int, b: int) -> bool:
+    """Whether two sums differ in the signs of their terms alone."""
+    up, down = graph.terms(a), graph.terms(b)
+    return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())
