@@ -120,7 +120,7 @@ class Prover:
         yield from self._direct(n)
         if not any(disc(self.steps[k][1]) for k in self.known[n]):
             yield from self._rewrite(n, lambda _: True, [])
-        elif self.most > DEPTHS[1] and self.graph.nodes[n][0] == "mul" and not self._is_passive(*self.known[n]):
+        elif self.most and self.graph.nodes[n][0] == "mul" and not self._is_passive(*self.known[n]):
             yield from self._rewrite(n, self._is_passive, [])
 
     def _is_passive(self, *steps: int) -> bool:
