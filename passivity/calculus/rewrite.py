@@ -217,7 +217,7 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
         if not more[0]:
             return None
         load = graph.product([z0, less, more], [1, 1, -1])
-    if z0[0] == 0 or x == 0 or (kind == "tanh" and x < 0):
+    if z0[0] == 0 or x == 0 or (kind == "tanh" and x < 0) or load == graph.scaled(z0, -1):
         return None
     sign = 1 if z0[0] > 0 else -1
     cut = _factors(graph, z0[1]) | _factors(graph, load[1]) | ({t} if kind == "tanh" else set())
@@ -243,8 +243,6 @@ def absorbing(graph: Graph, line: Line) -> Iterator[tuple[Value, list[int]]]:
     wave, minus = graph.function("exp", graph.scaled(through, -2)), (Fraction(-1), 0)
     for above, below, sign in ((z0, load, 1), (load, z0, -1)) if load[0] else ():
         one = graph.sum([UNIT, graph.product([above, below], [1, -1])])
-        if not one[0]:  # Z = -A, which passes through any line
-            return
         h = graph.sum([graph.scaled(graph.inverse(one), 2 * sign), graph.scaled(minus, sign)])
         less = graph.sum([UNIT, graph.scaled(graph.product([wave, h]), -1)])
         whole = graph.sum([graph.scaled(graph.inverse(less), 2), minus])
