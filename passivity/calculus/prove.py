@@ -31,7 +31,7 @@ from passivity.verifier import disc, implies, scaled, turn
 
 # of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
 DEPTHS = (0, 2, 4, 6)
-MAX_REWRITINGS = 60  # of what one mark needs
+MAX_REWRITINGS = 120  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
