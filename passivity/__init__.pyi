@@ -36,7 +36,6 @@ from passivity.status import Kind as Kind
 from passivity.status import Status as Status
 from passivity.symbolic.assumption import Range as Range
 from passivity.symbolic.assumption import parse_assumption as parse_assumption
-from passivity.symbolic.check import check_symbolic as check_symbolic
 from passivity.symbolic.formula import Condition as Condition
 from passivity.verdict import Certificate as Certificate
 from passivity.verdict import Margin as Margin

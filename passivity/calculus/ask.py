@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from itertools import islice
 from typing import Any
@@ -18,17 +17,16 @@ from passivity.calculus.leaf import Waves, function_of
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.question import Question
-from passivity.calculus.read import read, statements
-from passivity.calculus.rewrite import Line
+from passivity.calculus.read import free_names, read, trees
+from passivity.calculus.rewrite import Line as Reading
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
 from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
 from passivity.expression.number import digits
-from passivity.expression.parse import parse
-from passivity.expression.tree import is_rational, symbols
-from passivity.rational.evaluate import Exact, exact, of_tree
+from passivity.expression.tree import Line, is_rational, nodes
+from passivity.rational.evaluate import Exact, check_names, exact, of_tree
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
 from passivity.symbolic.assumption import Range, assumed, random_values
@@ -112,7 +110,7 @@ def is_bounded_real(
 def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, Exact] | None = None) -> Any:
     """The verdict of `is_positive_real` or `is_bounded_real`."""
     if isinstance(what, str):
-        return of_text(what, kind, assume, values)
+        return _noted(what, kind, [assume] if isinstance(assume, str) else list(assume), values)
     if assume or values:
         problem = "says nothing about a function without names"
         raise ExpressionError("assume" if assume else "values", problem, "it beside a text")
@@ -124,6 +122,28 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
     return check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
 
 
+def _noted(text: str, kind: Kind, assume: list[str], values: Mapping[str, Exact] | None) -> Verdict:
+    """The verdict on a text; assumptions of names that are not in it count for nothing, and it says so."""
+    names = free_names(text)
+    about = [min({*assumed([each])[0]}) for each in assume]
+    verdict = of_text(text, kind, [each for each, name in zip(assume, about, strict=True) if name in names], values)
+    if not (unused := ", ".join(sorted({*about} - names))):
+        return verdict
+    listed = f"its names are {', '.join(sorted(names)):.200}" if names else "it has no names"
+    note = f"what is assumed of {unused:.200} counts for nothing, it is not in the expression: {listed}"
+    verdict = replace(verdict, note="; ".join(filter(None, (verdict.note, note))))
+    return _with_values(verdict, assumed(assume)[1])
+
+
+def _with_values(verdict: Verdict, ranges: list[Range]) -> Verdict:
+    """The verdict with values of names that do not matter in its witness."""
+    if verdict.witness is None:
+        return verdict
+    return replace(
+        verdict, witness=replace(verdict.witness, names={**next(random_values(ranges)), **verdict.witness.names})
+    )
+
+
 def of_text(
     text: str,
     kind: Kind,
@@ -131,37 +151,44 @@ def of_text(
     values: Mapping[str, Exact] | None = None,
     statement: str = "",
 ) -> Verdict:
-    """The verdict on a text, by the first way that leads to one."""
+    """The verdict on a text, by the first way that leads to one.
+
+    Raises
+    ------
+    ExpressionError
+        For a name of which nothing is known, for a value or an assumption of a name that is not there, and for what
+        `passivity.calculus.read.read` refuses.
+    """
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
-    if "s" in numbers:
-        raise ExpressionError("parameter s", "s is the Laplace variable", "values of other names")
-    assume = [assume] if isinstance(assume, str) else list(assume)
+    assume = list(assume)
     facts, ranges = assumed(assume)
+    ranges.sort(key=lambda r: r.name)
+    names = free_names(text)
+    check_names(names, {**numbers, **facts}, "no value and no assumption")
     under = f" for all {', '.join(map(str, assume))}" if assume else ""
     statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
     numbers |= {r.name: r.low for r in ranges if r.is_point and r.low is not None and r.name not in numbers}
     facts = {name: fact for name, fact in facts.items() if name not in numbers}
     made = partial(Verdict, kind, None, statement=statement, asked=(text, numbers, facts))
-    plain = parse(text, lines=True) if len(statements(text)) == 1 else None
-    if plain is not None and is_rational(plain) and symbols(plain) <= {"s", *numbers} - facts.keys():
+    (_, plain), *more = trees(text)
+    if not more and is_rational(plain) and not facts and names <= numbers.keys():
         # with what numerator and denominator have in common, and 1/0
         return _exact(made, of_tree(plain, numbers))
     graph = Graph(facts)
-    value = read(graph, text, numbers)
-    question = Question(graph, value, CLAIMS[kind], text, numbers)
-    names = {graph.nodes[n][1][0] for n in needed(graph, value[1]) if graph.nodes[n][0] == "name"}
-    if not names:
-        return _with_numbers(made, kind, question, next(random_values(ranges)))
-    if plain is None or "line(" in text or any(facts[name][0] == "disc" for name in names):
-        return _with_names(made, question, ranges)
-    return _with_parameters(made, kind, question, [r for r in ranges if r.name in names])
+    question = Question(graph, read(graph, text, numbers), CLAIMS[kind], text, numbers)
+    left = {graph.nodes[n][1][0] for n in needed(graph, question.value[1]) if graph.nodes[n][0] == "name"}
+    if not left:
+        return _with_values(_with_numbers(made, kind, question), ranges)
+    made = partial(made, ranges=tuple(r for r in ranges if r.name in left and facts[r.name][0] == "real"))
+    structured = bool(more) or any(isinstance(node, Line) for node in nodes(plain))
+    return _with_names(made, question, [r for r in ranges if r.name in left], structured)
 
 
 def _exact(made: partial, r: RationalFunction) -> Verdict:
     return replace(check(r, made.args[0]), **made.keywords)
 
 
-def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping[str, Fraction]) -> Verdict:
+def _with_numbers(made: partial, kind: Kind, question: Question) -> Verdict:
     """The first of the ways that leads to an answer; each has its own budget."""
     graph, value = question.graph, question.value
     long, prover = len(graph.nodes) > _LONG, Prover(graph)
@@ -179,7 +206,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question, unused: Mapping
     missing: list[str] = []
     if found := _at_once(made, question, prover):
         return found[0]
-    search, active = Search(question, unused), prover.active()
+    search, active = Search(question, {}), prover.active()
     ways = (
         lambda: _refuted(made, search.glance()),
         lambda: _in_waves(made, kind, question, search),
@@ -242,7 +269,12 @@ def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) ->
 
 
 def _in_balls(
-    made: partial, kind: Kind, question: Question, search: Search, prover: Prover, active: list[tuple[int, int, Line]]
+    made: partial,
+    kind: Kind,
+    question: Question,
+    search: Search,
+    prover: Prover,
+    active: list[tuple[int, int, Reading]],
 ) -> list[Verdict]:
     """By balls about the load of the line farthest from the input that rules do not find passive, else about all."""
     for _, _, (_, _, load) in active[:1]:
@@ -259,31 +291,31 @@ def _in_balls(
         raise
 
 
-def _with_names(made: partial, question: Question, ranges: list[Range]) -> Verdict:
-    """For any values of the names, and any functions."""
-    prover = Prover(question.graph)
+def _with_names(made: partial, question: Question, ranges: list[Range], structured: bool) -> Verdict:
+    """For any values of the names, and any functions: by rules, and of parameters by polynomials in them."""
+    prover, parameters = Prover(question.graph), all(question.graph.names[r.name][0] == "real" for r in ranges)
+    look_first = structured or not parameters
     try:
         if found := _at_once(made, question, prover):
             return found[0]
-        with budget(VERDICT):
-            if found := _glanced(made, question, ranges) or _proved(made, question, prover, DEPTHS[1:]):
+        with budget(VERDICT if look_first else VERDICT // 4):
+            seen = _glanced(made, question, ranges) if look_first else []
+            if found := seen or _proved(made, question, prover, DEPTHS[1:]):
                 return found[0]
         limit = "no rule applies and no counterexample was found"
     except UndecidedError as error:
         limit = str(error)
+    if parameters:
+        from passivity.symbolic.check import decide
+
+        with budget(VERDICT):
+            verdict = decide(question, made)
+        if verdict.status is Status.UNDECIDED and not look_first:
+            return next(iter(if_affordable(_EACH, _glanced, made, question, ranges) or [verdict]))
+        if verdict.status is not Status.UNDECIDED:
+            return verdict
     helps = settling(question.graph, question.value, question.claim)
     return made(Status.UNDECIDED, reason=f"{limit}; it would be settled by {' or '.join(helps)}" if helps else limit)
-
-
-def _with_parameters(made: partial, kind: Kind, question: Question, ranges: list[Range]) -> Verdict:
-    """For any values of parameters: by polynomials too, which tell the exact condition."""
-    from passivity.symbolic.check import decide
-
-    with budget(VERDICT):
-        verdict = decide(question, kind, tuple(ranges), made.keywords["statement"])
-    if verdict.status is Status.UNDECIDED and (shown := if_affordable(_EACH, _glanced, made, question, ranges)):
-        return shown[0]
-    return replace(verdict, asked=made.keywords["asked"])
 
 
 def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Verdict]:

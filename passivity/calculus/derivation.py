@@ -14,7 +14,7 @@ from flint import acb
 
 from passivity.calculus.ask import is_bounded_real, is_positive_real
 from passivity.calculus.graph import Graph
-from passivity.calculus.read import read, statements
+from passivity.calculus.read import free_names, read
 from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict, Witness
@@ -142,9 +142,8 @@ def _checked(what: str, left: str, right: str, given: dict[str, str]) -> tuple[s
 
 def is_equation(left: str, right: str) -> bool:
     """Whether two texts are the same quotient of polynomials in their names, by the rule `equal` of the verifier."""
-    names = {name for text in (left, right) for name in re.findall(r"[^\W\d]\w*", text)} - {"let", "s", "sqrt"}
-    defined = {name for text in (left, right) for name, _ in statements(text)}
-    graph = Graph(dict.fromkeys(sorted(names - defined), ("real", float("-inf"), float("inf"))))
+    names = sorted(free_names(left) | free_names(right))
+    graph = Graph(dict.fromkeys(names, ("real", float("-inf"), float("inf"))))
 
     def side(text: str) -> tuple[dict, dict]:
         c, n = read(graph, text)

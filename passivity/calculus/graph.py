@@ -210,8 +210,10 @@ class Graph(Nodes):
 
     def line(self, z0: Value, propagation: Value, load: Value) -> Value:
         """Input impedance of a line: characteristic impedance, propagation times length (T s if lossless), load."""
-        if not propagation[0]:
+        if not propagation[0] or load == self.scaled(z0, -1):  # which passes through any line
             return load
+        if not z0[0] and load[0]:
+            return ZERO
         found = ONE, self.node("line", (z0, propagation, load))
         self.mark(found)
         return found

@@ -21,7 +21,7 @@ from passivity.calculus.fact import (
 )
 from passivity.calculus.graph import ZERO, Graph, Value
 from passivity.calculus.leaf import Waves, rational_facts
-from passivity.calculus.rewrite import Line, absorbing, lines, merged, rewritings
+from passivity.calculus.rewrite import Line, absorbing, lines, merged, pieces_of, rewritings
 from passivity.calculus.values import needed
 from passivity.delayed.boxes import ALL_RULES, prove_in_balls
 from passivity.errors import ExpressionError
@@ -29,13 +29,9 @@ from passivity.expression.number import written
 from passivity.status import Kind
 from passivity.verifier import disc, implies, scaled, turn
 
-DEPTHS = (
-    0,
-    2,
-    4,
-    6,
-)  # of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
-MAX_REWRITINGS = 60  # of what one mark needs
+# of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
+DEPTHS = (0, 2, 4, 6)
+MAX_REWRITINGS = 120  # of what one mark needs
 _COST = 60_000
 _EQUALITY = VERDICT // 10
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
@@ -50,9 +46,14 @@ class Prover:
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []
         self.known: dict[int, list[int]] = {}
+        self.seen: set[int] = set()  # nodes that were looked at
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
         self.waves: Waves | None = None
+        self.products: dict[int, list[int]] = {}  # those with a base in them
+        for m, (kind, parts) in enumerate(graph.nodes):
+            for b, _ in parts if kind == "mul" and len(parts) > 1 else ():
+                self.products.setdefault(b, []).append(m)
 
     def reach(self, value: Value, goal: Fact, depths: tuple[int, ...] = DEPTHS) -> int | None:
         """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
@@ -69,7 +70,9 @@ class Prover:
             self._run(self._rewrite(value[1], lambda k: self._best(value, goal, [k]) is not None, found))
             if found:
                 return found[0]
-            self.known = {n: steps for n, steps in self.known.items() if steps and (most or self._is_line(steps))}
+            keep = self._is_passive if most else lambda k: self.steps[k][2] == "line"
+            self.seen = {n for n in self.seen if any(map(keep, self.known[n]))}
+            self.known = {n: steps for n, steps in self.known.items() if most or n in self.seen}
         return None
 
     def strictly(self, kind: Kind, value: Value) -> bool:
@@ -83,9 +86,10 @@ class Prover:
             n = next(stack[-1], None)
             if n is None:
                 stack.pop()
-            elif n not in self.known:
+            elif n not in self.seen:
                 spend(_COST, "a proof by composition")
-                self.known[n] = []
+                self.seen.add(n)
+                self.known.setdefault(n, [])
                 stack.append(self._facts(n))
 
     def _waves(self, n: int) -> list[int]:
@@ -102,9 +106,6 @@ class Prover:
         """The marks among what a node is made of, in order."""
         return sorted(set(needed(self.graph, root)).intersection(self.graph.marks))
 
-    def _is_line(self, steps: list[int]) -> bool:
-        return any(self.steps[k][2] == "line" for k in steps)
-
     def _implying(self, value: Value, goal: Fact) -> int | None:
         return self._best(value, goal, self.known.get(value[1], ()))
 
@@ -119,6 +120,12 @@ class Prover:
         yield from self._direct(n)
         if not any(disc(self.steps[k][1]) for k in self.known[n]):
             yield from self._rewrite(n, lambda _: True, [])
+        elif self.most and self.graph.nodes[n][0] == "mul" and not self._is_passive(*self.known[n]):
+            yield from self._rewrite(n, self._is_passive, [])
+
+    def _is_passive(self, *steps: int) -> bool:
+        """Whether one of some steps says that something or its negative is positive real, or bounded real."""
+        return any(tilt_of(self.steps[k][1]) <= 1 or size_of(self.steps[k][1]) <= 1 for k in steps)
 
     def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
         """Apply a rule, and keep what is new."""
@@ -282,9 +289,26 @@ class Prover:
         for k in list(self.known.get(graph.opposite(n) or 0, ())):
             self.follow(n, "product", [k], [-1])
         yield from self._means(n, powers)
-        pieces = self.pieces(n, powers)
-        if len(pieces) < 2 and pieces[0][1] in (1, -1):
-            return
+        pieces = pieces_of(graph, powers)
+        if len(pieces) > 1 or pieces[0][1] not in (1, -1):
+            yield from self._multiplied(n, pieces)
+            yield from self._roots(n, pieces)
+        if self.most and not self._is_passive(*self.known[n]) and (units := self._units(n, powers)):
+            yield from self._multiplied(n, units)
+
+    def _units(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
+        """Products that were there from the beginning, and what is left of some powers; nothing if there are none."""
+        left, found = dict(powers), []
+        for m in sorted({m for b in powers for m in self.products.get(b, ())}, reverse=True):
+            inner = self.graph.powers(m)
+            if m != n and len(inner) < len(left) and inner.items() <= left.items():
+                found.append((m, 1))
+                left = {b: e for b, e in left.items() if b not in inner}
+        return [*found, *left.items()] if found else []
+
+    def _multiplied(self, n: int, pieces: list[tuple[int, int]]) -> Task:
+        """A product, from the sharpest facts about the nodes whose powers it is made of."""
+        graph = self.graph
         exponents = [e for _, e in pieces]
         yield from (m for m, _ in pieces)
         known = [[(self.steps[k][1], k) for k in self.known[m]] for m, _ in pieces]
@@ -298,7 +322,6 @@ class Prover:
                 self.follow(n, "product", [k for _, k in best], exponents)
             if not self.most and self.right(n) is not None:
                 return
-        yield from self._roots(n, pieces)
 
     def _roots(self, n: int, pieces: list[tuple[int, int]]) -> Task:
         """A product of roots, from its square."""
@@ -310,29 +333,10 @@ class Prover:
         ]
         if all(x < math.inf for x, _ in angles):
             c, squared = graph.product([(Fraction(1), n)], [2])
-            if c > 0 and squared != n and graph.is_rational[squared]:
+            if c > 0 and squared != n and not any(graph.nodes[m][0] == "sqrt" for m in needed(graph, squared)):
                 yield squared
                 for k in list(self.known[squared]):
                     self.follow(n, "square", [k, *(x for _, x in angles)], [written(c), [e for _, e in pieces]])
-
-    def pieces(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
-        """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
-        graph, left = self.graph, dict(powers)
-        found: list[tuple[int, int]] = []
-        for chosen in (
-            {b: e for b, e in left.items() if not graph.moves[b]},
-            {b: e for b, e in left.items() if graph.moves[b] and graph.is_rational[b]},
-        ):
-            if chosen and len(chosen) < len(powers):
-                found.append((graph.product([(Fraction(1), b) for b in chosen], chosen.values())[1], 1))
-                left = {b: e for b, e in left.items() if b not in chosen}
-        sums = [b for b in left if graph.nodes[b][0] == "sum" and graph.moves[b]]
-        for a in sums:
-            for b in sums:
-                if left.get(a, 0) > 0 > left.get(b, 0) and len(left) + len(found) > 2 and _alike(graph, a, b):
-                    found.append((graph.product([(Fraction(1), a), (Fraction(1), b)], [1, -1])[1], 1))
-                    left[a], left[b] = left[a] - 1, left[b] + 1
-        return found + [(b, e) for b, e in left.items() if e]
 
     def _means(self, n: int, powers: dict[int, int]) -> Task:
         """log(1 + X)/X and (1 - exp(-X))/X."""
@@ -385,9 +389,3 @@ class Prover:
             return
         finally:
             self.depth -= 1
-
-
-def _alike(graph: Graph, a: int, b: int) -> bool:
-    """Whether two sums differ in the signs of their terms alone."""
-    up, down = graph.terms(a), graph.terms(b)
-    return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())

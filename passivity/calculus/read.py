@@ -4,13 +4,15 @@ let h2 = (Z2 - z0)/(Z2 + z0); let h1 = exp(-2*T*s)*h2; (1 - h1)/(1 + h1)
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
+from functools import lru_cache
 
 from passivity.calculus.graph import Graph, Value
 from passivity.errors import ExpressionError, shorten
 from passivity.expression.parse import parse
-from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol
+from passivity.expression.tree import Add, Call, Divide, Line, Multiply, Negate, Node, Number, Power, Symbol, symbols
 
 _LET = re.compile(r"let\s+([^\W\d]\w*)\s*=(.*)", re.DOTALL)
 
@@ -40,6 +42,35 @@ def statements(text: str) -> list[tuple[str, str]]:
     return found or [("", text)]
 
 
+@lru_cache(maxsize=8)
+def trees(text: str) -> tuple[tuple[str, Node], ...]:
+    """The same with a tree for each expression."""
+    found, given = [], statements(text)
+    for name, expression in given:
+        with _within(name, len(given)):
+            found.append((name, parse(expression, lines=True)))
+    return tuple(found)
+
+
+def free_names(text: str) -> set[str]:
+    """The names in a text that it does not define, without s."""
+    found: set[str] = set()
+    defined = {"s"}
+    for name, tree in trees(text):
+        found |= symbols(tree) - defined
+        defined.add(name)
+    return found
+
+
+@contextmanager
+def _within(name: str, count: int) -> Iterator[None]:
+    """Say in which of several statements a mistake is."""
+    try:
+        yield
+    except ExpressionError as error:
+        raise (error if count == 1 else error.within(f"let {name}" if name else "the last expression")) from error
+
+
 def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) -> Value:
     """The value of a text, in a graph that knows what is assumed of each of its names.
 
@@ -59,15 +90,10 @@ def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) 
     known: dict[str, Value] = {name: (x, 0) for name, x in (values or {}).items()}
     known |= {name: graph.name(name) for name in graph.names}
     known["s"] = graph.s
-    value, given = graph.s, statements(text)
-    for name, expression in given:
-        try:
-            value = _Reader(graph, known).value(parse(expression, lines=True))
-        except ExpressionError as error:
-            if len(given) == 1:
-                raise
-            where = f"{f'let {name}' if name else 'the last expression'}{', ' if error.where else ''}{error.where}"
-            raise ExpressionError(where, error.problem, error.expected, error.got) from error
+    value, given = graph.s, trees(text)
+    for name, tree in given:
+        with _within(name, len(given)):
+            value = _Reader(graph, known).value(tree)
         if name:
             known[name] = value
         graph.mark(value)

@@ -2,10 +2,16 @@
 
 from collections.abc import Iterator
 from fractions import Fraction
+from math import prod
 from typing import Any
 
+from flint import Ordering, fmpq_mpoly, fmpq_mpoly_ctx
+
 from passivity.calculus.graph import UNIT, ZERO, Graph, Value
+from passivity.polynomial.roots import to_fmpq
 from passivity.verifier import added
+
+MAX_TERMS = 40  # of sums that are multiplied out
 
 Rewriting = tuple[bool, Value, list[int]]  # of the inverse instead; the value; nodes that are not looked into
 Line = tuple[Value, Value, Value]  # z0, propagation, load
@@ -13,13 +19,21 @@ Reading = tuple[bool, int, Line, list[int]]  # as before, of 1 or -1 times a lin
 
 
 def rewritings(graph: Graph, n: int) -> Iterator[Rewriting]:
-    """Other ways to write a node, the promising first."""
+    """Other ways to write a node, the promising first; then its inverse, if it is a product."""
+    yield from _written(graph, n)
+    if graph.nodes[n][0] == "mul":
+        inverse = graph.inverse((Fraction(1), n))[1]
+        yield from ((not upside_down, value, cut) for upside_down, value, cut in _written(graph, inverse))
+
+
+def _written(graph: Graph, n: int) -> Iterator[Rewriting]:
     powers = graph.powers(n)
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
     yield from _remainder(graph, powers, sums)
     yield from _parallel(graph, powers, sums)
     yield from _conjugate(graph, n)
+    yield from _cancelled(graph, powers, sums)
     if not graph.moves[n]:
         return
     yield from _spread(graph, powers, [b for b in sums if graph.moves[b]])
@@ -35,6 +49,43 @@ def _conjugate(graph: Graph, n: int) -> Iterator[Rewriting]:
         if difference[0] and all(graph.is_rational[m] for _, m in squares):
             less = graph.sum([a, graph.scaled(b, -1)])
             yield False, graph.product([difference, less], [1, -1]), []
+
+
+def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """N/D without what is common to sums above and below, once these are multiplied out in what they are made of."""
+    above, below = ({b: abs(powers[b]) for b in sums if powers[b] * sign > 0} for sign in (1, -1))
+    if not above or not below or sum(len(graph.terms(b)) * abs(powers[b]) for b in sums) > MAX_TERMS:
+        return
+    inside, atoms, known = {m for b in sums for m in graph.terms(b)}, [], list(sums)
+    for b in known:
+        for base, e in [each for m in graph.terms(b) for each in graph.powers(m).items()]:
+            if e > 0 and graph.nodes[base][0] == "sum" and inside.issuperset(graph.terms(base)):
+                known += [base] * (base not in known)
+            elif (base, e > 0) not in atoms:
+                atoms.append((base, e > 0))
+    ring = fmpq_mpoly_ctx.get([f"x{k}" for k in range(len(atoms))], Ordering.lex)
+    of_atom = dict(zip(atoms, ring.gens(), strict=True))
+
+    def polynomial(b: int, power: int) -> fmpq_mpoly:
+        if power < 0 or b not in known:
+            return of_atom[b, power > 0] ** abs(power)
+        terms = (
+            prod((polynomial(*each) for each in graph.powers(m).items()), start=ring.constant(to_fmpq(Fraction(c))))
+            for m, c in graph.terms(b).items()
+        )
+        return sum(terms, ring.constant(0)) ** power
+
+    def value(f: fmpq_mpoly) -> Value:
+        bases, signs = [(Fraction(1), base) for base, _ in atoms], [1 if up else -1 for _, up in atoms]
+        terms = ((c, graph.product(bases, [s * int(e) for s, e in zip(signs, x, strict=True)])) for x, c in f.terms())
+        return graph.sum(graph.scaled(each, Fraction(int(c.p), int(c.q))) for c, each in terms)
+
+    p, q = (prod((polynomial(*each) for each in side.items()), start=ring.constant(1)) for side in (above, below))
+    common = p.gcd(q)
+    if len(common) > 1:
+        rest = _powered(graph, {b: e for b, e in powers.items() if b not in sums})
+        cut = [b for b in _atoms(graph, sums) if b not in known]
+        yield False, graph.product([value(p / common), value(q / common), rest], [1, -1, 1]), cut
 
 
 def _cayley(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
@@ -166,7 +217,7 @@ def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value
         if not more[0]:
             return None
         load = graph.product([z0, less, more], [1, 1, -1])
-    if z0[0] == 0 or x == 0 or (kind == "tanh" and x < 0):
+    if z0[0] == 0 or x == 0 or (kind == "tanh" and x < 0) or load == graph.scaled(z0, -1):
         return None
     sign = 1 if z0[0] > 0 else -1
     cut = _factors(graph, z0[1]) | _factors(graph, load[1]) | ({t} if kind == "tanh" else set())
@@ -212,3 +263,29 @@ def _atoms(graph: Graph, nodes: list[int], deeper: int = -1) -> list[int]:
             inner = graph.terms(b) if b in (deeper, n) and graph.nodes[b][0] == "sum" else {b: 1}
             found |= {x for m in inner for x in graph.powers(m) if graph.nodes[x][0] in ("sum", "line")}
     return sorted(found - {deeper})
+
+
+def pieces_of(graph: Graph, powers: dict[int, int]) -> list[tuple[int, int]]:
+    """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
+    left = dict(powers)
+    found: list[tuple[int, int]] = []
+    for chosen in (
+        {b: e for b, e in left.items() if not graph.moves[b]},
+        {b: e for b, e in left.items() if graph.moves[b] and graph.is_rational[b]},
+    ):
+        if chosen and len(chosen) < len(powers):
+            found.append((_powered(graph, chosen)[1], 1))
+            left = {b: e for b, e in left.items() if b not in chosen}
+    sums = [b for b in left if graph.nodes[b][0] == "sum"]
+    for a in sums:
+        for b in sums:
+            if left.get(a, 0) > 0 > left.get(b, 0) and len(left) + len(found) > 2 and _alike(graph, a, b):
+                found.append((_powered(graph, {a: 1, b: -1})[1], 1))
+                left[a], left[b] = left[a] - 1, left[b] + 1
+    return found + [(b, e) for b, e in left.items() if e]
+
+
+def _alike(graph: Graph, a: int, b: int) -> bool:
+    """Whether two sums differ in the signs of their terms alone."""
+    up, down = graph.terms(a), graph.terms(b)
+    return up.keys() == down.keys() and all(abs(c) == abs(down[m]) for m, c in up.items())

@@ -25,25 +25,22 @@ _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 def evaluate(text: str, parameters: Mapping[str, Exact]) -> RationalFunction:
     """Rational function of an expression in ``s``, with a value for each other name in it and for no more."""
-    tree, values = with_values(text, parameters)
-    return of_tree(tree, values)
-
-
-def with_values(text: str, parameters: Mapping[str, Exact]) -> tuple[Node, dict[str, Fraction]]:
-    """Tree of an expression in ``s`` and the exact value of each other name in it; one for each and no more."""
     tree = parse(text)
-    names = symbols(tree) - {"s"}
-    missing, unused = sorted(names - set(parameters)), sorted(set(parameters) - names, key=str)
-    if missing:
-        where, expected = f"parameter {missing[0]:.60}", f"one for each of {_list(names)}"
-        if missing[0] == "pi":
+    check_names(symbols(tree) - {"s"}, parameters, "no value")
+    return of_tree(tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()})
+
+
+def check_names(names: set[str], given: Mapping[str, object], missing: str) -> None:
+    """Refuse a name in an expression of which nothing is given, and what is given of a name that is not in it."""
+    if lost := sorted(names - set(given)):
+        expected = f"one for each of {_list(names)}"
+        if lost[0] == "pi":
             expected = "a rational number for it, such as pi=3.14159265358979; the verdict is then about that number"
-        raise ExpressionError(where, "no value", expected, _list(parameters))
-    if unused:
-        where, problem = f"parameter {shown(unused[0])}", "not in the expression"
-        problem = "s is the Laplace variable" if unused[0] == "s" else problem
-        raise ExpressionError(where, problem, f"values for {_list(names)}", _list(parameters))
-    return tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()}
+        raise ExpressionError(f"parameter {lost[0]:.60}", missing, expected, _list(given))
+    if unused := sorted(set(given) - names, key=str):
+        where = f"parameter{'s' * (len(unused) > 1)} {', '.join(map(shown, unused)):.60}"
+        problem = "s is the Laplace variable" if unused == ["s"] else "not in the expression"
+        raise ExpressionError(where, problem, f"something about {_list(names)}", _list(given))
 
 
 def of_tree(tree: Node, values: Mapping[str, Fraction]) -> RationalFunction:

@@ -192,7 +192,7 @@ def _choices(r: Range) -> list[Fraction]:
     """Values that are tried first."""
     two = r.low is None and r.high is None
     steps = [Fraction(1), *_STEPS]
-    return _ends(r) + [_at(r, u) for u in _STEPS] + ([-u for u in steps] if two else [])
+    return [_at(r, u) for u in _STEPS] + _ends(r) + ([-u for u in steps] if two else [])
 
 
 def _any(r: Range, random: Random, decades: int) -> Fraction:

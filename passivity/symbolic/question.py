@@ -64,7 +64,7 @@ class Question:
     def formula(self) -> Formula | bool | None:
         """When the property holds: for all parameters of the domain (True), for those of a formula, or not known."""
         domain, z = self.expansion.domain, as_impedance(self.kind, self.function)
-        found = self._with_numbers() if not domain.ranges else positivity_condition(z, domain, self.expansion)
+        found = positivity_condition(z, domain, self.expansion)
         if found is None and self.degree <= 2:
             found = low_degree_condition(z, domain)
         forward = claim(self.expansion.times(*self.delay), ">=", domain)
@@ -83,16 +83,12 @@ class Question:
         """Of a trial with values for the parameters."""
         return sum(map(len, self.function)) + self.degree**2
 
-    def verdict(self, values: Mapping[str, Fraction]) -> Verdict:
-        """The verdict on p/q without a delay, for values of the free parameters."""
-        sides = [[value(c, values) for c in reversed(coefficients(f))] for f in self.function]
-        return check(RationalFunction.from_coefficients(*sides), self.kind)
-
     def refutation(self, values: Mapping[str, Fraction], asked: Asked) -> tuple[Witness, str] | None:
         """The refutation for values of the free parameters, and the reason; None too where it is 0/0."""
         over, under = (value(f, values) for f in self.delay)
+        sides = [[value(c, values) for c in reversed(coefficients(f))] for f in self.function]
         try:
-            verdict = self.verdict(values)
+            verdict = check(RationalFunction.from_coefficients(*sides), self.kind)
         except ExpressionError:
             return None
         delay = over / under if under else Fraction(0)
@@ -103,10 +99,6 @@ class Question:
         why = f"of the reflection H behind the delay, {verdict.why}" if delay else verdict.why
         why = "exp(-delay*s) with a negative delay grows without bound" if delay < 0 else why
         return replace(witness, names={**asked.numbers, **values}), why
-
-    def _with_numbers(self) -> bool | None:
-        status = self.verdict({}).status
-        return None if status is Status.UNDECIDED else status is Status.PROVED
 
     def note(self) -> str:
         """Where an impedance is infinite for all s, if that can be."""
@@ -124,9 +116,8 @@ class Question:
             told.append(f"H1 = exp(-({tau})*s) H2 with {tau} >= 0 is bounded real if and only if H2 is")
         h = "H2" if self.delay.p else "H"
         told.append(f"{'Z' if self.kind is Kind.PR else f'(1 + {h})/(1 - {h})'} = p/q with p = {p}, q = {q}")
-        if self.expansion.domain.ranges:
-            a = polynomial_text(allowance(z, self.expansion), "x")
-            told.append(f"Re p(jw) conj q(jw) = {a} >= 0, x = w^2")
+        a = polynomial_text(allowance(z, self.expansion), "x")
+        told.append(f"Re p(jw) conj q(jw) = {a} >= 0, x = w^2")
         told.append(f"p + q = {polynomial_text(z.p + z.q)} has no root in Re s > 0 that p and q do not have in common")
         return [shorten(line, _SHOWN) for line in told]
 

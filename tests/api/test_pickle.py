@@ -21,7 +21,7 @@ from alike import differences
 import drives
 import friction
 import passivity
-from passivity import Kind, RationalFunction, RationalMatrix, StateSpace
+from passivity import RationalFunction, RationalMatrix, StateSpace
 from tline.errors import ActiveError, InputError, SceneError
 from tline.line import ElectricalLine, HydraulicLine
 from tline.scene.file import read_scene, scene_from
@@ -185,8 +185,8 @@ PASSIVITY = {
     "matrix system": lambda: passivity.check_positive_real(SYSTEM.transfer),
     "system": lambda: SYSTEM,
     "two-port": lambda: passivity.check_line_two_port(1, 1, through=True),
-    "symbolic": lambda: passivity.check_symbolic("R + s*L", Kind.PR, ["R > 0", "L > 0"]),
-    "conditions": lambda: passivity.check_symbolic("R - 1 + s*L", Kind.PR, ["R > 0", "L > 0"]),
+    "symbolic": lambda: passivity.is_positive_real("R + s*L", ["R > 0", "L > 0"]),
+    "conditions": lambda: passivity.is_positive_real("R - 1 + s*L", ["R > 0", "L > 0"]),
     "identity": lambda: passivity.reflection_identity(),
     "conclusion": lambda: passivity.is_positive_real("1 + exp(-s)"),
     "derivation": lambda: passivity.derive(),

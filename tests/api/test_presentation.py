@@ -69,7 +69,7 @@ TOLD = {
     "pipe": lambda: tl.HydraulicLine(radius="10 cm", wave_speed=1500, density=980),
     "cable": lambda: tl.ElectricalLine(wave_speed=3e8, z0=300),
     "separation": lambda: tl.design.separation(tl.examples["column_separation"].with_changes(t_end="0.02 s")),
-    "verdict of symbols": lambda: tl.passivity.check_symbolic("R + s*L", tl.passivity.Kind.PR, ["R > 0", "L > 0"]),
+    "verdict of symbols": lambda: tl.passivity.is_positive_real("R + s*L", ["R > 0", "L > 0"]),
     "verdict of a line": lambda: tl.passivity.check_line("50 + s", z0=50, delay=1),
 }
 

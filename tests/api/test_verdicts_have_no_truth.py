@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import passivity
-from passivity import Kind, RationalFunction, Status
+from passivity import RationalFunction, Status
 from passivity.sampled.model import PoleResidueModel
 from passivity.status import Decided
 from tline.solver.description.passive import CircuitVerdict
@@ -16,7 +16,7 @@ VERDICTS = [
     passivity.check_positive_real(FUNCTION("-1")),
     passivity.check_bounded_real(FUNCTION("2")),
     passivity.is_bounded_real("exp(-s)"),
-    passivity.check_symbolic("R + s*L", Kind.PR, ["R > 0", "L > 0"]),
+    passivity.is_positive_real("R + s*L", ["R > 0", "L > 0"]),
     passivity.check_line_two_port(50, 1),
     passivity.is_positive_real("Z2 + s", ["Z2 positive real"]),
     passivity.derive("25", "50", "1"),

@@ -78,6 +78,26 @@ def test_identities_of_constants(form):
         assert check(json.loads(json.dumps(found.evidence))) is None
 
 
+WRITTEN_OTHERWISE = [
+    "let x = 7/3*(1 + H); let h = (x - 1)/(x + 1); (1 + h)/(1 - h)",
+    "let x = (s + 1)/(s + 2)*(1 + H)/((s + 1)/(s + 2) + 1 + H); 1/x",
+    "let h = tanh(R)*exp(-T*s)*(3 - L)/(3 + L); tanh((1 + h)/(1 - h))",
+    "sqrt((R + L*s)/(1 + T*s))*tanh(sqrt((R + L*s)*(1 + T*s)))",
+    "sqrt(sqrt((R + L*s)/(1 + T*s))*tanh(sqrt((R + L*s)*(1 + T*s)))/(R + 1/s))",
+    "let x = line(R, s, Z2) + R; (x^2 + x)/(x + 1)",
+    "let x = s + 2 + Z2*R/(Z2 + R); (x^3 + x)/(x^2 + 1)",
+    "line(0, s, 1) + line(-R, T*s, R) + (tanh(s + 2) - 1)/(tanh(s + 2) + 1) + 2",
+]
+
+
+@pytest.mark.parametrize("text", WRITTEN_OTHERWISE)
+def test_functions_written_otherwise(text):
+    """Merged, cancelled, transformed and back: proved, and so says the verifier alone."""
+    found = is_positive_real(text, ASSUME)
+    assert found.proved
+    assert check(json.loads(json.dumps(found.proof))) is None
+
+
 PROVED = [
     "let h = exp(-2*R*s)*(Z2 - T)/(Z2 + T); (1 + h)/(1 - h)",
     "R*(Z2 + R*tanh(T*s))/(R + Z2*tanh(T*s)) + L*s",

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passivity import ExpressionError, Kind, RationalFunction, Status, check_positive_real
+from passivity.calculus.ask import of_text as check_symbolic
 from passivity.calculus.proof import lines
 from passivity.exact.positive_real import check
 from passivity.symbolic.assumption import Range, parse_assumption
-from passivity.symbolic.check import check_symbolic
 from passivity.symbolic.domain import Domain
 
 NAMES = "ABCDEF"

@@ -13,11 +13,11 @@ from passivity import (
     admittance_identity,
     reflection_identity,
 )
+from passivity.calculus.ask import of_text as check_symbolic
 from passivity.calculus.proof import check_evidence, lines
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.symbolic.assumption import Range, parse_assumption
-from passivity.symbolic.check import MAX_PARAMETERS, check_symbolic
 from passivity.symbolic.domain import ALL, Domain
 
 RLC = ["R > 0", "L > 0", "C > 0"]
@@ -72,15 +72,15 @@ def test_bad_assumptions_are_refused_in_one_sentence(text, expected):
     [
         ("R + s*L", ["R > 0"], "parameter L: no value and no assumption"),
         ("R", ["R > 0", "R < 0"], "parameter R: no value has R > 0 and R < 0"),
-        ("R", ["R > 0", "k real"], "parameter k: not in the expression"),
-        ("R", "R > 0", "assumptions: one text"),
-        ("a/(b - b)*0", ["a > 0", "b > 0"], "0/0 has no value"),
-        ("R +", ["R > 0"], "column 4: the expression ends too early"),
+        ("R", ["R > 0", "k real"], "parameter k: not in the expression, expected something about R"),
         (
-            "+".join(f"a{k}" for k in range(MAX_PARAMETERS + 1)),
-            [f"a{k} > 0" for k in range(MAX_PARAMETERS + 1)],
-            "too many",
+            "let x = R; x",
+            ["R > 0", "x > 0", "Z pr"],
+            "parameters Z, x: not in the expression, expected something about R, got R, Z, x",
         ),
+        ("a/(b - b)*0", ["a > 0", "b > 0"], "division by zero"),
+        ("((((a*1e300 + s)^20)^20)^20)", ["a > 0"], "the numbers are too long"),
+        ("R +", ["R > 0"], "column 4: the expression ends too early"),
     ],
 )
 def test_bad_questions_are_refused_in_one_sentence(text, assumptions, expected):
@@ -148,7 +148,7 @@ def test_proved(text, kind, assumptions):
     """What is proved is not broken at points of the right half plane, for values here and there, with 30 digits."""
     verdict = check_symbolic(text, Kind[kind], assumptions)
     assert verdict.status is Status.PROVED
-    assert verdict.proof or verdict.steps
+    assert verdict.certificate or verdict.steps
     for u in ("1/3", "1", "7"):
         values = {r.name: _inside(r, Fraction(u)) for r in verdict.ranges}
         for s in (mpmath.mpc(x, y) / 1000 for x, y in [(10, 700), (1, 1300), (2000, 5000), (100, 0)]):
@@ -185,8 +185,8 @@ def test_a_ladder_too_large_to_multiply_out_is_proved_element_by_element():
 def test_numbers_and_assumptions_mix():
     mixed = check_symbolic("R + 1/(s*C)", Kind.PR, ["C > 0", "R = 50 ohm"])
     given = check_symbolic("R + 1/(s*C)", Kind.PR, ["C > 0"], {"R": 50})
-    assert mixed == given
-    assert mixed.status is Status.PROVED
+    assert mixed.asked == given.asked
+    assert mixed.status is given.status is Status.PROVED
     active = check_symbolic("R + 1/(s*C)", Kind.PR, ["C > 0"], {"R": "-1 ohm"})
     assert active.witness.names == {"C": 1, "R": -1}
     assert check_evidence(active.evidence) is None
@@ -260,10 +260,9 @@ def test_the_search_is_the_same_each_time():
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("sqrt(s)*R - 1", "sqrt(...) is not rational"),
-        ("exp(-T*s) + R", "not exp(-T*s) times"),
-        ("exp(-s^2*T) - R", "no delay"),
-        ("exp(-T*s) - exp(-R*s)", "not whole multiples of one"),
+        ("sqrt(1 + R*s^2)", "sqrt(...) is not rational"),
+        ("(s^2 + s + exp(-T*s)/9 + 1)/(s^2 + 2*s + exp(-T*s)/9 + 1)", "not exp(-T*s) times"),
+        ("(s^2 + s + exp(-T*s)/9 + 1)/(s^2 + 2*s + exp(-R*s)/9 + 1)", "not whole multiples of one"),
     ],
 )
 def test_what_cannot_be_decided_says_why(text, reason):
@@ -277,7 +276,6 @@ def test_what_cannot_be_decided_says_why(text, reason):
     "text",
     [
         "((((a + s)^20)^20)^20)",
-        "((((a*1e300 + s)^20)^20)^20)",
         "(a + b + c + d + e + f + g + h + s)^50",
         "*".join(f"(s + a*{k} + b)/(s + b*{k} + c)" for k in range(12)),
         "exp(-s*a)^200*exp(-exp(-s*b))",

@@ -123,6 +123,6 @@ def _answer(what: str, asked: verdicts.Asked) -> Output:
 def _named(error: "ExpressionError", tolerance: str) -> InputError:
     """Return the error with the option to act on in place of the argument, where there is one."""
     thing, comma, place = error.where.partition(", ")
-    named = re.sub("^(parameter|assumption) ", "--param ", thing) or "expression"
+    named = re.sub("^(parameters?|assumption) ", "--param ", thing) or "expression"
     options = {"z0": "--z0", "delay": "--delay", "tolerance": tolerance, "assumption": "--param"}
     return InputError(options.get(thing, named) + comma + place, error.problem, error.expected, error.got)

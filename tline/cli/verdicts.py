@@ -69,30 +69,22 @@ def values(given: tuple[str, ...]) -> dict[str, str]:
 
 def expression(text: str, asked: Asked) -> Output:
     """Decide an expression, or the file of one, by the method it needs."""
-    from passivity import Kind, check_symbolic
+    from passivity import Kind
     from passivity.calculus.ask import of_text
-    from passivity.rational.evaluate import with_values
 
     kind = Kind.BR if asked.kind == "br" else Kind.PR
     asked.refuse("expressions", "error", "nearest")
     text = _read(text) if text.lower().endswith(".txt") else text
     assumed = [given for given in asked.parameters if ASSUMPTION.search(given)]
     known = values(tuple(given for given in asked.parameters if given not in assumed))
-    structure = bool(STRUCTURE.search(text)) or any(map(OPAQUE.search, asked.parameters))
-    if asked.kind == "chain" and (structure or asked.certificate is not None):
+    if asked.kind == "chain" and (STRUCTURE.search(text) or any(map(OPAQUE.search, assumed)) or asked.certificate):
         return _derived(text, asked, assumed, known)
-    if structure or (assumed and asked.certificate is not None):
-        asked.refuse("the structure of a function", "z0", "delay", "within")
-        return _concluded(of_text(text, kind, assumed, known))
-    if assumed:
-        asked.refuse("parameters without values", "z0", "delay", "within")
-        found = check_symbolic(text, kind, assumed, known)
-        return answer(found.status, found.text_lines(), found.to_dict())
-    verdict = of_text(text, kind, (), with_values(text, known)[1])
+    verdict = of_text(text, kind, assumed, known)
     if verdict.function is not None:
         found = _one_port(verdict.function, asked)
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
-    asked.refuse("functions that are not rational", "z0", "delay", "within")
+    about = "functions with names" if assumed else "functions that are not rational"
+    asked.refuse(about, "z0", "delay", "within")
     return _concluded(verdict)
 
 
