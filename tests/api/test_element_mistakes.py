@@ -178,7 +178,7 @@ def test_linear_methods_refuse_a_valve_by_name():
         (
             {"lines": {"friction": {"kind": "darcy", "factor": 0.02, "foo": 1}}},
             "lines.p.friction.foo: unknown key, expected one of "
-            "'kind', 'resistance', 'viscosity', 'minor_loss', 'length', 'factor'",
+            "'kind', 'resistance', 'viscosity', 'minor_loss', 'length', 'unsteady', 'factor'",
         ),
         (
             {"loads": {"kind": "orifice", "kv": 3, "opening": {"shape": "step", "from": 0, "to": 1, "foo": 1}}},
