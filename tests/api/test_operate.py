@@ -124,3 +124,34 @@ def test_what_is_no_network():
         tl.operate("town.net")
     with pytest.raises(tl.InputError, match="scene: nothing to be operated, expected medium = 'hydraulic'"):
         tl.operate(TOWN.with_name("open_line.toml"))
+
+
+def test_no_class_is_named_where_water_would_boil_beyond_the_pipes():
+    """Behind a valve that shuts, a crest between links has the pressure of the basin 30 m below it."""
+    scene = tl.Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        nodes={
+            "lake": {"elevation": 0},
+            "valve": {"elevation": 20},
+            "crest": {"elevation": 30},
+            "low": {"elevation": 0},
+        },
+        lines={
+            "pipe": {"nodes": ["lake", "valve"], "length": 500, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+        },
+        links={
+            "shut": {"kind": "orifice", "nodes": ["valve", "crest"], "kv": 200},
+            "down": {"kind": "orifice", "nodes": ["crest", "low"], "kv": 200},
+        },
+        loads={
+            "lake": {"kind": "reservoir", "at": "lake", "pressure": "6 bar"},
+            "low": {"kind": "reservoir", "at": "low", "pressure": 0},
+        },
+        probes={"valve": {"at": "valve"}},
+    )
+    found = tl.operate(scene, close="shut@1s", t_end="5 s")
+    assert found.worst.needed is None
+    assert "'crest'" in found.worst.untold
+    assert found.result.envelope.alone["crest"][1] == pytest.approx(0, abs=10)

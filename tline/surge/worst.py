@@ -7,18 +7,21 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.interchange.water_network import listed
 from tline.scene.heights import weight_at
 from tline.solver.result.result import Result
 from tline.solver.result.states import emptied
 
 CLASSES = (6e5, 1e6, 1.6e6, 2e6, 2.5e6, 4e6, 6.3e6, 1e7)  # Pa, of EN 1333
 BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
+BESIDE_PIPES = 1e3  # Pa, by which pressures at nodes without pipes must fall lower, since their errors are unknown
 FAINT = 1e-6  # of the largest change: a node that moves by less does not
 LAST = 0.01  # of a run: what is highest or lowest so near its end may not be so later
 CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column that separates
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
 STOOD = "water boils in the network itself, before anything is operated"
+DRAINED = "water would boil where no pipe ends, as behind what is shut against an outflow"
 EMPTIES = "a vessel runs empty, and gas in the pipe is not computed"
 ALONE = "there was time for one number of places for cavities alone"
 RISES = "the highest pressure comes at the end of the run and may be higher later"
@@ -76,12 +79,12 @@ def extremes(result: Result) -> list[Extreme]:
 
 
 def _alone(result: Result) -> Iterator[Extreme]:
-    """The highest pressures of nodes at which no pipe ends."""
+    """Extremes of nodes at which no pipe ends."""
     assert result.envelope is not None
     weight = weight_at(result.scene)
-    for node, (start, top, at) in result.envelope.peaks.items():
+    for node, (start, low, low_at, high, high_at) in result.envelope.alone.items():
         known = weight.get(node, 0.0)
-        yield Extreme(node, start - known, nan, nan, nan, top - known, at, nan)
+        yield Extreme(node, start - known, low - known, low_at, nan, high - known, high_at, nan)
 
 
 def boils(node: Extreme) -> bool:
@@ -98,12 +101,15 @@ def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") 
     followed = {load.at for load in result.scene.loads.values() if load.kind in CAVITIES}
     boiling = sorted((node for node in nodes if boils(node) and node.node not in followed), key=lambda n: n.lowest)
     lowest = min(nodes, key=lambda node: node.lowest)
-    highest = max([*nodes, *_alone(result)], key=lambda node: node.highest)
+    alone = list(_alone(result))
+    drained = [node.node for node in alone if node.before >= BOILS > node.lowest + BESIDE_PIPES]
+    highest = max([*nodes, *alone], key=lambda node: node.highest)
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
     boils_by = STOOD if all(node.before < BOILS for node in boiling) else SEPARATES
-    untold = boils_by if boiling else EMPTIES if emptied(result) else untold or (RISES if rising else "")
+    boils_by = boils_by if boiling else f"{DRAINED}: {listed(drained)}" if drained else ""
+    untold = boils_by or (EMPTIES if emptied(result) else untold or (RISES if rising else ""))
     bound = max(node.highest + float(np.nan_to_num(node.highest_error)) for node in nodes)
     spread = max(spread, bound - highest.highest)
     needed = None if untold else class_of(highest.highest + spread)

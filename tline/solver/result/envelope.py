@@ -32,9 +32,8 @@ class Envelope:
     highest_error: NDArray
     weight: NDArray  # (nodes,) density·g·elevation, Pa, by which the piezometric pressure exceeds the gauge pressure
     per_metre: NDArray  # (nodes,) density·g, Pa/m
-    # effort before t = 0, highest effort and its instant, of nodes without such a line end; a region closed on all
-    # sides has no lowest effort
-    peaks: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    # effort before t = 0, lowest effort and its instant, highest and its instant, of nodes without such a line end
+    alone: Mapping[str, tuple[float, float, float, float, float]] = field(default_factory=dict)
 
     def of(self, node: str) -> dict[str, float]:
         """Start, extremes, their instants and errors of one node."""
@@ -120,11 +119,9 @@ class Extremes:
         (low, high), (low_at, high_at), unknown = self.top[:, :ours], self.at[:, :ours], np.full(ours, np.nan)
         seen = start[:ours] - low, low_at, unknown, start[:ours] + high, high_at, unknown
         weight, per_metre = np.array([h.weight for h in at[:ours]]), np.array([h.per_metre for h in at[:ours]])
-        peaks = zip(
-            start[ours:].tolist(), (start + self.top[1])[ours:].tolist(), self.at[1, ours:].tolist(), strict=True
-        )
-        peaks = dict(zip(self.alone, peaks, strict=True))
-        return Envelope(self.nodes, start[:ours], *seen, weight, per_metre, peaks)
+        columns = start, start - self.top[0], self.at[0], start + self.top[1], self.at[1]
+        alone = dict(zip(self.alone, zip(*(each[ours:].tolist() for each in columns), strict=True), strict=True))
+        return Envelope(self.nodes, start[:ours], *seen, weight, per_metre, alone)
 
 
 def watch(assembly: Assembly, slabs: Slabs) -> Extremes:

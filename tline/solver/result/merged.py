@@ -90,7 +90,7 @@ def _without(envelope: Envelope, places: set[str]) -> Envelope:
     """Drop from an envelope the places inside lines."""
     kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
     columns = (getattr(envelope, name)[kept] for name in (*COLUMNS, "weight", "per_metre"))
-    return Envelope(tuple(envelope.nodes[k] for k in kept), *columns, peaks=envelope.peaks)
+    return Envelope(tuple(envelope.nodes[k] for k in kept), *columns, alone=envelope.alone)
 
 
 def _summed(ledger: Ledger, description: Description) -> Ledger:
