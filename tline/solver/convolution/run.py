@@ -104,7 +104,7 @@ class Convolved:
 
     @cached_property
     def clock(self) -> float:
-        """Time of which the spacings of many fronts are multiples, s: slabs have them at edges; 0 if there is none."""
+        """Common divisor of the spacings of many fronts, s, for slabs with all of them at edges; 0 if there is none."""
         apart = np.diff(self.instants)
         if len(apart) < MANY or not self.clocked or self.slow:
             return 0.0
@@ -141,7 +141,7 @@ class Convolved:
         return np.append(fronts if self.parts_into(len(fronts)) else [], moves if len(moves) == 1 else 0.0)
 
     def parts_into(self, families: int) -> bool:
-        """Whether the excitation is a sum of that many families of fronts; a curved waveform may have one front."""
+        """Whether the excitation can be split into that many families; a curved waveform with several fronts cannot."""
         several = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
         return families <= (1 if several else MOST_FAMILIES)
 

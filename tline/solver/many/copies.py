@@ -109,7 +109,7 @@ def _refuse(scene: Scene) -> None:
 
 
 def variable(scene: Scene) -> dict[str, float]:
-    """All numbers of a scene that may vary, by place; scenes that cannot be run in copies are refused."""
+    """All numbers of a scene that may vary, by place; raise an error for scenes that cannot be run in copies."""
     _refuse(scene)
     found: dict[str, float] = {}
     for name, line in scene.lines.items():

@@ -140,7 +140,7 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
 
 
 def _near(description: Description, count: int) -> NDArray | None:
-    """Unknowns of the description from which this one was changed; None if their number differs."""
+    """Unknowns of the description from which this one was changed; None without them, or if their number differs."""
     known = description.origin and description.origin.description.known.get(Before)
     found = None if known is None else known.unknowns
     return None if found is None or len(found) != count else found

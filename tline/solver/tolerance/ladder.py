@@ -106,7 +106,7 @@ class Step(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Where to begin, by a search with other values."""
+    """Start of a search, found by a search with other values."""
 
     order: int
     left: float  # of a difference, by a step of the order
@@ -140,7 +140,7 @@ class Grids(ABC):
     """Ever finer grids for one way to compute a scene."""
 
     unknown = SLOWEST  # share of a difference that a step leaves, as long as there is one difference
-    latest = False  # whether the finest run is given out, though an error told before it may be smaller by chance
+    latest = False  # whether the finest run is the result, though an earlier error estimate may be smaller by chance
 
     def __init__(self, search: Search):
         self.search = search
