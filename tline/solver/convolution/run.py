@@ -1,7 +1,7 @@
 """One run by convolution quadrature: the waves of a linear scene on slabs, from its answers in s.
 
-All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
-with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
+The scene is linear and time-invariant. So its change from the state before t = 0 is a convolution with the changes of
+its sources, and laws of lines are exact in s: no circuit approximates them.
 """
 
 import time

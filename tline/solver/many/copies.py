@@ -38,7 +38,7 @@ class Copies(NamedTuple):
 
     @property
     def judged(self) -> bool:
-        """Whether each has an error of its own, by laws or waveforms with other numbers."""
+        """Whether errors are estimated copy by copy: with laws, or numbers that vary within elements or waveforms."""
         return not self.alike or any(junction.law is not None for junction in self.junctions)
 
 

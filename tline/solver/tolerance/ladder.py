@@ -1,7 +1,7 @@
 """One loop for all tolerances: runs on ever finer grids, each compared with the one before.
 
-What the grids are is the business of whoever brings them (`Grids`): orders and slabs, places of losses, slabs of
-convolutions. What a run is worth, what is given out, and what forbids a finer run is told here alone.
+Subclasses of `Grids` choose the grids: orders and slabs, places of losses, slabs of convolutions. The error of a run,
+the choice of the result and the reason to stop are found here alone.
 """
 
 import sys
