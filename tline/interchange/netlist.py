@@ -218,7 +218,7 @@ def folded(net: Netlist, probed: set[str]) -> None:
 
 
 def with_open_ends(net: Netlist) -> None:
-    """Close ends of links and sources at nodes without another element by open loads."""
+    """Put open loads at ends of links and sources where nothing else is."""
     ends = {node for section, _, nodes in net.terminals() if section == "lines" for node in nodes}
     degrees = net.degrees()
     for section, name, nodes in list(net.terminals()):
