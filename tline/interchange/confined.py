@@ -164,7 +164,7 @@ def parse(text: str, path: str) -> EpanetText:
 
 
 def _sort(line: str, section: str | None, where: str, found: EpanetText, kept: list[str]) -> None:
-    """Put a line where it belongs."""
+    """Keep a line that bears on the flow, or take its position on the map."""
     if section is None:
         raise InputError(where, "cannot be read as an EPANET file", "a section such as [JUNCTIONS]", shown(line))
     found.held = found.held or section in HELD

@@ -15,7 +15,7 @@ from tline.interchange.spice_expression import PARAMETERS, Parameters, assignmen
 from tline.scene.mistakes import limited
 from tline.scene.text_file import Folder, read_text
 
-LONGEST = 400  # characters of what is said of a card
+LONGEST = 400  # characters shown of a card
 MOST_CARDS, MOST_FILES, DEEPEST = 100_000, 100, 20
 COMMENT = re.compile(r";.*|//.*|(?:^|\s)\$(?![Gg]_\w).*")  # $G_NAME is a node of Xyce, the same in all subcircuits
 WORD = re.compile(r"\{[^{}]*\}|'[^']*'|\"[^\"]*\"|=|[^\s(),={}'\"]+")
@@ -206,7 +206,7 @@ class _Reader:
 
 
 def _sections(lines: list[str]) -> dict[str, tuple[int, int]]:
-    """Where sections of a library, .lib NAME … .endl, begin and end."""
+    """Begin and end of sections of a library, .lib NAME … .endl."""
     found, name, start = {}, "", 0
     for k, line in enumerate(lines):
         words = line.split()

@@ -56,7 +56,7 @@ def diode(model: Card, found: Findings) -> tuple[dict[str, Any], float]:
 
 
 def take(card: Card, net: Netlist) -> None:
-    """Let an element be part of the scene."""
+    """Add an element to the scene."""
     if card.kind in REFUSED:
         raise card.refuse(*REFUSED[card.kind])
     if card.kind not in ELEMENTS:
@@ -71,7 +71,7 @@ def merge_shorts(cards: Iterable[Card], net: Netlist) -> None:
     for card in cards:
         if len(card.words) < 3 or card.kind not in "VR" or card.name.lower() in net.sensed:
             continue
-        with suppress(InputError):  # which is told when the element is taken
+        with suppress(InputError):  # it is reported when the element is taken
             if value_of(card, net) == 0 if card.kind == "R" else said_of(card, Findings()).is_zero(net.tran):
                 net.merge(*card.words[:2])
 

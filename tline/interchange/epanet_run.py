@@ -25,14 +25,14 @@ TANK, TANK_VALUES = 2, {"diameter": 17, "curve": 19, "lowest": 20, "highest": 21
 DURATION, STEP, CLOCK = 0, 1, 10  # of times
 CONTROLS, RULES = 5, 6  # counts
 TIMER, CLOCK_TIME = 2, 3  # kinds of controls; before them those of levels, below and above
-NODE, SYSTEM = 6, 8  # of what a premise speaks
+NODE, SYSTEM = 6, 8  # subjects of a premise
 VARIABLES = {1: "head", 2: "head", 3: "level", 4: "pressure"}
 TIME, DAYTIME = 9, 10
 EQUAL, ABOVE, BELOW = 0, (3, 5, 9), (2, 4, 8)
 STATES = {1: "OPEN", 2: "CLOSED"}
 DAY = 86400
 TRIALS, RELATIVE, ABSOLUTE = 0, 1, 6  # options: how often, and to which change of flows in the last step
-ATTEMPTS = (  # the last with what EPANET takes by default
+ATTEMPTS = (  # the last with the defaults of EPANET
     {TRIALS: 100, RELATIVE: 1e-5, ABSOLUTE: 1e-6},  # of the file's unit of flow
     {TRIALS: 1000, ABSOLUTE: 0},
     {RELATIVE: 1e-3},
@@ -80,7 +80,7 @@ class Toolkit:
 
 
 def main(library: str, seconds: int) -> dict:
-    """All that EPANET knows of the network so late, in the units of the file; or the mistake that it found."""
+    """All data of the network at an instant, in the units of the file; or the mistake that EPANET found."""
     toolkit = Toolkit(library)
     code = toolkit.call("open", NETWORK.encode(), REPORT.encode(), b"")
     if code > WARNINGS:
@@ -157,7 +157,7 @@ def _controls(toolkit: Toolkit, nodes: list, links: list, seconds: int) -> list:
 
 
 def _wait(toolkit: Toolkit, instant: float, daily: bool, seconds: int) -> float:
-    """From that instant until another one since the start, or one of the day comes, s; negative once it is past."""
+    """Time from that instant to another one since the start, or to one of the day, s; negative once it is past."""
     if not daily:
         return instant - seconds
     start = ctypes.c_long()
@@ -240,4 +240,4 @@ def limit(seconds: float, memory: int, written: int) -> None:
 if __name__ == "__main__":
     limit(float(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]))
     Path(ANSWER).write_text(json.dumps(main(sys.argv[1], int(sys.argv[5]))), encoding="utf-8")
-    os._exit(0)  # whatever the library left behind
+    os._exit(0)  # in spite of anything that the library left behind

@@ -50,7 +50,7 @@ class Netlist:
         return name
 
     def merge(self, first: str, second: str) -> None:
-        """Let two nodes be one, if none of them is the reference."""
+        """Merge two nodes, if none of them is the reference."""
         kept, gone = self._root(first), self._root(second)
         if kept != gone and REFERENCE not in (kept, gone):
             self._same[gone] = kept
@@ -147,7 +147,7 @@ class Netlist:
                 yield section, name, [*nodes, *([table["at"]] if "at" in table else [])]
 
     def degrees(self) -> Counter[str]:
-        """How many terminals are at each node."""
+        """Number of terminals at each node."""
         return Counter(node for _, _, nodes in self.terminals() for node in nodes)
 
 
@@ -196,7 +196,7 @@ def without_idle_stores(net: Netlist) -> None:
 
 
 def folded(net: Netlist, probed: set[str]) -> None:
-    """Let a resistor behind a source of voltage, where nothing else is, be the source's resistance."""
+    """Merge a resistor behind a source of voltage, alone at its node, into the source's resistance."""
     degrees = net.degrees()
     links = {node: name for name, link in net.tables["links"].items() for node in link["nodes"]}
     for table in net.tables["sources"].values():
@@ -218,7 +218,7 @@ def folded(net: Netlist, probed: set[str]) -> None:
 
 
 def with_open_ends(net: Netlist) -> None:
-    """Let ends of links and sources at which nothing else is be open."""
+    """Put open loads at ends of links and sources where nothing else is."""
     ends = {node for section, _, nodes in net.terminals() if section == "lines" for node in nodes}
     degrees = net.degrees()
     for section, name, nodes in list(net.terminals()):

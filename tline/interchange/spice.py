@@ -127,7 +127,7 @@ def _read(raw: list[Card], title: str, path: Path, found: Findings) -> tuple[dic
 
 
 def _take(net: Netlist, elements: list[Card], begin: list[Card]) -> None:
-    """All elements, each under a name of its own."""
+    """Take all elements, each under a name of its own."""
     named: dict[str, Card] = {}
     for card in elements:
         with net.found.gathered():

@@ -302,7 +302,7 @@ def _step(card: Card) -> StepCard | None:
 
 
 def _path(cards: list[Card], step: StepCard, tables: Callable[[list[Card]], Tables]) -> str:
-    """Where the scene has the value, nowhere else and as it is; empty if there is no such place."""
+    """Path of the only value in the scene, unchanged, of a .step card; empty if there is none."""
     try:
         first, second = (tables([_with(card, step.name, value) for card in cards]) for value in step.samples)
     except InputError:

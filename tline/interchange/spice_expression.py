@@ -136,7 +136,7 @@ BINARY: tuple[dict[str, Callable[[Any, Any], Any]], ...] = (  # from the loosest
     {"*": operator.mul, "/": operator.truediv},
 )
 
-Value = Any  # a number, or what a signal stands for
+Value = Any  # a number, or the meaning of a signal
 Parameters = Mapping[str, float | Defined]  # names in lower case; functions as 'name()'
 Signal = Callable[[str], Value]  # of its text
 

@@ -24,7 +24,7 @@ NO_MATTER = {  # None, or the value that changes nothing
     "type": None, "pn": None, "temp": None, "dtemp": 0.0, "vc1": 0.0, "vc2": 0.0, "kf": None, "af": None,
     "tnom": None, "tref": None, "level": None,
 }  # fmt: skip
-NO_INDUCTANCE = 1e-12  # of a winding's: what is left of it beside the windings before
+NO_INDUCTANCE = 1e-12  # of a winding's: rest of it beside the windings before
 MOST_WINDINGS = 16
 
 
@@ -180,7 +180,7 @@ def couplings(card: Card) -> list[Coupling]:
 
 
 def add_coupled(given: list[Coupling], net: Netlist) -> None:
-    """Let inductors that are coupled, directly or through others, be part of the scene."""
+    """Add inductors that are coupled, directly or through others, to the scene."""
     groups: dict[str, list[str]] = {}
     missing = {name for coupling in given for name in coupling.names} - net.windings.keys()
     for card, names, _ in given:

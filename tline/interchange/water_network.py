@@ -204,7 +204,7 @@ class WaterNetwork:
     pumps: Mapping[str, WaterPump]
     valves: Mapping[str, Valve]
     sound: bool  # whether flows balance at all nodes, and no demand was left out
-    notes: tuple[str, ...]  # what was left out, and what is held
+    notes: tuple[str, ...]  # on omissions, and on levels that are held
     units: str = "SI"  # those of the file, as scenes name them
     controls: tuple[WaterControl, ...] = ()  # what the file has done after the operating point
 

@@ -1,4 +1,4 @@
-"""From a water network at its operating point to a scene that starts there."""
+"""Scene of a water network, which starts at its operating point."""
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping

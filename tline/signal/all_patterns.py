@@ -363,7 +363,7 @@ def _jittered(rates: NDArray, spread: float, amplitude: float, apart: float) -> 
     parts = (
         (TAILS * spread, lambda x: ndtr(x / spread)),
         (amplitude, lambda x: np.arcsin(np.clip(x / amplitude, -1, 1)) / np.pi + 0.5),
-        (apart / 2, lambda x: np.clip(x + apart / 2 + 0.5, 0, 1) / 2),  # of what is left of the middle
+        (apart / 2, lambda x: np.clip(x + apart / 2 + 0.5, 0, 1) / 2),  # of the part left of the middle
     )
     for farthest, below in parts:
         if farthest:
@@ -375,7 +375,7 @@ def _jittered(rates: NDArray, spread: float, amplitude: float, apart: float) -> 
 
 
 def _span(rates: NDArray, ber: float) -> float:
-    """Instants around the middle for which rates are at most so large; their logarithm is straight between two."""
+    """Number of instants around the middle with rates up to `ber`; their logarithm is straight between two."""
     middle, logs = len(rates) // 2, np.log(np.maximum(rates, SMALLEST))
     if rates[middle] > ber:
         return 0.0

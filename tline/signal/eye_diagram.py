@@ -278,7 +278,7 @@ def _measured(pattern: NDArray, T: float, u: NDArray) -> Eye:
 
 
 def _crossing(above: NDArray) -> float:
-    """Where values that begin above zero first fall to it, in instants."""
+    """Place at which values that begin above zero first fall to it, in instants."""
     below = np.flatnonzero(above <= 0)
     if not below.size:
         return float(len(above) - 1)

@@ -13,7 +13,7 @@ from tline.words.wording import shown
 
 
 class Jitter(NamedTuple):
-    """How far crossings of the threshold are spread, s.
+    """Spread of the crossings of the threshold, s.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ def _crossed(seen: Eye) -> NDArray:
 
 
 def jitter(seen: Eye) -> Jitter:
-    """How far the crossings of the threshold are spread.
+    """Return the spread of the crossings of the threshold.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def mask_hits(seen: Eye, mask: Mask) -> int:
 
 
 def mask_margin(seen: StatisticalEye, mask: Mask) -> float:
-    """How far the contours of a statistical eye stay outside of a mask at least, below zero where they enter it.
+    """Least distance of the contours of a statistical eye from a mask, below zero where they enter it.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class Band(NamedTuple):
     left: tuple[str, ...] = ()  # guesses for which there was no time
 
     def of(self, key: str) -> tuple[float, float, Varied]:
-        """How far below and above the base `highest` or `lowest` may be, Pa, and the run that moves it most."""
+        """Return the spans below and above the base of `highest` or `lowest`, Pa, and the run that moves it most."""
         moves = [getattr(one, key) - getattr(self.base, key) for one in self.varied]
         governs = max(self.varied, key=lambda one: abs(getattr(one, key) - getattr(self.base, key)))
         return max(-min(moves), 0.0), max(*moves, 0.0), governs

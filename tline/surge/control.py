@@ -37,7 +37,7 @@ class Control(NamedTuple):
     node: str
     pressure: float  # gauge pressure there, Pa
     above: bool  # whether it is to exceed that, or to fall below it
-    event: Event  # what is done then; its instant counts from there
+    event: Event  # the operation; its instant counts from there
     text: str  # as it was said
 
 
@@ -67,7 +67,7 @@ def triggered(
     build: Callable[[Sequence[Event]], Scene],
     run: Callable[[Scene], Result],
 ) -> tuple[list[Event], list[str]]:
-    """All events, with those that controls trigger at the instants at which they do, and notes on these.
+    """Return all events, with those triggered by controls at their instants, and notes on these.
 
     Nothing before an instant depends on later events: the run is made again with each event that was found, and the
     next is sought behind it. An instant is found to rounding on the curves of its run.
@@ -92,7 +92,7 @@ def triggered(
 
 
 def _instant(control: Control, probe: ProbeResult, since: float) -> float:
-    """When the pressure of a control is reached, not before an instant, s; infinite if never."""
+    """Instant at which the pressure of a control is reached, not before `since`, s; infinite if never."""
     sign = 1.0 if control.above else -1.0
 
     def beyond(t: np.ndarray) -> np.ndarray:
@@ -140,7 +140,7 @@ def acting(
 
 
 def _refused(scene: Scene, one: WaterControl, held: Collection[str]) -> str:
-    """Why a control cannot act; nothing if it can."""
+    """Reason why a control cannot act; empty if it can."""
     if one.opens is None:
         return "for they do more than open or shut at an instant or a pressure"
     if one.link not in scene.lines and one.link not in scene.links:

@@ -174,7 +174,7 @@ def each_of(scene: Scene, event: Event, tripped: Collection[str] = ()) -> Iterat
 
 
 def matching(names: Iterable[str], event: Event) -> Iterator[Event]:
-    """The event for each of some names that the list, or the pattern, of its own name means."""
+    """Yield the event for each of some names meant by the list, or the pattern, of its own name."""
     known, found = [*names], dict[str, None]()
     for part in (part.strip() for part in event.name.split(",")):
         fits = {name: None for name in known if fnmatchcase(name, part)} if {*part} & {*"*?"} else {part: None}

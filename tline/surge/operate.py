@@ -155,7 +155,7 @@ class _Operated:
         return pump
 
     def _usual(self, name: str, power: float, given: Table) -> Table:
-        """Inertia and rated speed that a pump with such a power at the shaft has, where they are not given."""
+        """Inertia and rated speed of a pump with a power at the shaft, where they are not given."""
         told = given["rated_speed"]
         turns = RATED_SPEED if told is None else float(Quantity(told, "Hz"))
         guess = float(f"{usual_inertia(power, turns):.3g}")
@@ -258,7 +258,7 @@ class _Operated:
         self._done.add((key, event.name))
 
     def _gauge(self, node: str) -> float:
-        """Gauge pressure at a node before anything is operated, Pa."""
+        """Gauge pressure at a node before any operation, Pa."""
         return self._before.effort[node] - self._description.nodes[node].height.above_level
 
 

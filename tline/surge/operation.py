@@ -38,14 +38,14 @@ if TYPE_CHECKING:
 
 SHOWN = 5  # nodes in tables
 SECONDS = 20.0  # computing time for all runs
-KEPT, WAITING_SHARE = 0.5, 0.2  # of what is left: for further runs where some follow, and for one that finds instants
+KEPT, WAITING_SHARE = 0.5, 0.2  # of the time left: for further runs where some follow, and for one that finds instants
 LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
 MOST_RECORDED = 300  # lines of a network all of which are recorded
 
 Texts = str | Iterable[str]
 
 
-Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on what was guessed for it
+Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on guesses for it
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -412,7 +412,7 @@ def as_texts(where: str, given: Texts) -> tuple[str, ...]:
 
 
 def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
-    """Nodes to probe: those that are wanted, or those at which something is operated."""
+    """Nodes to probe: those wanted, or those at which something is operated."""
     nodes = {node for line in scene.lines.values() for node in line.nodes}
     found: list[str] = []
     for event in events:

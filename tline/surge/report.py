@@ -92,7 +92,7 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
 
 
 def _separate(result: Result, columns: Columns) -> list[str]:
-    """Where columns separate, how that was computed, and the largest cavities."""
+    """Places of separated columns, method, and the largest cavities."""
     cubic = result.medium.shown.get("m^3", "L")
     size = to_si(f"1 {cubic}", "m^3")
     many = " and ".join(map(str, columns.places))

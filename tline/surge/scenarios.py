@@ -52,7 +52,7 @@ class Scenario(NamedTuple):
 
     @property
     def file(self) -> str:
-        """Name of its files without a suffix: another one if anything about it is another."""
+        """Name of the scenario's files without a suffix: another one if anything about it is another."""
         made_of = [self.network.scene.to_toml(), repr(self.network.controls), self.options, version("tline")]
         key = sha256(json.dumps(made_of, sort_keys=True, default=str).encode()).hexdigest()
         return f"{re.sub(r'[^A-Za-z0-9.-]+', '_', self.name)[:80]}-{key[:10]}"

@@ -117,7 +117,7 @@ class SurgeStudy(Presentation):
         return [*head, "lowest", "at", "class"], rows
 
     def moved(self, outcome: Outcome, *words: str) -> list[str]:
-        """How far pressures rose, "rise", or fell, "fall", at most, in the unit in which they are read."""
+        """Largest rise, "rise", or fall, "fall", of pressures, in the unit in which they are read."""
         size, worst = self.unit[0], outcome.worst
         return [f"{round(MEASURES[word](worst[word]) / size, SHOWN):.4g}" for word in words if worst]
 
@@ -136,7 +136,7 @@ class SurgeStudy(Presentation):
         yield from ["", *(line.rstrip() for line in aligned([head, *short], 1))]
 
     def to_dict(self) -> dict[str, Any]:
-        """All that is known of all scenarios, in SI."""
+        """Title and all results of all scenarios, in SI."""
         rows = [{"name": each.scenario.name, "file": each.scenario.file, **each.told} for each in self.outcomes]
         return {"title": self.plan.title, "scenarios": rows}
 
@@ -300,5 +300,5 @@ def _keep(folder: str | Path | None, scenario: Scenario, told: Mapping[str, Any]
 
 
 def _change(outcome: Outcome) -> float:
-    """How far the pressure rose or fell at most, Pa; infinite if the scenario failed."""
+    """Largest rise or fall of the pressure, Pa; infinite if the scenario failed."""
     return max((MEASURES[word](outcome.worst[word]) for word in ("rise", "fall") if outcome.worst), default=np.inf)

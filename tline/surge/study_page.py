@@ -26,7 +26,7 @@ Nodes = Mapping[str, Mapping[str, Any]]  # extremes of each in the scenario that
 
 
 def study_page(study: "SurgeStudy") -> str:
-    """All of it, as HTML."""
+    """Return the page as HTML."""
     return page(study.plan.title or "A study of surges", _parts(study))
 
 
@@ -55,7 +55,7 @@ def _parts(study: "SurgeStudy") -> Iterator[str]:
 
 
 def _comparison(study: "SurgeStudy") -> str:
-    """How far pressures rose and fell in each event, variants side by side."""
+    """Largest rise and fall of pressures in each event, variants side by side."""
     rows: dict[str, dict[str, str]] = {}
     for outcome in study.outcomes:
         told = outcome.scenario

@@ -31,7 +31,7 @@ WRITTEN = ".csv", ".xlsx", ".geojson"
 
 
 def is_known(value: Any) -> bool:
-    """Whether a cell has anything to say."""
+    """Whether a cell has a finite number or a text."""
     return isfinite(value) if isinstance(value, int | float) else value != ""
 
 

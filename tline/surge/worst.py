@@ -16,7 +16,7 @@ CLASSES = (6e5, 1e6, 1.6e6, 2e6, 2.5e6, 4e6, 6.3e6, 1e7)  # Pa, of EN 1333
 BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
 BESIDE_PIPES = 1e3  # Pa, by which pressures at nodes without pipes must fall lower, since their errors are unknown
 FAINT = 1e-6  # of the largest change: a node that moves by less does not
-LAST = 0.01  # of a run: what is highest or lowest so near its end may not be so later
+LAST = 0.01  # of a run: an extreme so near its end may be exceeded later
 CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column that separates
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
@@ -43,12 +43,12 @@ class Extreme(NamedTuple):
 
     @property
     def rise(self) -> float:
-        """How far the pressure rose, Pa."""
+        """Largest rise of the pressure, Pa."""
         return self.highest - self.before
 
     @property
     def fall(self) -> float:
-        """How far it fell, Pa."""
+        """Largest fall of the pressure, Pa."""
         return self.before - self.lowest
 
 
@@ -60,7 +60,7 @@ class Worst(NamedTuple):
     boiling: Sequence[Extreme]  # where water of 20 °C boils and no cavity follows that, the lowest pressure first
     highest: Extreme  # the highest pressure of all
     needed: float | None  # the class that bears it, Pa; None if there is none in EN 1333, or none can be told
-    untold: str  # why no class can be told; empty if one can
+    untold: str  # reason why no class is named; empty if one is
     spread: float  # how far slabs, and places of cavities, may move the highest pressure, Pa; in `needed`
     # nodes of the highest and the lowest pressure of all that have it at the end of the run
     unfinished: Sequence[Extreme]

@@ -1,9 +1,9 @@
-"""Lines that lose all along as arrays: their friction, and matrices of half diamonds.
+"""Arrays of lines with distributed losses: their friction, and matrices of half diamonds.
 
-On the triangle 0 ≤ p ≤ q ≤ 1 polynomials of degree s are held by K = (s + 1)(s + 2)/2 orthonormal modes. What friction
-takes is projected on these, and the flow likewise before friction is looked up. What leaves the triangle is
-interpolated at Radau's points: accurate at slab ends. Where that would make energy, it is projected on the polynomials
-of a slab: the transposed matrices do that, so energy is lost whatever the law (docs/theory.md).
+On the triangle 0 ≤ p ≤ q ≤ 1 polynomials of degree s are held by K = (s + 1)(s + 2)/2 orthonormal modes. Friction is
+projected on these, and the flow likewise before friction is looked up. The waves that leave the triangle are
+interpolated at Radau's points: accurate at slab ends. Where that would make energy, they are projected on the
+polynomials of a slab: the transposed matrices do that, so energy is lost under any law (docs/theory.md).
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -148,7 +148,7 @@ def diamonds_of(
 
 
 def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> None:
-    """Write down what there is before t = 0, shape (L, 2) each, for cells to see what changes."""
+    """Write down the state before t = 0, shape (L, 2) each, from which cells count changes."""
     a1, b2 = sent[diamonds.line].T
     d = 2 * z0[diamonds.line] * y[diamonds.line].mean(axis=1)
     diamonds.steady[:, :3] = np.stack([a1 - b2, a1 + b2, d], axis=1)

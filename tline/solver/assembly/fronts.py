@@ -2,7 +2,7 @@
 
 A jump or corner of a source, or a switch that moves, is a front. A slab with fronts inside is held as pieces, each a
 polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 to 1. A slab that begins with a front is
-marked as starting anew: on a line with a fractional rest its start becomes a breakpoint too.
+marked as a new start: on a line with a fractional rest its start becomes a breakpoint too.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """Circuits at the nodes: each group's map over a slab, and the instants from which on it is another.
 
-How a group with lumped lines settles after a front: its map over that time, in which it moves far within a slab.
+Settling of a group with lumped lines after a front: its map over that time, in which it moves far within a slab.
 """
 
 from functools import lru_cache
@@ -44,7 +44,7 @@ class GroupSystems(NamedTuple):
     states: NDArray  # at the start
     spaces: list[StateSpace]  # of each map, from waves of nodes and laws to efforts there
     group: list[int]  # of each map
-    whole: list[bool]  # of each map, whether it sees the points of a slab at once, be it without states
+    whole: list[bool]  # of each map, whether it takes the points of a slab at once, be it without states
     events: list[Event]  # in order of time
     impedances: list[float]  # behind which all elements are seen
 
@@ -53,7 +53,7 @@ def systems_of(groups: list[Group], h: float, before: tuple[dict[str, float], ..
     """State spaces of groups.
 
     `before` has Thévenin waves and efforts by node, and flows by element, in the steady state at the start; without it
-    the liquid stands still.
+    the liquid is at rest.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
     found = GroupSystems(load_at, step_row, np.empty(0), np.empty(0), [], [], [], [], [])
@@ -89,7 +89,7 @@ def maps_of(found: GroupSystems, order: Basis, h: float) -> tuple[NDArray, NDArr
     """Maps over a slab from (waves, state) to (efforts, next state), one after the other; and their places.
 
     Waves and efforts are those of nodes, then of laws, each at the points of the slab, or at any one instant if these
-    do not see each other.
+    are not coupled.
     """
     maps = [
         load_step(system, order, h).ravel() if whole else system.d.ravel()

@@ -103,7 +103,7 @@ class LinearRest(Scattering):
         return 0.0
 
     def _branches(self, group: Group) -> list[Branch]:
-        """Without switches, and without ends of conductors, which have no place in the scene."""
+        """Branches without switches, and without ends of conductors, which have no place in the scene."""
         return [branch for branch in group.branches if branch.switch is None and branch.where]
 
     def propagation(self, s: NDArray) -> tuple[NDArray, NDArray]:

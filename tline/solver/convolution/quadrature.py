@@ -9,10 +9,10 @@ References
 C. Lubich, A. Ostermann: Runge-Kutta methods for parabolic equations and convolution quadrature, Math. Comp. 60 (1993)
 105-131, doi:10.1090/S0025-5718-1993-1153166-7.
 
-Where a delay is what Radau makes of exp(-sT) a line cannot create energy. The scattering S of the line is analytic, and
+A line cannot create energy where Radau IIA approximates all of exp(-sT). The scattering S of the line is analytic, and
 at most 1, where Re s > 0; the numerical range of D(ζ) lies there for |ζ| < 1, in the norm of the weights of Radau's
 quadrature; so ‖S(D)‖ <= 1, by von Neumann's inequality. Where whole slabs of the delay are moved as they are, ζ^m
-stands for a part of exp(-sT), and the norm is looked at.
+replaces a part of exp(-sT), and the norm is computed.
 
 References
 ----------

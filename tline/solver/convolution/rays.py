@@ -1,9 +1,9 @@
 """Rays: responses to each front of a source at each of its arrivals, on slabs ever narrower towards it.
 
 Beside an arrival a line with a memory answers on all time scales at once, which slabs of one width cannot follow. With
-exp(-sT) taken out, a path from a source to a node is a transfer function F(s) that has no delay. So its answer to a
-step and to a ramp is known on few slabs of any width: on the scene's own, from which it is taken away, exactly as it is
-a part of the run there, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
+exp(-sT) taken out, a path from a source to a node is a transfer function F(s) without delay. So its response to a step
+and to a ramp is known on few slabs of any width: on the scene's own, where it is subtracted exactly as it is part of
+the run, and on slabs half, a quarter, … as wide as long as these change it, which take its place.
 """
 
 from collections.abc import Iterator

@@ -1,7 +1,7 @@
 """One run by convolution quadrature: the waves of a linear scene on slabs, from its answers in s.
 
-All that the scene does is linear and the same at all times. So what it adds to its state before t = 0 is a convolution
-with what its sources add to theirs, and laws of lines are what they are in s: no circuit stands for them.
+The scene is linear and time-invariant. So its change from the state before t = 0 is a convolution with the changes of
+its sources, and laws of lines are exact in s: no circuit approximates them.
 """
 
 import time
@@ -104,7 +104,7 @@ class Convolved:
 
     @cached_property
     def clock(self) -> float:
-        """Time of which the spacings of many fronts are multiples, s: slabs have them at edges; 0 if there is none."""
+        """Common divisor of the spacings of many fronts, s, for slabs with all of them at edges; 0 if there is none."""
         apart = np.diff(self.instants)
         if len(apart) < MANY or not self.clocked or self.slow:
             return 0.0
@@ -141,7 +141,7 @@ class Convolved:
         return np.append(fronts if self.parts_into(len(fronts)) else [], moves if len(moves) == 1 else 0.0)
 
     def parts_into(self, families: int) -> bool:
-        """Whether the excitation is a sum of that many families of fronts; a curved waveform may have one front."""
+        """Whether the excitation can be split into that many families; a curved waveform with several fronts cannot."""
         several = any(changes.curved and len(changes.at) > 1 for changes in self.changes)
         return families <= (1 if several else MOST_FAMILIES)
 

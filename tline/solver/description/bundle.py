@@ -42,8 +42,8 @@ class Bundle(NamedTuple):
     def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
         """Return Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n, k) is the part of each mode's delay beyond sT.
 
-        The delay of each mode by itself, as R, K and G on the diagonal make it, is its own; that of what mixes them is
-        the shortest, for a part of it arrives with the fastest mode.
+        The delay of each mode by itself, as R, K and G on the diagonal make it, is its own; that of their mixing is the
+        shortest, for a part of it arrives with the fastest mode.
         """
         Z, Y = self.series(s), self.conductance + s[:, None, None] * np.diag(self.capacitance)
         squares, vectors = np.linalg.eig(Z @ Y)

@@ -57,7 +57,7 @@ def circuit(
 ) -> Circuit:
     """State space of a circuit, from the waves of its nodes and of its laws to the efforts at nodes and across laws.
 
-    Where branches see the gauge pressure at heights, a last state is always 1.
+    If branches depend on the gauge pressure at heights, a last state is always 1.
 
     Loads with states are branches, too; `switched` has the conductance of the switches at each node.
     """

@@ -91,7 +91,7 @@ def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
 
 
 def _scaled(law: Law, shape: Shape, fit: Fit) -> tuple[Foster, float]:
-    """The circuit of a law of which many differ by scale: that of their shape over decades that hold the band."""
+    """Circuit of one of many laws that differ by scale: that of their shape over decades that hold the band."""
     alike, rate, size = shape
     decades = floor(log10(fit.low / rate)), ceil(log10(fit.high / rate))
     s = 2j * pi * np.geomspace(fit.low, fit.high, PLACES)
@@ -108,7 +108,7 @@ def _scaled(law: Law, shape: Shape, fit: Fit) -> tuple[Foster, float]:
 
 @lru_cache
 def _of_shape(law: Law, low: int, high: int, tolerance: float) -> Realisation:
-    """Its circuit over decades, Hz in its own units."""
+    """Circuit of a shape over decades, Hz in units of its own."""
     return realise(law, (10.0**low, 10.0**high), tolerance)
 
 

@@ -109,7 +109,7 @@ class Group:
     def circuit(self, t: float, impedances: Sequence[float] = ()) -> Circuit:
         """The circuit just before an instant.
 
-        Its laws are seen behind impedances; without these it has none.
+        Its laws are behind impedances; without these it has none.
         """
         if self.single:
             A, b, c, d = self.nodes[0].reflection
@@ -187,7 +187,7 @@ class Group:
         return max(GONE / decay, LONG * max(lumped.line.delay for lumped in self.lumped_lines)) if decay > 0 else np.inf
 
     def at_rest(self) -> NDArray:
-        """State while the liquid stands still."""
+        """State while the liquid is at rest."""
         own = [node.state_at_rest() for node in self.nodes if node.load is not None and node.held is None]
         if self.single:
             return own[0]

@@ -30,7 +30,7 @@ def laws_of(
 ) -> tuple[Laws, list[Shape]]:
     """Arrays of the laws of groups, independent of the slabs' order and width, and the shapes of their openings.
 
-    Each law stands behind an impedance; excitation rows and states are numbered from the given ones on.
+    Each law is behind an impedance; excitation rows and states are numbered from the given ones on.
     """
     excitations: list[Shape] = []
     rows, controls, states, moving = [], [], [], []

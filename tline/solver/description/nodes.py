@@ -80,7 +80,7 @@ class Node:
         return self.height.above_level
 
     def state_at_rest(self) -> NDArray:
-        """State of the loads while the liquid stands still.
+        """State of the loads while the liquid is at rest.
 
         Capacitances without a path for a steady flow, or straight across, hold the gauge pressure; nothing flows in
         inductances.

@@ -158,7 +158,7 @@ def short_lines(description: Description, record: Iterable[str]) -> tuple[list[s
 
     `record` names lines that may not be lumped.
 
-    Lines that probes see stay lines. So do lines at a node with a switch, a non-linear element, a measured
+    Probed lines stay lines. So do lines at a node with a switch, a non-linear element, a measured
     load or an active resistance, and lines in which a front would ring on for longer than a part of a slab.
 
     Examples

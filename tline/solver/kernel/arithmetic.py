@@ -12,7 +12,7 @@ BEST_RESIDUAL = 4e-15  # relative to the efforts, at which Newton's method stops
 ACCEPTED_RESIDUAL = 1e-10  # relative to the efforts, if no step reduces it
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends
 TRIES = 40  # Newton steps for a part of the way
-FAINT = 1e-9  # what a step takes for the response of waves that answer to nothing
+FAINT = 1e-9  # step for the response of waves that answer to nothing
 LOOKS, HALVINGS = 4, 60  # at a slab for roots, per point; and of an interval with a root
 STEP_ROUNDING = 1e-9  # of a look
 
@@ -148,7 +148,7 @@ def integrated(coef, factor, out):
 
 @function
 def fallen(coef, level, start):
-    """Where after a place a polynomial on [0, 1] first falls below a level, as far as some looks tell; else 1."""
+    """Place behind `start` at which a polynomial on [0, 1] first falls below a level, as sampled; else 1."""
     looks, low = LOOKS * coef.size, start
     for k in range(int(start * looks) + 1, looks + 1):
         high = k / looks

@@ -45,7 +45,7 @@ def evaluate(points, weights, out):
 
 @function
 def raise_to(sums, differences, one, other, less):
-    """Let the largest values be no less than the sum and the difference of two waves."""
+    """Raise the largest values to the sum and the difference of two waves."""
     for i in range(len(one)):
         u, y = abs(one[i] + other[i] - less), abs(one[i] - other[i])
         sums[i], differences[i] = u if u > sums[i] else sums[i], y if y > differences[i] else differences[i]

@@ -64,7 +64,7 @@ def about(sizes, k):
 
 @unit
 def join(at: Joined) -> int:
-    """Let each cell begin where the one before it ends, if it goes on there. Returns whether that changes anything.
+    """Move the begin of each cell to the end of the one before, if it goes on there. Returns whether any changes.
 
     The error of one wave may come from the other, so the expected error is that of both together; behind a far narrower
     cell, that of the edge after it.

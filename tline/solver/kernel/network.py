@@ -41,7 +41,7 @@ class Laws(NamedTuple):
     at: Integers  # (E,) place of its first constant
     constants: Floats
     state_at: Integers  # (E,) place of its state, -1 for none
-    governor: Integers  # (E,) place of the constants of what moves its opening, -1 for none
+    governor: Integers  # (E,) place of the constants of the governor of its opening, -1 for none
     governor_state: Integers  # (E,) place of its opening, rate of the opening, and least flow so far
     governed: Flags  # (G,) whether a group has such elements
     source_impedance: Floats  # (E,) behind which each is seen, > 0
@@ -65,9 +65,7 @@ class Memory(NamedTuple):
     at: Integers2  # (circuits, 2) place of a circuit's maps: inside, and for the first and the last column
     maps: Floats  # D (r, r), C (r, modes), B (modes, r), decay (modes,) of e = D w + C x, x' = B w + decay x
     state_at: Integers  # (circuits,) place of its states, shape (columns, modes)
-    rest: (
-        Floats2  # (rows of diamonds, 2) share that cells, as in `at`, leave of what lies between waves and polynomials
-    )
+    rest: Floats2  # (rows of diamonds, 2) share left by cells, as in `at`, of the difference of waves from polynomials
     states: int  # of all
 
 
@@ -84,13 +82,13 @@ class Diamonds(NamedTuple):
     table_at: Integers  # (rows,) place of a row's table
     tools: Tools  # of the order of friction, that of waves or a low one in cells: r
     weight: Floats  # (s,) of the points of a slab
-    sent: Floats2  # (K, s) modes of what is sent, over the triangle
-    seen: Floats2  # (K, s) of what arrives
+    sent: Floats2  # (K, s) modes of the sent wave, over the triangle
+    seen: Floats2  # (K, s) of the arriving one
     inside: Floats2  # (K, K) by which modes of friction lower those of the flow
     values: Floats2  # (M, K) of modes at the points
     moments: Floats2  # (K, M) modes of values at the points
-    gained: Floats3  # (2, s, K) what friction adds to what arrives, at the points, and projected
-    left: Floats3  # (2, s, K) what it takes from what leaves
+    gained: Floats3  # (2, s, K) gain of the arriving wave by friction, at the points, and projected
+    left: Floats3  # (2, s, K) loss of the leaving one
     ends: Floats4  # (rows of shift, 2, s, s) a rest of a slab in the next one, and the rest of a slab
     exact: float  # of the largest wave: changes that end an iteration
     cell: (
@@ -99,12 +97,12 @@ class Diamonds(NamedTuple):
     over: Floats  # (rows,) slabs of the delay that whole cells leave
     begin: Floats  # (s,) of a polynomial's values at the points, its value where its slab begins
     jump: float  # of the largest wave of a cell: jumps between slabs that are to part it
-    steady: Floats2  # (rows, 4) beside cells, before t = 0: a - b and a + b as sent, then d, and what friction takes
+    steady: Floats2  # (rows, 4) beside cells, before t = 0: a - b and a + b as sent, then d, and its friction
     memory: Memory
 
 
 class Blocks(NamedTuple):
-    """How many slabs groups and lines are advanced at once."""
+    """Numbers of slabs that groups and lines are advanced at once."""
 
     stride: int  # of those that are far from short lines
     step: int  # of the others, meanwhile
@@ -139,7 +137,7 @@ class Network(NamedTuple):
     effort_row: Integers  # (N,) row in the record of a node's effort, or -1
     laws: Laws
     passed: Floats  # (L,) share of a wave that arrives, of lines that only delay and attenuate; else 1
-    moved: Floats  # (2 L,) what a steady flow adds to a wave on its way to an end: beside cells only its changes count
+    moved: Floats  # (2 L,) gain of a wave by a steady flow on its way to an end: beside cells only its changes count
     diamonds: Diamonds
     blocks: Blocks
 
@@ -175,8 +173,8 @@ class Units(NamedTuple):
     rectangle: int  # a part of a diamond
     remember: int  # the circuits of a cell
     pieces: int  # a group in a slab in pieces
-    arrive: int  # what arrives there
-    depart: int  # what leaves it
+    arrive: int  # the wave that arrives there
+    depart: int  # the wave that leaves
     respond: int  # groups with a map and without laws, in pieces of a slab
     respond_with_laws: int  # groups with both
 
@@ -250,7 +248,7 @@ class GovernWork(NamedTuple):
     states: Floats  # of the group's circuit
     kept: Floats2  # (elements, 2) states of its stores
     rate: Floats  # (M,) of openings
-    rest: Floats  # (M,) by how much the rate exceeds that which it leads to
+    rest: Floats  # (M,) excess of the rate over that to which it leads
     last: Floats  # (M,) the same before
     step: Floats  # (M,)
     turned: Floats  # (M,)
@@ -275,7 +273,7 @@ class DiamondWork(NamedTuple):
     tangent: Floats3  # (3, E, M) the same three of half diamonds
     a: Floats  # (r,) a wave in a part of a diamond, or in a cell
     b: Floats
-    coming: Floats2  # (E, s) what arrives if no friction acts in the triangle
+    coming: Floats2  # (E, s) arriving wave without friction in the triangle
     tail: Floats2  # (E, s) the rest of a slab
     seen: Floats2  # (E, K)
     modes: Floats2  # (E, K) of friction
@@ -283,11 +281,11 @@ class DiamondWork(NamedTuple):
     sent: Floats  # (s,)
     kept: Floats  # states of the group
     width: Floats  # (1,) of the piece of a slab
-    projected: Integers  # (E,) whether what leaves a half diamond is projected
+    projected: Integers  # (E,) whether the wave that leaves a half diamond is projected
 
 
 class Work(NamedTuple):
-    """Workspace of a loop: made once, it costs no slab anything."""
+    """Workspace of a loop, made once for all slabs."""
 
     tile: int  # slabs that a group is advanced at once, at most
     position: Integers  # (2 L,) first sample at which each line end works
@@ -295,7 +293,7 @@ class Work(NamedTuple):
     history: Floats2  # (s, tile + 1)
     row: Floats
     control: Floats2  # (elements, tile * s)
-    into: Floats2  # (elements, tile * s) waves into laws, what drives stores
+    into: Floats2  # (elements, tile * s) waves into laws, or drives of stores
     crossing: Crossing
     store: Store
     circuit: CircuitWork
@@ -305,11 +303,11 @@ class Work(NamedTuple):
 
 
 class Run(NamedTuple):
-    """All that a loop needs."""
+    """Data of a loop."""
 
     network: Network
     state: State
     units: Units
     work: Work
     excitation: Floats2  # (rows, samples) shares of the sources in Thévenin waves, and control signals
-    record: Floats3  # (rows, 2, samples) what arrived at recorded ends, and what left
+    record: Floats3  # (rows, 2, samples) waves that arrived at recorded ends, and that left

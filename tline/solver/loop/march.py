@@ -1,6 +1,6 @@
 """The time loop: samples the sources chunk by chunk and lets the kernel advance all nodes.
 
-Where no front is under way inside a slab, nodes are advanced in blocks; where one is, slab by slab in pieces.
+Where no front lies inside a slab, nodes are advanced in blocks; where one does, slab by slab in pieces.
 
 The kernel at work on one network: its structures are packed once, and then it is called by address.
 """
@@ -161,7 +161,8 @@ def march(
 
     For observers the kernel records into a window of one chunk, and only recorded lines are kept.
 
-    Returned is a record (recorded ends, 2, n * s) of what arrived and left at the points of each slab, and how it went.
+    Returned are a record (recorded ends, 2, n * s) of arriving and leaving waves at the points of each slab, and a
+    `March`.
     """
     s = assembly.basis.s
     windowed = bool(observers)
@@ -236,7 +237,7 @@ class Signals:
         return np.broadcast_to(values, (n, self.basis.s)).ravel()
 
     def broken(self, first: int, n: int) -> list[Broken]:
-        """Parts of each excitation in the slabs, among n from `first` on, in which it breaks."""
+        """Parts of each excitation in those slabs, among n from `first` on, that hold its breaks."""
         found = self._broken.get((first, n))
         if found is None:
             each = zip(self.of, self.places, strict=True)

@@ -1,4 +1,4 @@
-"""Slabs of a run, the last of which may extend beyond its end."""
+"""Slabs of a run; the last may extend beyond its end."""
 
 from functools import lru_cache
 from math import ceil, floor
@@ -22,7 +22,7 @@ class Slabs(NamedTuple):
 
     @classmethod
     def until(cls, t_end: float, width: float, number: int | None = None) -> "Slabs":
-        """Make the slabs until t_end, or `number` of them, which may be fewer."""
+        """Make the slabs until t_end, or `number` of them; too few end before it."""
         needed = max(ceil(t_end / width - AT_SLAB_END), 1)
         number = needed if number is None else number
         return cls(number, width, t_end if number >= needed else number * width)

@@ -90,7 +90,7 @@ def run(
         for name, end in where.items():
             row = recorded.index(end)
             u, w = values[:, row, 0], values[:, row, 1]
-            sign = 2 * (end % 2) - 1  # what arrives at end 2 is a, at end 1 it is b
+            sign = 2 * (end % 2) - 1  # the wave arriving at end 2 is a, at end 1 it is b
             lowest, lowest_at, highest, highest_at = extremes[:, row].swapaxes(0, 1)
             told = _relative(apart[:, row], lowest, highest, description.probes[name].height)
             flows = sign * (w - u) / copies.z0[end // 2, rows[mine], None]

@@ -38,7 +38,7 @@ class Copies(NamedTuple):
 
     @property
     def judged(self) -> bool:
-        """Whether each has an error of its own, by laws or waveforms with other numbers."""
+        """Whether errors are estimated copy by copy: with laws, or numbers that vary within elements or waveforms."""
         return not self.alike or any(junction.law is not None for junction in self.junctions)
 
 
@@ -109,7 +109,7 @@ def _refuse(scene: Scene) -> None:
 
 
 def variable(scene: Scene) -> dict[str, float]:
-    """All numbers of a scene that may vary, by place; scenes that cannot be run in copies are refused."""
+    """All numbers of a scene that may vary, by place; raise an error for scenes that cannot be run in copies."""
     _refuse(scene)
     found: dict[str, float] = {}
     for name, line in scene.lines.items():

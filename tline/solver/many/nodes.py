@@ -66,7 +66,7 @@ def scenes_of(scene: Scene, vary: Mapping[str, Floats], copies: int) -> tuple[li
 
 
 def for_each(objects: Sequence[Any], make: Callable[[Any], Any]) -> list[Any]:
-    """Make one thing of each object; objects that copies share are asked once."""
+    """Return `make` of each object, called once for an object that copies share."""
     made: dict[int, Any] = {}
     for one in objects:
         if id(one) not in made:
@@ -102,7 +102,7 @@ def value(waveform: Varying, t: Floats, inside: Floats) -> NDArray:
 
 
 def laws_by_node(description: Description, scenes: Sequence[Scene], copies: int) -> dict[str, LawOfCopies]:
-    """The law at each node that has one; those that copies cannot have are refused."""
+    """Return the law at each node that has one; raise an error for laws that copies cannot have."""
     found: dict[str, LawOfCopies] = {}
     placed = {place(*at): at for at in description.laws}
     own = description.own | {place(*at) for at in description.scene.composed}
@@ -170,7 +170,7 @@ def series(z: Floats, resistance: Floats | float, inductance: Floats | None, cap
 
 
 def _stacked(A: list[list[Floats]], b: list[Floats], c: list[Floats], d: Floats) -> StateSpace:
-    """From a node's Thévenin wave to its effort; the copies are the first axis."""
+    """State space from a node's Thévenin wave to its effort; the copies are the first axis."""
     return StateSpace(*(np.moveaxis(np.array(part), -1, 0) for part in (A, [[row] for row in b], [c], [[d]])))
 
 

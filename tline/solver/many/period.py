@@ -51,7 +51,7 @@ def breaks_of(description: Description, copies: Copies) -> Floats:
 
 
 def front_places(breaks: Floats, unit: Floats) -> Floats:
-    """Where fronts pass nodes, from the begin of a period to its end, as shares of it, shape (fronts, copies).
+    """Places at which fronts pass nodes, from the begin of a period to its end, as shares, shape (fronts, copies).
 
     Breaks leave at instants, s, shape (breaks,) or (breaks, copies); `unit` is the period of each copy, s.
 

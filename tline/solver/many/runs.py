@@ -84,10 +84,10 @@ def _foreseen(apart: Apart, fronts: Floats, rates: Complexes, rows: NDArray, tol
 
 
 def _halved(apart: Apart, fronts: Floats, choices: list[Choice], s: int, tol: float) -> Found:
-    """Slabs that follow the modes of loads are halved where they leave more than a share of the tolerance.
+    """Halve slabs that follow the modes of loads, where they leave more than a share of the tolerance.
 
-    What arrives at a node has no other place in its period than what leaves: each slab answers for itself, and for what
-    it leaves to the states of loads.
+    Waves arrive at a node and leave it at one place in the period: each slab answers for itself, and for its effect on
+    the states of loads.
     """
     own = [choice for choice in choices if choice[-1] == s]
     enough = (choice for choice in own if choice[1] <= TOLERANCE_SHARE * tol)
@@ -119,7 +119,7 @@ def _rates(waveforms: Iterable[Shape], loads: list[Floats], rows: NDArray) -> Co
 
 
 def _choices(fronts: Floats, rates: Complexes, tol: float) -> list[Choice]:
-    """Cost, expected error, parts, growth and order of what may be chosen, by rising cost.
+    """List cost, expected error, parts, growth and order of all choices, by rising cost.
 
     The error is the first term left out of the Chebyshev series of exp(λ t) in any slab, t being the time since a
     front and λ the rates (…, copies): 2 I_s(λ w/2) exp(λ t) in the middle of a slab of width w.

@@ -40,7 +40,7 @@ def losses_of(name: str, line: Line) -> LossyLine:
 def carried(line: LossyLine, z0: float, s: NDArray, late: NDArray | float = 0.0) -> tuple[NDArray, NDArray]:
     """Transmission and reflection of a line for waves referred to z0; each of the shape of s.
 
-    `late` is added to Γl where it stands for the propagation of a wave: the part of a delay beyond sT.
+    `late`, the part of a delay beyond sT, is added to Γl in the propagation of a wave.
     With A, B, C, A the chain matrix these are 2/(2A + B/z0 + C z0) and (B/z0 - C z0)/(2A + B/z0 + C z0).
 
     References

@@ -157,7 +157,7 @@ def _polished(log: Log, box: Box) -> complex | None:
 class Characteristic(Scattering):
     """D(s) = det(I - P S) times the product of all f: without poles; see `scattering` for the names.
 
-    Of nodes that branches join, the determinants of their balance and of the branches' s - Q stand for the f.
+    For nodes that branches join, the determinants of their balance and of the branches' s - Q replace the f.
     """
 
     @property

@@ -59,7 +59,7 @@ class Joins(NamedTuple):
 
 
 def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
-    """Numbers of all lines."""
+    """Parameters of all lines."""
     lines = description.lines.values()
     ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
     first, like = distinct(lines)

@@ -36,7 +36,7 @@ SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equ
 LAST_DIGITS = 1e-14  # of the level: rounding of efforts that count from it
 MOST_DENSE = 300  # nodes
 DROWNING = 1e9  # times the flow that efforts drive through lines: waves have no digits left for these efforts
-STUCK = 1e-9  # of the largest flow, or of what held efforts and pumps send into a line, that only a leak takes
+STUCK = 1e-9  # of the largest flow, or of that from held efforts and pumps into a line: limit of flows into leaks
 
 
 class Before(NamedTuple):
@@ -140,7 +140,7 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
 
 
 def _near(description: Description, count: int) -> NDArray | None:
-    """Unknowns of the description from which this one was changed; None if their number differs."""
+    """Unknowns of the description from which this one was changed; None without them, or if their number differs."""
     known = description.origin and description.origin.description.known.get(Before)
     found = None if known is None else known.unknowns
     return None if found is None or len(found) != count else found

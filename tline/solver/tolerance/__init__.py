@@ -1,1 +1,1 @@
-"""Order and slab width for a tolerance, with estimates of what is left."""
+"""Order and slab width for a tolerance, with error estimates."""

@@ -14,7 +14,7 @@ from tline.solver.tolerance.difference import EPS, Difference, difference, diffe
 
 SMALLEST_ESTIMATE = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # relative to the largest amplitude of all probes; smaller amplitudes are rounding
-SILENT = 1e-9  # relative to the larger of u and z0·y; a smaller amplitude has no error estimate
+SILENT = 1e-9  # relative to the larger of u and z0·y; errors of a smaller amplitude count as zero
 BETWEEN = 1.5  # ratio of the largest difference at any instant to that at the places compared
 BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the previous difference; a step that leaves less resolves every decay
 STEPS = 2  # consecutive steps that must do so: two runs may agree by accident

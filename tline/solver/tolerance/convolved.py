@@ -83,7 +83,7 @@ class Convolutions(Grids):
         lossy = [*network.lossy, *(k for bundle in bundles for k in bundle.lines)]
         jumping = any(len(each) for each in self.jumps.values())
         self.settle = BLURRED * network.second * float(network.delays[lossy].min()) if jumping else 0.0
-        self.alone = any(bundle.skin.any() for bundle in bundles)  # other runs do not know that
+        self.alone = any(bundle.skin.any() for bundle in bundles)  # no other method computes these
         self.share, self.off = SLOWEST, inf
 
     def first(self) -> Result:

@@ -56,7 +56,7 @@ def smooth_difference(
 
 @lru_cache
 def at_same_places(coarse: int, fine: int, every: int, places: int) -> tuple[Matrix, Matrix]:
-    """From values at the points of a slab of either order to values at the places."""
+    """Matrices from values at the points of a slab of either order to values at the places."""
     x = np.append((1 - np.cos(np.pi * np.arange(places) / places)) / 2, 1.0)
     spread = (np.arange(every)[:, None] + x).ravel() / every
     return basis(coarse).evaluation(spread).reshape(every, len(x), coarse), basis(fine).evaluation(x)
@@ -182,7 +182,7 @@ def _in_pieces(
 
 
 def _overlooked(probe: ProbeResult, narrow: float) -> float:
-    """How far a wave rises above both its sides, or falls below them, in pieces too narrow to be looked at."""
+    """Height by which a wave rises above both its sides, or falls below them, in pieces too narrow to compare."""
     most = 0.0
     for wave, late in zip(probe.waves, ways(probe), strict=True):
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T

@@ -41,7 +41,7 @@ class PiecewiseQuantity(NamedTuple):
 
 
 class Cuts:
-    """Where slabs of the next finer run are cut in pieces at elements with laws.
+    """Instants at which slabs of the next finer run are cut in pieces, at elements with laws.
 
     `kinked` are elements whose laws kink, `places` those whose waves runs are to record; if `governed`, openings move
     by themselves.
@@ -61,11 +61,11 @@ class Cuts:
         self.places = [element.where for element in self.elements]
 
     def halved(self, last: Result) -> "Halved":
-        """Where pieces of the last run are halved if its slabs are."""
+        """Instants at which pieces of the last run are halved if its slabs are."""
         return halved(last, self.elements, self._middles)
 
     def ahead(self, last: Result, parts: "Halved", chosen: Resolution, turns: bool) -> Kinks:
-        """Where those of the next run are cut: where laws kinked in the last one, and where pieces are halved.
+        """Instants at which slabs of the next run are cut: where laws kinked in the last one, and at halves of pieces.
 
         With `turns` also where flow turned at ends of recorded lines with friction.
         """
@@ -128,7 +128,7 @@ class Halved(NamedTuple):
 
 
 def halved(result: Result, elements: Sequence[PlacedLaw], known: Kinks) -> Halved:
-    """Where pieces at elements are halved with their slabs, which would not make them narrower."""
+    """Instants at which pieces at elements are halved with their slabs, which would not make them narrower."""
     every, steep = {}, {}
     for element in elements:
         wave = result.elements[element.where].wave

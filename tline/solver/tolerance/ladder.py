@@ -1,7 +1,7 @@
 """One loop for all tolerances: runs on ever finer grids, each compared with the one before.
 
-What the grids are is the business of whoever brings them (`Grids`): orders and slabs, places of losses, slabs of
-convolutions. What a run is worth, what is given out, and what forbids a finer run is told here alone.
+Subclasses of `Grids` choose the grids: orders and slabs, places of losses, slabs of convolutions. The error of a run,
+the choice of the result and the reason to stop are found here alone.
 """
 
 import sys
@@ -106,7 +106,7 @@ class Step(NamedTuple):
 
 
 class Start(NamedTuple):
-    """Where to begin, by a search with other values."""
+    """Start of a search, found by a search with other values."""
 
     order: int
     left: float  # of a difference, by a step of the order
@@ -140,7 +140,7 @@ class Grids(ABC):
     """Ever finer grids for one way to compute a scene."""
 
     unknown = SLOWEST  # share of a difference that a step leaves, as long as there is one difference
-    latest = False  # whether the finest run is given out, though an error told before it may be smaller by chance
+    latest = False  # whether the finest run is the result, though an earlier error estimate may be smaller by chance
 
     def __init__(self, search: Search):
         self.search = search

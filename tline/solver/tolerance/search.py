@@ -168,7 +168,7 @@ class Orders(Grids):
             helped, layered, met, stay = yield chosen._replace(same=same, cell=cell, fit=fit, exact=exact)
             narrow = description.dispersive and not cell  # no order makes up for cells
             cell = cell / 2 if cell >= LEAST_CELL * h else 0.0
-            same *= FINER  # so that the difference of two runs tells what was joined in the first
+            same *= FINER  # so that the difference of two runs shows errors by joining in the first
             enough |= met
             if enough:
                 sections = {name: 2 * n for name, n in sections.items()}

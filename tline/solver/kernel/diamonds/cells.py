@@ -269,7 +269,7 @@ def put_wave(run, row, o, at, ring, side, in_pieces, n):
 
 @function
 def recall(job, run, row, o, a, b, ring, column, take, put):
-    """Let the circuits of a column take from the slabs of a cell."""
+    """Attenuate the slabs of a cell by the circuits of a column."""
     memory = run.network.diamonds.memory
     if memory.first[row] == memory.first[row + 1]:
         return
@@ -332,7 +332,7 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
 
 @unit
 def remember(run: Run, row: int, column: int) -> int:
-    """Let the circuits of a column of cells take their share of the two waves in the workspace.
+    """Advance the circuits of a column of cells, and take their share of the two waves in the workspace.
 
     Puts the remaining share of waves beyond their polynomials in the workspace.
     """

@@ -170,7 +170,7 @@ def advance_fronts(job: FrontRun, first_slab: int, n_slabs: int) -> int:
 
 @function
 def happen(network, events, g):
-    """Let the next event of a group happen."""
+    """Carry out the next event of a group."""
     row = events.row[events.due[g]]
     if row != SAME_MAP:
         network.step_row[g] = row
@@ -179,7 +179,7 @@ def happen(network, events, g):
 
 @function
 def happen_until(network, events, counts, g, begin):
-    """Let all events of a group happen that are due where a piece begins, given in slabs; moves before it are late."""
+    """Carry out all events of a group that are due where a piece begins, given in slabs; moves before it are late."""
     while events.due[g] < events.first[g + 1] and events.at[events.due[g]] <= begin + MERGE:
         i = events.due[g]
         counts[LATE] += events.row[i] != SAME_MAP and events.at[i] < begin - MERGE

@@ -9,7 +9,7 @@ from tline.solver.kernel.fronts.structures import CUT, DROPPED, LOST, MERGE, MER
 
 @function
 def fronts_in(pieces, row, wide, offset, place, size, n):
-    """Append those fronts of a slab, or of a part so wide, that lie in the present one when moved by the offset."""
+    """Append the fronts of a slab, or of a part `wide`, that lie in the present one when moved by the offset."""
     if row < 0:
         return n
     for j in range(pieces.number[row]):
@@ -57,7 +57,7 @@ def united(place, size, n, edges, most, counts, sizes):
 
 @function
 def unfold(fronts, row, values, o, wide, offset, n):
-    """Append the pieces of a slab, or of a part so wide, that lie in the present one when moved by the offset."""
+    """Append the pieces of a slab, or of a part `wide`, that lie in the present one when moved by the offset."""
     pieces, span, coef = fronts.pieces, fronts.work.span, fronts.work.given
     if row < 0:
         span[n, 0], span[n, 1] = offset, offset + wide

@@ -74,7 +74,7 @@ def thinned(fronts, m, most):
 
 @function
 def release(pieces, row, counts):
-    """Give a row back."""
+    """Free a row of pieces."""
     if row >= 0:
         counts[LIVE] -= 1
         pieces.free[counts[LIVE]] = row
@@ -82,7 +82,7 @@ def release(pieces, row, counts):
 
 @function
 def send(fronts, e, waves, o, m, anew):
-    """Put a wave of m pieces on a line."""
+    """Send a wave of m pieces into a line."""
     pieces, tools, counts, sizes, work = fronts.pieces, fronts.tools, fronts.counts, fronts.sizes, fronts.work
     edges, coef, size, whole = work.own, work.coef, work.size, work.whole
     if anew > 0.0 and pieces.width[e] > 0.0:

@@ -20,7 +20,7 @@ WIDER = 4.0  # times that each cut behind a front is farther away than the one b
 
 
 class Systems(NamedTuple):
-    """From Thévenin waves to efforts, of each row of the network's maps: dx/dt = A x + b w, u = c x + d w."""
+    """State spaces from Thévenin waves to efforts, by row of the network's maps: dx/dt = A x + b w, u = c x + d w."""
 
     at: Integers  # (rows,) place of each system's first entry
     entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
@@ -64,7 +64,7 @@ class Log(NamedTuple):
 
     where: Integers2  # (places, 2) row of the record, slab
     span: Floats2  # (places, 2) start and end in slab time
-    values: Floats3  # (places, 2, s) what arrived, and what left
+    values: Floats3  # (places, 2, s) arriving and leaving waves
 
 
 class Steps(NamedTuple):
@@ -91,19 +91,19 @@ class Workspace(NamedTuple):
     arrived: Floats3  # (ends, m, s)
     u: Floats3  # (nodes, m, s)
     control: Floats3  # (elements, m, s) control signals
-    into: Floats3  # (elements, m, s) waves into laws, what drives stores
+    into: Floats3  # (elements, m, s) waves into laws, or drives of stores
     coef: Floats2  # (m + 1, s)
     whole: Floats  # (s,)
     part: Floats  # (s,)
     stages: Floats2  # (states * s, states * s + 1)
     steps: Steps
-    left: Floats3  # (ends, m, s) what leaves half diamonds
+    left: Floats3  # (ends, m, s) waves that leave half diamonds
     pair_edges: Floats2  # (2, pieces + 1) of two slabs that meet in a diamond
     pair: Floats3  # (4, pieces, s) of these, and before they meet
 
 
 class Fronts(NamedTuple):
-    """All that slabs in pieces need."""
+    """Data of slabs in pieces."""
 
     lull: int  # slabs without a front after which to go back to blocks
     most: int  # pieces of a slab under way
@@ -144,7 +144,7 @@ class Sources(NamedTuple):
 
 
 class FrontRun(NamedTuple):
-    """All that a loop over slabs in pieces needs."""
+    """Data of a loop over slabs in pieces."""
 
     run: Run
     fronts: Fronts

@@ -70,7 +70,7 @@ def unbalance(run, g, q, h, step, at, k, mu):
 
 @function
 def answered(run, g, q, h, stores):
-    """How flows answer to waves, law by law: `answer[a, j]` is the change of flow a with wave j of the same law.
+    """Find the answers of flows to waves, by law: `answer[a, j]` is the change of flow a with wave j of the same law.
 
     The answers of stores, which take an evaluation for each point, may be kept as they are.
     """

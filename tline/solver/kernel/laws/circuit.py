@@ -30,12 +30,12 @@ AT_ONCE, ALONG = 40, 200  # waves at which laws are asked: from the last slab's,
 MOST_SPENT = 50_000  # parts of slabs in which stores look for flows, of one group and slab: some seconds
 RESTRAINT = 0.1  # in units of the relative residual, of steps where waves answer to nothing, as between shut valves
 SHORTER, SHORTEST, ROUNDED = 0.25, 1e-9, 0.1  # a part of a step over the one before, the least, and so near the end
-GAIN = 0.1  # what a step must gain, for each part of it
+GAIN = 0.1  # least gain of a step, for each part of it
 KINK, MOST_GROWTH = 0.1, 16.0  # part of a step that a kink stops, and most that the square beyond it may grow
 SMALLER, SMALLEST = 1e-2, 1e-3  # a μ over the one before, at first and at least
 STEEP, SMALLEST_MU = 0.99, 1e-17  # ratio of two μ at which a path is lost, and where it ends
 ON_PATH = 0.1  # residual over μ, relative to the waves, with which the next μ is tried
-QUICK = 1e-4  # of squares, with which the slopes of stores stay what they were
+QUICK = 1e-4  # of squares, with which the slopes of stores are kept
 LOST, FOLLOWS, SOLVED = 0, 1, 2
 
 

@@ -77,7 +77,7 @@ def bracketed(conducted, c, at, control, d, z, low, high):
 
 @function
 def sampled(law, crossing, at, n, z):
-    """Let a law, of its constants, a control signal, an effort and an impedance, give flows and slopes at n samples.
+    """Evaluate flows and slopes at n samples by a law of constants, a control signal, an effort and an impedance.
 
     While nothing changes, such as behind an edge or before a valve moves, it is not asked again.
     """

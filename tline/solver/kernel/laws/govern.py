@@ -22,7 +22,7 @@ from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Run
 
 AT_ONCE, IN_TURN = 40, 40  # tries; passes through all rates
-BEST_RESIDUAL, ACCEPTED_RESIDUAL = 1e-15, 1e-11  # of an opening: where to stop, and what will do
+BEST_RESIDUAL, ACCEPTED_RESIDUAL = 1e-15, 1e-11  # of an opening: aim of the iteration, and largest accepted
 SLOWEST, FASTEST, INERTIA, DAMPING, POINTS = 7, 8, 9, 10, 11  # places of constants
 
 

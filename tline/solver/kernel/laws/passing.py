@@ -1,4 +1,4 @@
-"""From the Thévenin waves at a group with laws to its efforts, by the unit that the group needs."""
+"""Efforts from the Thévenin waves at a group with laws, by the unit that the group needs."""
 
 import numpy as np
 

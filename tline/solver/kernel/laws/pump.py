@@ -18,7 +18,7 @@ MOTOR, NOW, TABLES = 7, 8, 9  # the last where the pieces begin
 
 @function
 def pieces_of(c, at, speed):
-    """Where the borders of the pieces for a speed begin, and how many pieces there are."""
+    """Place of the borders of the pieces for a speed, and number of pieces."""
     forward = int(c[at + 5])
     if speed >= 0.0:
         return at + TABLES, forward

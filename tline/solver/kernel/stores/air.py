@@ -26,14 +26,14 @@ from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Store
 from tline.solver.kernel.stores.gas import expanded
 
-SWITCHES = 0.5  # of the pressure that switches: so much more it takes until the smaller orifice alone is open
+SWITCHES = 0.5  # of the switching pressure: further rise until the smaller orifice alone is open
 RATE, CAPACITY, FULL = 6, 7, 2.0
 CHOKES, CHOKED = 1 - (5 / 6) ** 3.5, 1.4**0.5 * (5 / 6) ** 3  # 1 - ratio of pressures where air chokes; its flow then
 
 
 @function
 def shutting(opening, rate, t):
-    """Share of the outlet that is open so long after an opening."""
+    """Share of the outlet that is open a time t after an opening."""
     return 1.0 if rate == 0.0 or opening > 1.0 else max(opening - rate * t, 0.0)
 
 

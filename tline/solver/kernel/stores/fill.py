@@ -45,7 +45,7 @@ def unfilled(stored, entering, store, at, h, z, start):
         flow[j], x, store.slope[j], rate, share = filling(stored, entering, c, at, y[j], v[j], z)
         store.rate[j] = rate
         rest[j] += x
-        scale = max(scale, abs(x), h * abs(share * v[j]) / z)  # a stiff step magnifies what v is rounded by
+        scale = max(scale, abs(x), h * abs(share * v[j]) / z)  # a stiff step magnifies the rounding of v
         for k in range(s):
             rest[k] -= h * radau[k, j] * rate
     for j in range(s):
