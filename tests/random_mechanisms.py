@@ -12,6 +12,7 @@ from friction import Karnopp
 from friction.mechanism import Mechanism
 
 END, TIMES = 3.0, 61  # s
+LONGEST = 2e-3  # step of SciPy, s: longer ones pass the Stribeck peak unseen
 
 
 class Row(NamedTuple):
@@ -114,7 +115,13 @@ def by_scipy(row: Row, times: NDArray) -> Moved:
     way, mode = [side_of(k) for k in range(n - 1)], [int(np.sign(one)) for one in row.v]
     while t < times[-1]:
         watched = list(guards())
-        how = {"rtol": 1e-12, "atol": 1e-13, "t_eval": times[times > t], "events": [one for *_, one in watched]}
+        how = {
+            "rtol": 1e-12,
+            "atol": 1e-13,
+            "max_step": LONGEST,
+            "t_eval": times[times > t],
+            "events": [one for *_, one in watched],
+        }
         run = solve_ivp(rates, (t, times[-1]), y, "DOP853", **how)
         found += [run.y] if len(run.t) else []
         hit = [index for index, when in enumerate(run.t_events) if when.size]
