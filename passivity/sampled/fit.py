@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 
 from passivity.errors import ExpressionError, shown
 from passivity.sampled.enforce import deviation
-from passivity.sampled.model import MAX_POLES, PoleResidueModel, count, terms
+from passivity.sampled.model import PoleResidueModel, count, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 
 ROUNDS = 10
@@ -172,7 +172,7 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
     (array([-10.+0.j]), 5.0)
     """
     n, size = len(response.f), response.ports**2
-    most = max(min(MAX_POLES, n - 2), 0)
+    most = max(min(MEETING[-1], n - 2), 0)
     if n > MAX_SAMPLES or not response.f[-1]:
         expected = f"at most {MAX_SAMPLES} samples, not all at f = 0"
         raise ExpressionError("response", "cannot be fitted", expected, f"{n}")

@@ -14,7 +14,7 @@ from passivity.rational.matrix import RationalMatrix
 from passivity.sampled.response import Parameter, array
 from tline.presentation import Presentation, plain
 
-MAX_POLES = 200  # of one port, both of a pair counted
+MAX_POLES = 2000  # of one port, both of a pair counted
 
 
 @dataclass(frozen=True, eq=False, repr=False)

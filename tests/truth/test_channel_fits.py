@@ -86,6 +86,7 @@ def test_a_pair_is_fitted_by_what_its_symmetry_makes_of_it(second, halves):
     S = found.model.matrices(2 * np.pi * between)
     assert np.abs(S - of_pair(between, second)).max() < 1e-3
     assert np.linalg.norm(S, 2, axis=(1, 2)).max() <= 1
+    assert found.model.entry(2, 0).order == found.order > 100
     A, B, C, D = found.model.realised()
     assert len(A) == sum(part.order * part.ports for part in found.parts)
     one = D + C @ np.linalg.solve(2j * np.pi * f[30] * np.eye(len(A)) - A, B)

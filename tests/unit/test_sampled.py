@@ -148,7 +148,7 @@ def test_a_sample_far_below_the_band_is_fitted_as_well():
         (([], [], float("inf"), 0, "Z"), "constant"),
         (([], [], [1], 0, "Z"), "constant"),
         (([], [], 0, 0, "X"), "parameter"),
-        ((-np.arange(1, 202), np.ones(201), 0, 0, "Z"), "at most 200"),
+        ((-np.arange(1, 2002), np.ones(2001), 0, 0, "Z"), "at most 2000"),
     ],
 )
 def test_bad_models(given, said):
