@@ -219,7 +219,7 @@ class Graph(Nodes):
         return found
 
     def fraction(self, c: Fraction, n: int, cut: Iterable[int] = ()) -> Any:
-        """Multiply out a node as the verifier does, but a node that occurs twice in an equality only once."""
+        """Multiply out a node as the verifier does; a node that occurs twice in an equality is multiplied out once."""
         if cut != self._fractions[0]:
             self._fractions = cut, {}
         known = self._fractions[1]
