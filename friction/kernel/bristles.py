@@ -56,7 +56,7 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
 
     Errors are weighed with the magnitudes of the run before; of the first run (parts = 1), with its own so far. Keeps
     samples, the largest magnitude of each column, in that of time the largest error of a step, and in that of the mode
-    what is missed at reversals. Returns the status, steps made and refused, and how many events there are.
+    the error missed at reversals; the counts hold steps made and refused, and events. Returns the status.
     """
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
     explicit, since, first = compared.dense.shape[0] > TERMS, 0, parts == 1
