@@ -1,4 +1,4 @@
-"""The drives with what is not linear, as a mechanism of `friction`: slack, dry friction in the spools, limited torques.
+"""Nonlinear drives as a mechanism of `friction`: slack, dry friction in the spools, limited torques.
 
 Everything is exact to rounding from event to event; the belts' relaxation bounds the steps, which are explicit.
 """
@@ -130,7 +130,7 @@ class Assembly:
     def run(
         self, t: NDArray, inputs: Sequence[Torque]
     ) -> "tuple[NDArray, list[NDArray], dict[str, NDArray], dict[str, list[Event]]]":
-        """States, shape (n, states); heat and work; what else is shown; events of the spools."""
+        """Run; return states, shape (n, states); heat and work; other recorded signals; events of the spools."""
         from friction.kernel.diagram import Inputs
         from friction.kernel.law import BUDGET, DONE
         from friction.result import events_of

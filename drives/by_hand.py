@@ -3,7 +3,7 @@
 No matrix and no model of the rest of the package is used here. The state is
 
     x = (phi1, w1, w2, e_p, e of each damped belt, v_p of a pulley with mass,
-         under control what filters show and q_speed and q_tension, phi2),
+         under control the outputs of filters, q_speed and q_tension, phi2),
 
 in which phi2 is an angle of its own, so that the positions' constraint is something to check. The inputs u are T1 and
 T2, or under control the set points of belt speed and tension and the disturbing torques d1 and d2. Each of x and u is
@@ -22,7 +22,7 @@ Product = tuple[float, Any, Any]  # coefficient*a*b, a power
 
 
 class Control(NamedTuple):
-    """PI controllers of belt speed and tension, each with gain and integral time, and what the motors can do."""
+    """PI controllers of belt speed and tension, each with gain and integral time, and the limit of the motors."""
 
     speed: tuple[Any, Any]
     tension: tuple[Any, Any]
@@ -35,12 +35,12 @@ SEEN = ("w1_seen", "w2_seen", "tension_seen")  # by a controller behind filters
 
 
 class Equations:
-    """What the mechanism does at an instant.
+    """Equations of motion of the mechanism at an instant.
 
     Parameters
     ----------
     parts : CoupledDrives
-        Or whatever has its parts.
+        Drives, or an object with the same parts.
     control : Control, optional
         Without it the inputs are torques.
     slack : bool
@@ -50,7 +50,7 @@ class Equations:
     winding : Winding, optional
         Of the belt on the spools, whose phi2 is then an output as it is.
     number : callable
-        What to compute in.
+        Number type to compute in, as float or Fraction.
     """
 
     def __init__(
@@ -81,9 +81,9 @@ class Equations:
 
     @property
     def freed(self) -> "Equations":
-        """The same without slack and limit: linear in x and u.
+        """Equations without slack, limit, dry friction and winding: linear in x and u.
 
-        Under control in fractions: what makes unequal spools alike cancels nearly all of the torques it is added to.
+        Under control in fractions: the decoupler of unequal spools cancels nearly all of the torques it is added to.
         """
         if self.control is None:
             return Equations(self.parts)
@@ -93,7 +93,7 @@ class Equations:
 
     @property
     def linear(self) -> bool:
-        """Whether nothing is to be freed of."""
+        """Whether the equations are linear as they are."""
         return (
             not self.slack
             and not any(self.dry)
@@ -149,7 +149,7 @@ class Equations:
         return (j1 * x[1] ** 2 + j2 * x[2] ** 2 + pulley + belts) / 2
 
     def outputs(self, x: Row, u: Row) -> dict[str, Any]:
-        """What is given out, by its name."""
+        """Return the outputs by name."""
         (j1, _, r1), (j2, _, r2) = self.spools_at(x)
         f = self.tension(x)
         held = self.spring * x[3] if self.heavy else f  # by the pulley's spring
@@ -194,7 +194,7 @@ class Equations:
 
 
 def rubbing(law: Any, w: float, net: float) -> float:
-    """Dry friction of a bearing under a torque; whatever holds it at rest, up to stiction."""
+    """Return the dry friction of a bearing under a torque; at rest the friction that holds it, up to stiction."""
     if abs(w) > getattr(law, "delta", 0.0):
         return copysign(law.sliding + (law.stiction - law.sliding) * exp(-((w / law.law.v_s) ** 2)), w) + law.F_v * w
     return min(max(net, -law.stiction), law.stiction)
@@ -203,7 +203,7 @@ def rubbing(law: Any, w: float, net: float) -> float:
 def limited(limit: float, pull: Any, *motors: tuple[float, Any]) -> tuple[Any, Any]:
     """The torques slope*pull + rest of both motors, with the pull cut until neither is beyond the limit.
 
-    If no pull does that they give what they can at the one that is between what either would need.
+    If no pull does that, both torques are limited at the pull midway between those that either would need.
     """
     reach = [(-rest / slope, limit / abs(slope)) for slope, rest in motors]
     low, high = max(*(middle - half for middle, half in reach)), min(*(middle + half for middle, half in reach))

@@ -35,7 +35,7 @@ class Margins:
     phase : float
         Smallest phase margin, rad; infinite if |L| is never 1.
     crossover : float
-        Angular frequency there, rad/s, NaN if there is none.
+        Angular frequency of that margin, rad/s, NaN if |L| is never 1.
     gain : float
         Smallest factor above 1 that makes the loop unstable, or infinite.
     crossings : list of float
@@ -221,7 +221,7 @@ class Design(Presentation):
 
     @property
     def margins(self) -> dict[str, Margins]:
-        """Of both loops."""
+        """Stability margins of both loops."""
         return {name: margins(*loop) for name, loop in self.loops.items()}
 
     @property
@@ -239,8 +239,8 @@ def design(
     ----------
     drives : CoupledDrives
     speed_bandwidth, tension_bandwidth : float, optional
-        Of the loop, rad/s; 5 times the slowest pole of the tension if not given. The margins may allow less; it is said
-        what was reached.
+        Of the loop, rad/s; 5 times the slowest pole of the tension if not given. The margins may allow less; the
+        design holds the bandwidth reached.
 
     Raises
     ------

@@ -12,9 +12,9 @@ everywhere, as the unknown everything is explicit:
 The loop's unknowns follow: v1 = r1*w1 + de1/dt, v2 = r2*w2 - de2/dt. phi2 is no state but follows from the positions,
 so the constraint cannot drift and there is one free angle, phi1, on which nothing depends. Elongations as states stay
 small while the angles grow. An undamped belt (B_i = 0) has e_i = f/K_i and is no state: it makes the spring softer,
-1/k_s = 1/k_p + 1/K_i, and e_p then stands for the elongation of both together.
+1/k_s = 1/k_p + 1/K_i, and e_p is then the elongation of both together.
 
-A pulley with mass m_p, seen from the belt, opens the loop: e_p moves with a speed v_p of its own,
+A pulley with mass m_p, referred to the belt, opens the loop: e_p moves with a speed v_p of its own,
 
     m_p*dv_p/dt = f - k_p*e_p,    f*(1/B_1 + 1/B_2) = r2*w2 - r1*w1 - v_p + K_1*e_1/B_1 + K_2*e_2/B_2.
 """
@@ -85,7 +85,7 @@ class CoupledDrives:
 
     @staticmethod
     def mobility(spool: Spool) -> tuple[Fraction, Fraction]:
-        """M = J/r^2 in kg and D = B/r^2 in N s/m: a spool as the belt sees it."""
+        """Return M = J/r^2 in kg and D = B/r^2 in N s/m, a spool referred to the belt."""
         return spool.inertia / spool.radius**2, spool.friction / spool.radius**2
 
     @cached_property
@@ -129,7 +129,7 @@ class CoupledDrives:
         return found
 
     def state_space(self, outputs: tuple[str, ...] = OUTPUTS, inputs: tuple[str, ...] = INPUTS) -> StateSpace:
-        """The full model, exact, with named states; `.minimal()` of it leaves out what these ports do not show.
+        """The full model, exact, with named states; `.minimal()` of it leaves out modes hidden from these ports.
 
         Parameters
         ----------
@@ -219,6 +219,6 @@ def plus(row: dict[str, Fraction], factor: Fraction, other: dict[str, Fraction])
 
 
 def table(entries: dict[str, dict[str, Fraction]], rows: tuple[str, ...], columns: tuple[str, ...]) -> fmpq_mat:
-    """Matrix with named rows and columns; what is not named is 0."""
+    """Make a matrix with named rows and columns; entries not named are 0."""
     found = [entries.get(row, {}).get(column) for row in rows for column in columns]
     return fmpq_mat(len(rows), len(columns), [rational(x) if x else fmpq(0) for x in found])

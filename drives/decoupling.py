@@ -22,7 +22,7 @@ from drives.transfer import TransferFunction, frequencies
 
 
 def alike(drives: CoupledDrives) -> CoupledDrives:
-    """The drives with two spools of the mean M and D, which is what the inner feedback makes of them.
+    """Return the drives with two spools of the mean M and D, the effect of the inner feedback.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def alike(drives: CoupledDrives) -> CoupledDrives:
 
 
 class Share(NamedTuple):
-    """What one motor does: T = share*(tau_f -/+ tau_v)/2 + per_speed*w + per_tension*f, minus for spool 1.
+    """Torque of one motor: T = share*(tau_f -/+ tau_v)/2 + per_speed*w + per_tension*f, minus for spool 1.
 
     Attributes
     ----------

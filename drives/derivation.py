@@ -14,7 +14,7 @@ DEFLECTION = -0.01  # m, for the check
 
 @dataclass(frozen=True)
 class PulleyCheck:
-    """The balances, solved at one deflection, beside what the model says.
+    """Balances solved at one deflection, compared with the model.
 
     Attributes
     ----------

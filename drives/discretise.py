@@ -1,6 +1,6 @@
 """Steps of a linear run, exact where inputs are linear in time.
 
-z = (x, u, du/dt) obeys z' = F z, so z(t + h) = exp(F h) z(t), whatever h. A quadratic form integrates to another one:
+z = (x, u, du/dt) obeys z' = F z, so z(t + h) = exp(F h) z(t) for any h. A quadratic form integrates to another one:
 the integral of z'Qz over a step is z(t)'G z(t) with G(2h) = G(h) + E(h)'G(h)E(h), E(2h) = E(h)^2; the first, short step
 by C. F. Van Loan, Computing integrals involving the matrix exponential, 1978, doi:10.1109/TAC.1978.1101743.
 """
@@ -111,7 +111,7 @@ def propagate(a: fmpq_mat, b: fmpq_mat, x0: NDArray, way: Legs) -> NDArray[np.fl
 
 
 def _refined(compute: Callable[[], arb_mat]) -> NDArray[np.float64]:
-    """Floats of what is computed with ever more bits until it is accurate."""
+    """Compute with ever more bits until the result is accurate, and return it in floats."""
     bits = 256
     while bits <= MOST_BITS:
         with ctx.workprec(bits):

@@ -1,4 +1,4 @@
-"""Energy: what is stored, what was supplied and what became heat; the three are computed independently."""
+"""Stored, supplied and dissipated energy; the three are computed independently."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

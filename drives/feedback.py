@@ -1,10 +1,11 @@
 """The drives and their controllers as one linear loop, exact: continuous, or from look to look of a sampled controller.
 
-With y = (w1, w2, tension), perhaps behind low-pass filters, and the controllers' integrals dq/dt = r - seen y,
+With y = (w1, w2, tension), perhaps behind low-pass filters, and the controllers' integrals dq/dt = r - E y,
 
-    tau = K (r - seen y) + K/T_i q,   T = S tau + R y
+    tau = K (r - E y) + K/T_i q,   T = S tau + R y
 
-where S and R are the decoupler, which makes unequal spools behave alike (see `drives.decoupling`).
+where E y is (belt speed, tension), and S and R are the decoupler, which makes unequal spools behave alike (see
+`drives.decoupling`).
 """
 
 from fractions import Fraction
@@ -29,8 +30,8 @@ MOST_DELAYED = 100  # periods
 
 
 class Feedback(NamedTuple):
-    """x' = a x + b T of drives with filters, y = measured x, tau = gain (r - seen y) + integral q, T = torque tau +
-    feedback y.
+    """Loop of drives with filters: x' = a x + b T, y = measured x, tau = gain (r - seen y) + integral q, T = torque tau
+    + feedback y.
     """
 
     a: fmpq_mat

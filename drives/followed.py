@@ -2,11 +2,11 @@
 
 Of z' = F z the motion is z(t + h) = z(t) + D(h) z(t), and D(2h) = 2 D(h) + D(h)^2. The integral of a quadratic form
 z'Q z over the stretch is z'G z with G(2h) = G(h) + M'G(h) M, M = 1 + D(h). All in floats: rounding grows with the
-number of doublings, and how far is seen by doing the same with one more.
+number of doublings, and is estimated by repeating the calculation with one more.
 
-What is linear is followed from every sample to the next, exactly in time (`drives.followed`); of the stretches in which
-an input has a corner some are. What is not linear is integrated by another method than the run's, for a part of the
-run where most happens and for some at random.
+Linear equations are followed from every sample to the next, exactly in time (`drives.followed`); of the stretches in
+which an input has a corner some are. Nonlinear ones are integrated by another method than the run's, for a part of
+the run where most happens and for some at random.
 """
 
 from collections.abc import Iterator, Sequence
@@ -97,7 +97,7 @@ class Record:
 
 
 class Steps(NamedTuple):
-    """What is found at some samples from earlier ones, rows as in a record, and what it can be off."""
+    """Values at some samples computed from earlier ones, rows as in a record, and their error bounds."""
 
     starts: NDArray[np.intp]
     ends: NDArray[np.intp]
@@ -106,7 +106,7 @@ class Steps(NamedTuple):
 
 
 class Rows:
-    """The equations freed of what is not linear, as coefficients over z = (x, u, du/dt).
+    """Linear part of the equations, as coefficients over z = (x, u, du/dt).
 
     Attributes
     ----------

@@ -2,7 +2,7 @@
 
 The pulley of the exercise's Modelica text binds speeds only, v1 - v2 = 2*v_k*cos(theta), and not positions. Written
 down literally it has one state too many, phi1, w1, phi2, w2, s1, s2, x_k with the belt's positions s1, s2 at the
-pulley, and two eigenvalues 0: the mechanism may stand anywhere (the columns of phi and s cancel), and the position
+pulley, and two eigenvalues 0: the mechanism may rest anywhere (the columns of phi and s cancel), and the position
 constraint may be off by any constant (the rows of s1, s2 and x_k depend on each other). A forward difference computes
 each of the columns with its own rounding error, about 1e-8 of its size, which moves the first 0 to a random side, up to
 1e-5 rad/s. The second stays, but for the rounding of the eigenvalue algorithm itself, about 1e-13, and so does the
@@ -29,7 +29,7 @@ LITERAL_STATES = ("phi1", "w1", "phi2", "w2", "s1", "s2", "x_k")
 
 @dataclass(frozen=True)
 class Artefact:
-    """What a difference quotient makes of eigenvalues that are exactly 0.
+    """Computed counterparts, by a difference quotient, of eigenvalues that are exactly 0.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Artefact:
     by_difference : int
         Those where it is larger than `ZERO_RATE`, so that the difference quotient alone can have made it.
     largest : float
-        Largest real part seen, rad/s.
+        Largest real part found, rad/s.
     exact_zeros : int
         Eigenvalues that are exactly 0.
     """
@@ -100,7 +100,7 @@ def literal_rates(
     torques : tuple of number
         T1 and T2 [N m].
     number : callable
-        What to compute in: float, or Fraction.
+        Number type to compute in: float, or Fraction.
 
     Examples
     --------
@@ -140,7 +140,7 @@ def literal_jacobian(drives: CoupledDrives) -> fmpq_mat:
 
 
 def artefact(drives: CoupledDrives, runs: int = 400, seed: int = 1) -> Artefact:
-    """Linearise the literal model by forward differences at random operating points and count what looks unstable.
+    """Linearise the literal model by forward differences at random operating points and count unstable results.
 
     Parameters
     ----------

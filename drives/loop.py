@@ -77,19 +77,19 @@ def simulate_control(
     slack : bool
         Let the belt not push.
     friction : sequence of Coulomb or Karnopp, optional
-        Dry friction in the bearings, as of `drives.simulate`; set points that a limit does not hold are told
-        as without.
+        Dry friction in the bearings, as of `drives.simulate`; set points that a limit does not hold are found
+        without it.
     winding : Winding, optional
-        As of `drives.simulate`; the controllers, and what is told of limits, keep the radii at the angle 0.
+        As of `drives.simulate`; the controllers, and verdicts about limits, keep the radii at the angle 0.
     t_end, step, initial
         As of `drives.simulate`; states q_speed and q_tension are the integrals.
 
     Raises
     ------
     InputError
-        What `drives.simulation` refuses, a limit or a period that is not more than 0, a delay without a period, or an
-        unstable loop that leaves the range of floats. One that does not is a verdict of the run, and so are set points
-        that the limit cannot hold.
+        As of `drives.simulate`; a limit or a period not above 0, a delay without a period, or an unstable loop that
+        leaves the range of floats. One that does not is a verdict of the run, and so are set points that the limit
+        cannot hold.
 
     Examples
     --------
@@ -222,7 +222,7 @@ def _controlled(
 def _limited(m: Any, limit: float, tau_v: int, motors: list[tuple[float, int]]) -> list[int]:
     """Torques slope*tau_v + rest of the motors within a limit.
 
-    Where both cannot be had the tension comes first: tau_v is cut until neither motor is asked for more than its limit.
+    Where both are out of reach the tension has priority: tau_v is cut until neither motor exceeds its limit.
     """
     lows, highs = (
         [m.add({rest: -1.0 / slope}, sign * limit / abs(slope)) for slope, rest in motors] for sign in (-1.0, 1.0)

@@ -1,4 +1,4 @@
-"""Modes that a torque and an output do not show: which, how often, and why."""
+"""Modes hidden between a torque and an output: which, how often, and why."""
 
 from dataclasses import dataclass
 
@@ -30,9 +30,9 @@ class HiddenMode:
     times : int
         How often it is cancelled.
     names, reasons : tuple of str
-        What moves and why it is hidden, one for each time.
+        Moving quantity and why it is hidden, one for each time.
     uncontrollable, unobservable : int
-        How often the torque does not reach it, and how often the output does not see it.
+        How often it is uncontrollable from the torque, and how often unobservable from the output.
     """
 
     poles: tuple[complex, ...]

@@ -49,7 +49,7 @@ def positive(value: object, where: str, *, or_zero: bool = False) -> Fraction:
 
 
 def rational(value: Fraction) -> fmpq:
-    """The same number for flint."""
+    """Convert a Fraction to a number of flint."""
     return fmpq(value.numerator, value.denominator)
 
 

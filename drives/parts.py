@@ -87,7 +87,7 @@ class Pulley:
     """A pulley on a spring; on each side the belt makes the angle theta with the way the pulley moves.
 
     v1 - v2 = 2 v_k cos(theta) and F1 = F2 = F_k/(2 cos(theta)) with F_k = -k x_k, for the belt speeds v1 and v2 on its
-    two sides. Seen from the belt it is a spring k_p = k/(4 cos(theta)^2) with elongation e_p = -2 x_k cos(theta), and
+    two sides. To the belt it is a spring k_p = k/(4 cos(theta)^2) with elongation e_p = -2 x_k cos(theta), and
     with a mass m, where F_k = -k x_k - m dv_k/dt, behind it a mass of m/(4 cos(theta)^2).
 
     Parameters

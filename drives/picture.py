@@ -1,4 +1,4 @@
-"""Pictures: Bode plot, poles and zeros, what a run did, also under control."""
+"""Figures: Bode plot, poles and zeros, and the course of a run, also under control."""
 
 from collections.abc import Sequence
 

@@ -43,7 +43,7 @@ class Peak:
 
 
 def peak(transfer: TransferFunction) -> Peak | None:
-    """Peak of |H(j omega)| above its value at omega = 0, None if there is none.
+    """Find the peak of |H(j omega)| above its value at omega = 0; None without such a peak.
 
     The stationary points are the roots of an exact polynomial in omega^2.
 
@@ -139,7 +139,7 @@ def largest_friction_with_peak(drives: CoupledDrives) -> float:
     stiff, damped = float(belt.stiffness), float(belt.damping)
 
     def bound(omega: NDArray) -> NDArray:
-        """The largest D with |f/T| above its value at rest, NaN where there is none."""
+        """Return the largest D with |f/T| above its value at rest, 0 where no D has it."""
         size = stiff**2 + (omega * damped) ** 2
         alpha, beta = 1 / k_p + 2 * stiff / size, 2 * damped / size
         a, c = alpha**2 + (omega * beta) ** 2, 4 * m * alpha

@@ -1,4 +1,4 @@
-"""What one per cent more of a parameter does to poles and overshoots under controllers that stay as they are.
+"""Effect of one per cent more of a parameter on poles and overshoots under unchanged controllers.
 
 A simple pole moves by y'dA x/(y'x), with right and left eigenvectors x and y and dA by exact central differences. An
 overshoot is stationary in the time of its peak, so that it moves as the response does there.
@@ -124,7 +124,7 @@ def _changed(drives: CoupledDrives) -> Iterator[tuple[str, CoupledDrives, Couple
 
 
 def _overshoots(loop: StateSpace) -> NDArray[np.float64]:
-    """How far belt speed and tension rise above what they settle at when their set points step."""
+    """Overshoots of belt speed and tension, relative to their final values, after steps of their set points."""
     from scipy.linalg import expm
 
     slow = min(-z.real for z in loop.poles if z.real)

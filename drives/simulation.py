@@ -34,7 +34,7 @@ PUSHES = 1e-9  # of the largest tension: more is no rounding
 
 @dataclass(frozen=True, repr=False)
 class Run(History):
-    """What the mechanism did.
+    """Motion and energy of the mechanism in a run.
 
     Attributes
     ----------
@@ -46,10 +46,10 @@ class Run(History):
     energy : Energy
         Stored, dissipated and supplied since the start, J, each of shape (n,).
     notes : tuple of str
-        What to know beside the numbers: where the belt pushes.
+        Notes beside the numbers: where the belt pushes.
     verdicts : tuple of str
-        What was asked for and cannot be had: set points that the limit does not hold, a stable loop; and where this run
-        does not fit the equations of motion, see `drives.witness`: then it is wrong.
+        Requests that cannot be met: set points that the limit does not hold, a stable loop; and where this run does
+        not fit the equations of motion, see `drives.witness`: then it is wrong.
     set_points : mapping of str to numpy.ndarray
         Of belt_speed and tension, of a run under control.
     limit : float or None
@@ -126,7 +126,7 @@ def simulate(
         [rad/s], beside the viscous friction of the spool.
     winding : Winding, optional
         Of the belt from the left spool on the right one; the radii r1 and r2 [m] and the inertias J1 and J2 [kg m^2]
-        are then outputs, too, and what the belt brings and takes with it counts as supplied.
+        are then outputs, too, and the energy that the belt brings and takes with it counts as supplied.
 
     Raises
     ------
@@ -223,7 +223,7 @@ def steady_state(drives: CoupledDrives, T1: float, T2: float) -> dict[str, float
 def moved(
     parts: Assembly, t: NDArray, inputs: Sequence[Torque], also: Sequence[float] | NDArray = ()
 ) -> tuple[Run, dict[str, NDArray], dict[str, NDArray]]:
-    """A run from event to event, and what else the parts show: at the samples, and at other times."""
+    """Run from event to event; return the run, and the other recorded signals at the samples and at `also`."""
     drives, every = parts.drives, np.union1d(t, also)
     x, energies, shown, events = parts.run(every, inputs)
     kept, others = (np.searchsorted(every, at) for at in (t, also))

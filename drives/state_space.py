@@ -1,4 +1,4 @@
-"""State spaces with exact entries and named states, and what of them their ports show."""
+"""State spaces with exact entries and named states, and their controllable and observable parts."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -79,7 +79,7 @@ class StateSpace(Presentation):
 
     @cached_property
     def poles(self) -> list[complex]:
-        """All eigenvalues of A with their multiplicity, rad/s; zeros are exact zeros, see `drives.roots.roots`.
+        """Eigenvalues of A with their multiplicity, rad/s; zeros are exact zeros, see `drives.roots.roots`.
 
         Examples
         --------
@@ -117,7 +117,7 @@ class StateSpace(Presentation):
         return StateSpace(a, b, c, d, self.states, self.outputs, self.inputs)
 
     def minimal(self) -> "StateSpace":
-        """The part that is both reached and seen, exact: the same transfer matrix without hidden modes.
+        """Controllable and observable part, exact: the same transfer matrix without hidden modes.
 
         Examples
         --------
@@ -139,14 +139,14 @@ class StateSpace(Presentation):
         return fmpq_poly(series.coeffs()[n:]) + self.modes * self.d[row, column], self.modes
 
     def to_control(self) -> Any:
-        """The same as `control.StateSpace`, which needs the package control."""
+        """Convert to `control.StateSpace`, with the package control."""
         control = import_extra("control", "python-control", "control", "to_control")
 
         names = {"states": list(self.states), "inputs": list(self.inputs), "outputs": list(self.outputs)}
         return control.StateSpace(self.A, self.B, self.C, self.D, remove_useless_states=False, **names)
 
     def to_scipy(self) -> Any:
-        """The same as `scipy.signal.StateSpace`."""
+        """Convert to `scipy.signal.StateSpace`."""
         from scipy.signal import StateSpace as Scipy
 
         return Scipy(self.A, self.B, self.C, self.D)

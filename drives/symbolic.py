@@ -1,6 +1,6 @@
 """The transfer functions in closed form, over any ring: with symbols for the parameters, or with exact numbers.
 
-With a_i = J_i*s + B_i, b_i = K_i + B_bi*s, c = cos(theta) and E = 4*c^2*b1*b2 + k*(b1 + b2), where k + m*s^2 stands in
+With a_i = J_i*s + B_i, b_i = K_i + B_bi*s, c = cos(theta) and E = 4*c^2*b1*b2 + k*(b1 + b2), where k + m*s^2 takes the
 place of k if the pulley has a mass:
 
     Delta = s*a1*a2*E + k*b1*b2*(r2^2*a1 + r1^2*a2)

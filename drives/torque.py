@@ -114,7 +114,7 @@ class Torque:
         return np.array(self.starts)[k] + slopes * (t - np.array(self.times)[k]), slopes
 
     def aligned(self, step: float) -> "Torque":
-        """The same with corners that are a few ulps beside a multiple of the step moved onto it."""
+        """Move corners that are within a few ulps of a multiple of the step onto it."""
         near = [round(time / step) * step for time in self.times]
         times = (n if abs(n - time) <= ULPS * ulp(n) else time for n, time in zip(near, self.times, strict=True))
         return Torque(tuple(times), self.starts, self.slopes)

@@ -24,7 +24,7 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class Reach:
-    """What holding a belt speed and a tension takes, and what the limit allows.
+    """Torques that hold a belt speed and a tension, and the range that the limit allows.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Reach:
     speed_at_tension : tuple of float or None
         Smallest and largest belt speed at that tension, m/s; infinite without friction.
     tension : tuple of float
-        Smallest and largest tension at whatever speed, N.
+        Smallest and largest tension at any speed, N.
     """
 
     T1: float
@@ -93,7 +93,7 @@ def reach(
 
 
 def _furthest(sides: list[tuple[Fraction, Fraction, Fraction]], torque: Fraction) -> float:
-    """Tension when both motors give this torque, or what the weaker one holds if there is no friction."""
+    """Return the tension with this torque of both motors, or that which the weaker one holds if friction is zero."""
     (_, c1, _), (_, c2, _) = sides
     bound1, bound2 = ((d + torque) / r for r, _, d in sides)
     if c1 == c2:

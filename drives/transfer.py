@@ -24,7 +24,7 @@ class TransferFunction(Presentation):
     ----------
     p, q : flint.fmpq_poly
     name : str
-        What it is, such as ``x_k/T1``.
+        Output over input, such as ``x_k/T1``.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class TransferFunction(Presentation):
         return np.abs(self(1j * frequencies(omega)))
 
     def phase(self, omega: ArrayLike) -> NDArray[np.float64]:
-        """Phase of H(j omega) in rad, without jumps and whatever the grid.
+        """Phase of H(j omega) in rad, without jumps on any grid.
 
         It starts, for omega to 0, at 0 if H is positive there and at -pi if it is negative, plus pi/2 for each zero and
         minus pi/2 for each pole at 0. From there it is continuous; poles and zeros on the imaginary axis turn it as if
@@ -134,13 +134,13 @@ class TransferFunction(Presentation):
         return np.array([float(c) for c in self.numerator]), np.array([float(c) for c in self.denominator])
 
     def to_control(self) -> Any:
-        """The same as `control.TransferFunction`, which needs the package control."""
+        """Convert to `control.TransferFunction`, with the package control."""
         control = import_extra("control", "python-control", "control", "to_control")
 
         return control.TransferFunction(*self.to_floats())
 
     def to_scipy(self) -> Any:
-        """The same as `scipy.signal.TransferFunction`."""
+        """Convert to `scipy.signal.TransferFunction`."""
         from scipy.signal import TransferFunction as Scipy
 
         return Scipy(*self.to_floats())

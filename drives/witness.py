@@ -1,7 +1,7 @@
-"""Whether what a run gives out fits the equations of motion, by code that shares nothing with what made it.
+"""Check that a run satisfies the equations of motion, by code that shares nothing with the solver.
 
 At all samples outputs and stored energy are held against their definitions, and the three energies against each other.
-Then the states, the heat and the work at samples are held against what `drives.followed` makes of earlier samples.
+Then the states, the heat and the work at samples are held against those that `drives.followed` finds from earlier ones.
 """
 
 from collections.abc import Iterator, Sequence

@@ -26,8 +26,8 @@ class _Rest(NamedTuple):
 class Armstrong(Parameters, example=("Armstrong(F_c=0.9).F_s", "1.2")):
     """A spring while it sticks; then F_c + F_v·|v| + P/(1 + (v(t − lag)/v_s)²) against the motion.
 
-    P = P_a + (F_s − F_c − P_a)·t_2/(t_2 + dwell) after a rest of t_2, with P_a what was left of it when the contact
-    came to rest; at t = 0 it has rested for ever. It breaks away at F_c + P, and rests from each instant on at which v
+    P = P_a + (F_s − F_c − P_a)·t_2/(t_2 + dwell) after a rest of t_2, with P_a its value when the contact came to
+    rest; at t = 0 it has rested for ever. It breaks away at F_c + P, and rests from each instant on at which v
     vanishes. B. Armstrong-Hélouvry, P. Dupont and C. Canudas de Wit, Automatica 30 (1994) 1083,
     doi:10.1016/0005-1098(94)90209-7.
     """
@@ -71,7 +71,7 @@ class Armstrong(Parameters, example=("Armstrong(F_c=0.9).F_s", "1.2")):
         return force
 
     def _share(self, motion: Motion, t: NDArray) -> NDArray:
-        """What the velocity of a lag before leaves of the peak; before t = 0 the contact stood."""
+        """Fraction of the peak left by the velocity one lag earlier, which is 0 before t = 0."""
         v = np.where(t >= self.lag, motion.velocity(np.maximum(t - self.lag, 0.0)), 0.0)
         return 1.0 / (1.0 + (v / self.v_s) ** 2)
 

@@ -76,7 +76,7 @@ class Scaled:
         self.bounds = np.array([shape.get(name, (-LOGARITHM, LOGARITHM)) for name in self.names]).T
 
     def model(self, scaled: NDArray) -> Model:
-        """The law with these."""
+        """Return the law with scaled parameters."""
         given = dict(zip(self.names, scaled.tolist(), strict=True))
         for name, value in given.items():
             if name not in ("F_s", "z_ba"):
@@ -88,13 +88,13 @@ class Scaled:
         return self.kind(**{name: float(value) for name, value in given.items()})
 
     def values(self, scaled: NDArray) -> NDArray:
-        """Its parameters themselves."""
+        """Return the parameters of the law, unscaled."""
         model = self.model(scaled)
         return np.array([getattr(model, name) for name in self.names])
 
 
 def residual(model: Model, record: Measured) -> NDArray:
-    """Friction of the law less what was measured, at all samples; at rest of a static law what exceeds F_s."""
+    """Friction of the law less the measured force, at all samples; at rest of a static law the excess over F_s."""
     if isinstance(model, STATIC):
         rest, force = record.at_rest, record.force
         held = np.clip(force, -model.stiction, model.stiction)

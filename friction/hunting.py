@@ -1,4 +1,4 @@
-"""Whether a controller swings a mass with dry friction, by harmonic balance; what sticks is beyond it.
+"""Limit cycles of a controlled mass with dry friction, by harmonic balance; cycles that stick are not covered.
 
 To a swing v = V sin(ωt) friction is, in its first harmonic, a damping N(V) = F_v + 4/(πV)·(F_c + (F_s − F_c)·D(a)/a)
 with a = V/v_s and Dawson's integral D, and a limited controller a gain k(A) <= 1 of its amplitude A (A. Gelb and
@@ -96,7 +96,7 @@ def swings(model: Coulomb | Karnopp, bench: Testbench) -> list[Swing]:
         return (pid.proportional + pid.integral / (1j * w) + 1j * w * pid.derivative) * np.exp(-1j * w * late)
 
     def damping(omega: ArrayLike) -> NDArray:
-        """N(V) that a balance at ω needs, where the limit makes the gain what it needs."""
+        """Return N(V) for a balance at ω, with the gain k(A) that balances inertia there."""
         w, c = np.asarray(omega, float), asked(omega)
         return -m * w * c.imag / c.real
 

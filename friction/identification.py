@@ -58,7 +58,7 @@ class Identification(History):
 
     @property
     def correlation(self) -> float:
-        """Of neighbours in the residual of the law chosen: 0 for noise."""
+        """Correlation of neighbours in the residual of the law chosen: 0 for noise."""
         left = self.fits[self.chosen].force - self.force
         size = float(left @ left)
         return float(left[1:] @ left[:-1]) / size if size else 0.0
@@ -70,7 +70,7 @@ class Identification(History):
         return best.parameters[name] - half, best.parameters[name] + half
 
     def text_lines(self) -> Iterator[str]:
-        """The law chosen, its parameters, what the data do not tell, and the other laws."""
+        """Law chosen, its parameters, those the data do not determine, and the other laws, as lines of text."""
         best, largest = self.fits[self.chosen], float(np.max(np.abs(self.force)))
         yield (
             f"{self.chosen}: misses blocks left out by {best.foretold:.4g} N (rms), all samples by {best.rms:.4g} N, "
@@ -93,7 +93,7 @@ class Identification(History):
                 yield f"{name}: misses {blocks}all samples by {other.rms:.4g} N"
 
     def to_dict(self) -> dict[str, Any]:
-        """The law chosen, and for each law estimates, deviations, misfits and what the data do not tell."""
+        """Law chosen, and for each law estimates, deviations, misfits and parameters the data do not determine."""
         fits = {
             name: {
                 "parameters": one.parameters, "deviations": one.deviations, "rms": one.rms, "foretold": one.foretold,

@@ -1,4 +1,4 @@
-"""Maxwell slip: springs side by side, each of which slides at its own limit; a hysteresis with non-local memory."""
+"""Maxwell slip: springs in parallel, each sliding at its own limit; a hysteresis with non-local memory."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -97,8 +97,8 @@ class MaxwellSlip:
     def _onsets(self, motion: Motion, begin: float, end: float, s: int, held: NDArray, slides: NDArray) -> NDArray:
         """When each element begins to slide, inf if it does not.
 
-        If limits are constant, what an element has above its own rises throughout, and its sign at the end decides.
-        Where they change, it is looked at in 64 instants.
+        If limits are constant, the excess of an element over its own rises throughout, and its sign at the end
+        decides. Where they change, the excess is evaluated at 64 instants.
         """
         onset = np.where(slides, begin, np.inf)
         if s == 0:

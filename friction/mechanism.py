@@ -1,7 +1,7 @@
 """Mechanisms put together signal by signal: masses, springs, gains, limits, gaps, controllers, contacts.
 
-`Mechanism` writes down a diagram of `friction.kernel`: what moves is linear but for products (works and powers), the
-larger of two signals, of which limits, slack and backlash are made, and contacts with dry friction.
+`Mechanism` writes down a diagram of `friction.kernel`: all is linear but products (works and powers), the larger of
+two signals, for limits, slack and backlash, and contacts with dry friction.
 """
 
 from collections.abc import Mapping, Sequence
@@ -57,7 +57,7 @@ class Mechanism:
         return self._new(d.INPUT, number)
 
     def state(self, start: float = 0.0, *, watched: bool = True) -> Signal:
-        """What `integrate` says the integral of; not watched if nothing that moves depends on it."""
+        """Add a state, whose derivative `integrate` sets; not watched if no motion depends on it."""
         found = self._new(d.STATE)
         self.start[found] = float(start)
         if watched:
@@ -69,7 +69,7 @@ class Mechanism:
         self.sources[state][0] = rate
 
     def add(self, terms: Mapping[Signal, float], constant: float = 0.0) -> Signal:
-        """Signals by their factors, and a constant; what is alone and as it is stays the same signal."""
+        """Add a sum of signals times factors and a constant; a single signal times 1 is returned itself."""
         terms = {signal: float(factor) for signal, factor in terms.items() if factor}
         if not constant and list(terms.values()) == [1.0]:
             return next(iter(terms))
@@ -98,13 +98,13 @@ class Mechanism:
         return self.smaller(self.larger(u, self.add({}, -limit)), self.add({}, limit))
 
     def contact(self, law: Model, v: Signal, applied: Signal) -> tuple[Signal, Signal]:
-        """Dry friction on a state v, and the applied force less it, which is to be what accelerates v."""
+        """Add dry friction on a state v; return it and the applied force less it, which has to accelerate v."""
         self.watched.append(applied)
         self.laws.append(law)
         return self._new(d.FRICTION, v, applied, len(self.laws) - 1), self._new(d.NET)
 
     def register(self, start: float) -> Signal:
-        """What a sampled controller keeps from one look to the next; `sample` says of which signal."""
+        """Add a value that a sampled controller holds from one sample to the next; `sample` names its signal."""
         self.registers.append(float(start))
         return self._new(d.HELD, len(self.registers) - 1)
 
@@ -134,7 +134,7 @@ class Mechanism:
         self, times: ArrayLike, shown: Sequence[Signal], inputs: "d.Inputs | None" = None, *,
         t_end: float | None = None, places: Sequence[Signal] = (), events: int = 1,
     ) -> d.HybridRun:  # fmt: skip
-        """A run with samples at those times, for so many events, told with the signals `places` of the contacts."""
+        """Make a run with samples at `times` and room for `events` events, recorded with the signals `places`."""
         at, n, contacts = np.array(times, float), len(self.kinds), len(self.laws)
         state = np.zeros(n)
         state[list(self.start)] = list(self.start.values())
@@ -152,7 +152,7 @@ class Mechanism:
         self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "d.Inputs | None" = None, *,
         places: Sequence[Signal] = (), events: int = 1, budget: int = MOST_LEGS,
     ) -> tuple[int, dict[str, NDArray], NDArray]:  # fmt: skip
-        """Status, signals at times by their names, and changes of contacts, told with the signals `places`."""
+        """Run; return status, signals at `times` by name, and changes of contacts with the signals `places`."""
         run = self.prepared(times, list(shown.values()), inputs, places=places, events=events)
         status = automaton(pack(run), budget)
         return status, dict(zip(shown, run.record[:, 1:].T, strict=False)), run.events[: run.counts[2]]

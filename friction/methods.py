@@ -1,4 +1,4 @@
-"""The methods: what each is for, its order, and how it fails."""
+"""Integration methods: purpose, order, and failure of each."""
 
 from typing import NamedTuple
 

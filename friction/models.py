@@ -74,7 +74,7 @@ class Model(Parameters):
 
 @dataclass(frozen=True)
 class Coulomb(Model):
-    """F_c·sign v + F_v·v, and whatever is needed, up to F_c, to hold the mass at rest.
+    """F_c·sign v + F_v·v, and at rest the force that holds the mass, up to F_c.
 
     Solvers that know nothing of events get the bare law, with sign 0 = 0. C. A. Coulomb, Théorie des machines simples
     (1785).

@@ -1,4 +1,4 @@
-"""Numbers of laws and of the testbench: unit, meaning and range of each, told once for checks and docstrings."""
+"""Numbers of laws and of the testbench: unit, meaning and range of each, stated once for checks and docstrings."""
 
 from dataclasses import fields
 from inspect import cleandoc
@@ -11,7 +11,7 @@ LARGEST = 1e12  # of any number in SI; its powers are still numbers
 
 
 class Told(NamedTuple):
-    """What a number is, and what it may be."""
+    """Description of a number: unit, meaning and range."""
 
     unit: str
     meaning: str
@@ -66,9 +66,9 @@ TOLD = {
 
 
 class Parameters:
-    """Base of dataclasses of such numbers: checks them, and completes the docstring by what they are.
+    """Base of dataclasses of such numbers: checks them, and adds their descriptions to the docstring.
 
-    A subclass gives its example as an expression and what Python answers.
+    A subclass gives its example as an expression and its printed value.
     """
 
     place: ClassVar[str]  # where an error points at
@@ -96,7 +96,7 @@ class Parameters:
 
 
 def check_number(where: str, value: object, *, above: float = -inf, least: float = -inf) -> None:
-    """Refuse what is not a finite number above one bound and at least another."""
+    """Raise an error unless a value is a finite number, more than `above` and at least `least`."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise InputError(where, "not a finite number", "a number", repr(value)[:30])
     if abs(value) > LARGEST:

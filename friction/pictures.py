@@ -21,7 +21,7 @@ MOST_MARKS, MOST_COLUMNS = 40, 6  # events that are marked, and labels beside ea
 
 
 class Panel(NamedTuple):
-    """What is drawn in one pair of axes: a quantity of some runs within a window of time [s]."""
+    """Content of one pair of axes: a quantity of some runs within a window of time [s]."""
 
     quantity: str
     labels: tuple[str, ...]
@@ -129,7 +129,7 @@ def draw_moved(runs: Prescribed | Mapping[str, Prescribed], ax: Axes | None = No
 
 @styled
 def draw_fit(found: Identification, ax: Axes | None = None) -> Figure | Axes:
-    """What the law chosen leaves of the force over time, its distribution, and measured and fitted force.
+    """Draw the residual of the law chosen over time, its distribution, and measured and fitted force.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from tline.errors import InputError
 
 
 class Chatter(NamedTuple):
-    """What Euler's method makes of a mass that should stand still, from F_a = 0 up to F_c; see `euler_chatter`.
+    """Chatter of Euler's method for a mass that should rest, from F_a = 0 up to F_c; see `euler_chatter`.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Chatter(NamedTuple):
 
 
 def euler_chatter(F_c: float, slope: float, h: float, mass: float = 1.0) -> Chatter:
-    """Euler's method on F_c·sign v below break-away is a first-order sigma-delta modulator: what comes of it.
+    """Predict the chatter of Euler's method on F_c·sign v below break-away, a first-order sigma-delta modulator.
 
     The force is coded in the share of steps with v > 0, (1 + F_a/F_c)/2, and v is spread evenly over an interval of
     length 2hF_c/m about hF_a/m.
@@ -278,7 +278,7 @@ def limits(model: Model, v: float, mass: float = 1.0) -> Limits:
 
 
 def _eigenvalues(model: Model, v: np.float64, mass: np.float64) -> tuple[complex, ...]:
-    """Of the velocity, and of the bristle if there is one."""
+    """Eigenvalues of the velocity, and of the bristle if there is one."""
     from friction.kernel import law as laws
 
     law, sign = model.law, 1.0 if v >= 0.0 else -1.0

@@ -44,7 +44,7 @@ class Prescribed(History):
     z : ndarray
         Deflection of the bristles [m], 0 for the static laws.
     F_f : ndarray
-        Friction [N]: what must be applied beside inertia. NaN at rest under a static law, which balances any force
+        Friction [N]: the force to apply beside inertia. NaN at rest under a static law, which balances any force
         from F_low to F_high.
     F_low, F_high : ndarray
         Least and largest force [N] that this motion is compatible with; equal where the law gives one.
@@ -106,7 +106,7 @@ def prescribe(
     """Friction that a prescribed motion meets.
 
     Static laws and tanh have closed forms. Bristles are integrated from reversal to reversal, which are roots of the
-    velocity, by Radau collocation of order 9 with errors of 1e-13 a step; a run 100 times rougher tells how good it is.
+    velocity, by Radau collocation of order 9 with errors of 1e-13 a step; a run 100 times rougher estimates the error.
     Formulas are replaced by splines, to 1e-9 of the largest velocity.
 
     Parameters

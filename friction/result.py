@@ -1,4 +1,4 @@
-"""What a run gives back: the motion, its events, and where the energy went."""
+"""Result of a run: motion, events, and energy balance."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ COLUMNS = tuple(UNITS)
 
 
 class Kind(StrEnum):
-    """What can happen to the mass."""
+    """Event of the motion of the mass."""
 
     BREAK_AWAY = "break-away"
     STOP = "stop"
@@ -57,7 +57,7 @@ class Status(StrEnum):
 
 
 class Ledger(NamedTuple):
-    """Energy up to the end [J]: work of the applied force and of friction, what is stored, what became heat.
+    """Energy up to the end [J]: work of the applied force and of friction, stored energy, and heat.
 
     The residual is applied − friction − gain of kinetic energy, relative to all work that was done.
 
@@ -66,7 +66,7 @@ class Ledger(NamedTuple):
     applied, friction : float
         Work of the applied force, and work that friction took [J].
     kinetic_gain, bristle_gain, heat : float
-        What is stored in the motion and in the bristles, and what is lost [J].
+        Gain of energy in the motion and in the bristles, and energy lost [J].
     residual : float
         Relative to all work that was done.
     """
@@ -80,7 +80,7 @@ class Ledger(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """What a motion has settled into: the stick–slip of a rig, or a controller that hunts.
+    """Cycle that a motion has settled into: the stick–slip of a rig, or a controller that hunts.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Result(History):
     event_count : int
         Events met.
     status : Status
-        `DONE`, or why the run ended early or is not as good as asked; the arrays hold what was reached.
+        `DONE`, or why the run ended early or missed its tolerance; the arrays hold the part that was reached.
     steps, refused : int
         Steps made, and steps tried and refused; of the run that is given, not of those it was compared with.
     tol : float or None

@@ -224,7 +224,7 @@ def _events(
 
 
 def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, events: int) -> "HybridRun":
-    """The mass with its contact, the applied force, and what pulls, as a mechanism."""
+    """Make a mechanism of the mass with its contact, the applied force, and the spring or controller."""
     from friction.kernel.diagram import Inputs
     from friction.mechanism import Mechanism
 

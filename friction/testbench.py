@@ -20,7 +20,7 @@ MOST_DELAYED = 10_000  # periods of a sampled controller
 
 
 class Force(Protocol):
-    """What can be applied: straight pieces, and a sine (amplitude, angular frequency, phase)."""
+    """Applied force: straight pieces, and a sine (amplitude, angular frequency, phase)."""
 
     def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
         """Start, value there and slope of the straight pieces; the last goes on for ever."""
@@ -129,8 +129,8 @@ class Spring(Parameters, example=("Spring(20.0, 0.05).speed", "0.05")):
 class PID(Parameters, example=("PID(100.0, integral=50.0).derivative", "0.0")):
     """A controller: proportional·e + integral·∫e dt + derivative·ė, with the error e = target + speed·t − x.
 
-    With a period it sees e at its multiples: ∫e dt is then a sum that has the newest e in it, ė a difference to the one
-    before, and the force is held from a delay later on until the next.
+    With a period it samples e at its multiples: ∫e dt is then a sum that includes the newest e, ė a difference to the
+    one before, and the force is held from a delay later on until the next.
     """
 
     proportional: float
@@ -159,7 +159,7 @@ class Testbench(Parameters):
     Parameters
     ----------
     force : Ramp, Sine, Steps or Table, optional
-        What is applied; the exercise's ramp of 0.5 N/s if not given.
+        Applied force; the exercise's ramp of 0.5 N/s if not given.
     mass : float, optional
         Mass [kg], positive.
     v0 : float, optional
@@ -176,7 +176,7 @@ class Testbench(Parameters):
     Raises
     ------
     InputError
-        A number is out of range, or is not finite; what is no force, spring or controller; a spring and a controller.
+        A number out of range or not finite; not a force, spring or controller; both a spring and a controller.
 
     Examples
     --------

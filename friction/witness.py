@@ -1,8 +1,8 @@
-"""Whether what a run gives out fits Newton's law and the friction law, by code that shares nothing with what made it.
+"""Check that a run satisfies Newton's law and the friction law, by code that shares nothing with the solver.
 
 At all samples forces and energy are held against their definitions. Over short windows the changes of place, speed,
-deflection and works are held against integrals of what drives them, by two rules of Clenshaw and Curtis: how far these
-differ is not held against the run, and windows with an event in them prove nothing.
+deflection and works are held against integrals of their rates, by two rules of Clenshaw and Curtis: the difference of
+the rules is not held against the run, and windows with an event in them prove nothing.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ UNCERTAIN = 10.0  # share of the difference of two rules that is not held agains
 
 
 def _weights(n: int) -> NDArray:
-    """Of the rule of Clenshaw and Curtis with so many nodes, on an interval of length 1."""
+    """Weights of the rule of Clenshaw and Curtis with n nodes, on an interval of length 1."""
     nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(n) / (n - 1))
     return np.linalg.solve(np.vander(nodes, increasing=True).T, 1.0 / np.arange(1, n + 1))
 
@@ -38,7 +38,7 @@ Held: TypeAlias = tuple[
 
 
 def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
-    """Instants [s] at which a run is to be heard, shape (WINDOWS, 9), in windows no wider than what happens there."""
+    """Instants [s] at which a run is checked, shape (WINDOWS, 9), in windows no wider than its time scales."""
     widest = 0.01 * t_end
     if isinstance(model, Tanh):
         widest = min(widest, bench.mass * model.epsilon / model.F_c)
@@ -66,7 +66,7 @@ def doubt(
     heard : ndarray
         Their rows in each window, shape (n, 9).
     told : mapping of str to float
-        Estimates of errors, relative to the largest magnitude of each column; what is not told is exact.
+        Estimates of errors, relative to the largest magnitude of each column; other columns are exact.
     events : sequence of float
         Instants at which the run says that the motion changes.
     """
@@ -214,7 +214,7 @@ def _of_motion(
 def _undisturbed(model: Model, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
     """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none.
 
-    Nor does the speed pass the Stribeck peak between two nodes, which neither rule would see.
+    Nor does the speed pass the Stribeck peak between two nodes, which neither rule would resolve.
     """
     t, v, force, pid = at["t"], at["v"], bench.force, bench.controller
     slow = np.minimum(np.abs(v[:, 1:]), np.abs(v[:, :-1])) < PEAK * _of(model, "v_s")

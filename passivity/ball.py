@@ -23,7 +23,7 @@ def of_point(re: Fraction, im: Fraction) -> acb:
 
 
 def near(ball: arb) -> Fraction:
-    """Middle of a ball, clipped to numbers of MAX_BITS; 0 where there is none."""
+    """Midpoint of a ball, clipped to numbers of MAX_BITS; 0 if it is not finite or too small."""
     middle = ball.mid()
     if not middle.is_finite() or abs(middle) < of_fraction(_NEAREST):
         return Fraction(0)

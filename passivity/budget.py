@@ -1,7 +1,7 @@
 """How much work a question may take, how long its numbers and polynomials may grow, and the only powers.
 
 Work is counted in units of about a nanosecond that do not depend on the machine or its load.
-What may take long says so before it does: `spend`. Within `budget` the sum is limited, and what passes it is undecided.
+Long work is counted before it is done, by `spend`. Within `budget` the sum is limited, a question beyond it undecided.
 """
 
 import math

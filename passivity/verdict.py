@@ -164,7 +164,8 @@ class Margin(NamedTuple):
     ----------
     low, high : Fraction, float or None
         The value lies between them; equal where it is known exactly, infinite where it is. Of several ports one end is
-        proved, the other computed in floats; of what is not rational it is sampled, and None where nothing is proved.
+        proved, the other computed in floats; of a function that is not rational one end is sampled, the other proved
+        or None.
     frequency : float
         Angular frequency where it is attained, rad/s; ``math.inf`` for the limit.
     largest : bool
@@ -216,7 +217,7 @@ class Verdict(Decided):
     function : RationalFunction, RationalMatrix, StateSpace or None
         As given, where the exact test answers; None of an expression that is not rational, or has names.
     status : Status
-        `PROVED` comes with a proof, `REFUTED` with a witness or a pole, `UNDECIDED` with what was not resolved.
+        `PROVED` comes with a proof, `REFUTED` with a witness or a pole, `UNDECIDED` with the open question in `reason`.
     certificate : Certificate, StorageCertificate, dict, tuple of Derivation or None
         The proof: exact facts; steps that `passivity.verifier` checks; or the proofs of two halves of a line.
     witness : Witness or None
@@ -226,19 +227,19 @@ class Verdict(Decided):
         A factor with roots in Re s >= 0 that does not show at the ports: common to numerator and denominator, or modes
         of a state space. The verdict is about the function without it.
     negative : tuple of fmpz_poly
-        What must not be negative on the axis, in x = w^2, if it is somewhere (see `AxisSum`).
+        Polynomials in x = w^2 that must not be negative on the axis, if one is somewhere (see `AxisSum`).
     reason : str
-        Why, where the function does not tell; what was not resolved, if undecided.
+        Reason, where the function does not show it; the unresolved part, if undecided.
     floats : FloatSystem or None
         The state space in floating point, if it was looked at so; then hidden modes are not looked for.
     statement : str
-        What was asked, with the assumptions.
+        The claim, with the assumptions.
     asked : tuple of (str, dict, dict)
-        The text, the numbers for names in it, and what was assumed of others, if the question was one.
+        The text, the numbers for names in it, and the assumptions on others, if the question was a text.
     pole : Pole or None
         Where it is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
     ranges : tuple of Range
-        What is assumed of parameters, where the answer is for all their values.
+        Assumptions on parameters, where the answer is for all their values.
     condition : Condition or None
         For which of them the property holds, where that is known and not all.
     steps : tuple of str

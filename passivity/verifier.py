@@ -3,7 +3,7 @@
 
 Nodes are functions of s: 1, s, a name, a sum of multiples, a product of powers, exp, log, sqrt, tanh, cosh, the input
 impedance of a line. A fact holds in Re s > 0 for all values of the names: ("disc", low, high), a quadratic form in the
-value w told by where its region crosses the real axis, a half-plane if an end is infinite, so that positive real is
+value w given by where its region crosses the real axis, a half-plane if an end is infinite, so that positive real is
 (0, inf) and bounded real (-1, 1); ("real", low, high), a constant in s; ("arg", t), w > 0 for real s, no zeros and
 poles, and |arg w| <= 90 t degrees, or w = 0 everywhere. Nothing is divided by 0 everywhere, as bounds show at one s > 0
 for one choice of the names; others are limits of such. A step is a node, a fact, a rule, steps it rests on, data.
@@ -48,7 +48,7 @@ def inverted(low, high):
 
 
 def scaled(fact, c):
-    """Fact about c w that follows from one about w; None if there is none."""
+    """Return the fact about c w that follows from one about w; None if none follows."""
     if not c:
         return ("real", ZERO, ZERO)
     if fact[0] == "arg":

@@ -1,10 +1,10 @@
 """Diagrams as hybrid automata: contacts stuck or sliding one way, switches one way or
 the other, until a guard vanishes.
 
-Which guard vanished says what happens, and the state is put exactly there: v = 0 at a stop, F_a = ±F_s at a
+The guard that vanished determines the event, and the state is set exactly there: v = 0 at a stop, F_a = ±F_s at a
 break-away. A motion that reaches rest always sticks; if the force does not hold it there, it breaks away at the same
 instant. Changes at one instant are one change, of the mode before to the mode after: stop and break-away the other way
-are a reversal, break-away and stop are nothing. No leg depends on where the run ends or is looked at.
+are a reversal, break-away and stop are nothing. No leg depends on where the run ends or is sampled.
 """
 
 from math import copysign, floor, inf, nan, pi
@@ -41,7 +41,7 @@ MOST_IDLE = 10  # changes at one instant, for each signal
 
 @unit
 def automaton(run: HybridRun, budget: int) -> int:
-    """Run a diagram, in so many legs at most; returns the status."""
+    """Run a diagram in at most `budget` legs; return the status."""
     d, inputs, sampled, clock, counts = run.diagram, run.inputs, run.sampled, run.clock, run.counts
     clock[TURN], number, t, row, idle, taken, given = inputs.phase / (2.0 * pi), 0, 0.0, 0, 0, 0, 0
     for j in range(d.contact.size):
@@ -107,7 +107,7 @@ def is_finite(c):
 
 @function
 def take(sampled, c, taken):
-    """What a sampled controller sees: into its registers, and into the queue of its outputs."""
+    """Sample the signals of a controller, into its registers and into the queue of its outputs."""
     registers = sampled.seen.size - sampled.queue.shape[1]
     for k in range(sampled.seen.size):
         if k < registers:

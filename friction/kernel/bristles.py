@@ -52,11 +52,11 @@ def period_of(law, mass):
 @function
 def rosenbrock(law, bench, tol, parts, budget, compared, which):
     """One run with its own steps, which land on reversals, where |v| has a kink; each piece of the force takes at least
-    so many parts.
+    `parts` steps.
 
     Errors are weighed with the magnitudes of the run before; of the first run (parts = 1), with its own so far. Keeps
     samples, the largest magnitude of each column, in that of time the largest error of a step, and in that of the mode
-    what is missed at reversals. Returns the status, steps made and refused, and how many events there are.
+    the error missed at reversals; the counts hold steps made and refused, and events. Returns the status.
     """
     y, new, peaks, counts = compared.y, compared.new, compared.peaks, compared.counts
     explicit, since, first = compared.dense.shape[0] > TERMS, 0, parts == 1
@@ -117,7 +117,7 @@ def chosen(law, v, h, explicit, since, dense):
     """Whether the next step is explicit, how long that has been in doubt, and how long the step may be.
 
     Slip bounds explicit steps. If it does so ten times on end, where accuracy would allow a longer one, implicit steps
-    are made; after ten, which find their length, explicit ones if these would be longer by what they cost more.
+    are made; after ten, which find their length, explicit ones if these may be longer by the ratio of their costs.
     """
     if dense.shape[0] == TERMS:
         return False, 0, inf
@@ -196,8 +196,8 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared, explici
     """A step of at most that length into `new`; the step, its error over the tolerance, tries before it, and the forces
     at its end.
 
-    With |v| read as s·v, what a step misses of a reversal is ∫|v|dt on the wrong side of zero; where that counts, it
-    ends at the reversal instead. What it misses otherwise is added up in the largest magnitude of the mode.
+    With |v| read as s·v, the error of a step over a reversal is ∫|v|dt on the wrong side of zero; where that counts,
+    the step ends at the reversal instead. Otherwise the error is added up in the largest magnitude of the mode.
     """
     y, new, u, dense = compared.y, compared.new, compared.u, compared.dense
     rise, s, begun, tries = (pull[0] - pull[2]) / mass, copysign(1.0, y[1]), 0.0, 0
@@ -284,7 +284,7 @@ def held_back(law, mode, v, z):
 
 @function
 def guard(law, dense, mode, theta):
-    """The same within a step."""
+    """Evaluate `held_back` within a step."""
     return held_back(law, mode, inside(dense, 1, theta), inside(dense, 2, theta))
 
 

@@ -1,7 +1,7 @@
 """Small mechanisms as diagrams of signals, expanded in series of the time since the start of a leg.
 
-A signal is an input, a state (the integral of a signal), a sum, a product, a switch between two, what a sampled
-controller holds, or the friction of a contact. All but integrands stand before the signals made of them, so one pass
+A signal is an input, a state (the integral of a signal), a sum, a product, a switch between two, a value held by a
+sampled controller, or the friction of a contact. All but integrands precede the signals made of them, so one pass
 finds term k of all series from the terms before.
 
 A contact keeps its applied force less stiction, and the drop of friction from its peak, as series of their own, so that
@@ -136,7 +136,7 @@ def expand(run, number):
 
 @function
 def expand_input(run, number, i):
-    """Series of an input, or of what is held."""
+    """Expand an input or a held value."""
     inputs, clock, out, k = run.inputs, run.clock, run.series[i], run.diagram.source[i, 0]
     for j in range(N):
         out[j] = 0.0
@@ -237,7 +237,7 @@ def trusted_step(run, h):
 
 @function
 def first_guard(run, h):
-    """Time at which the first guard vanishes, inf if none does, of which signal, and which: 0 or 1.
+    """Find the time at which the first guard vanishes, inf if none does, its signal, and its number: 0 or 1.
 
     Stuck: −F_a and +F_a reach F_s. Sliding: the speed falls to δ. Pushed: the speed rises to δ, the force falls to F_s.
     Switch: the difference keeps its sign.

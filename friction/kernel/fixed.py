@@ -95,7 +95,7 @@ def runge_kutta(law, push, mass, t, y, h, k, mid):
 def robust(law, push, mass, t, y, h, method):
     """One step of Moreau and Jean, or of the exponential method; returns the friction force.
 
-    Moreau and Jean: one contact in closed form; it holds what it can, and slides with what is left.
+    Moreau and Jean: one contact in closed form; it holds up to its limit, and slides under the excess.
     Exponential: the bristle is exact for constant v, then the velocity follows with the new deflection.
     """
     x, v, z = y[0], y[1], y[2]

@@ -34,9 +34,9 @@ class Law(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """Applied force: straight pieces (start, value there, slope), a sine, and what pulls the mass towards a target.
+    """Applied force: straight pieces (start, value there, slope), a sine, and a pull of the mass towards a target.
 
-    That is a controller, with e = target + speed·t − x, or a spring, which is its proportional part.
+    The pull is a controller, with e = target + speed·t − x, or a spring, which is its proportional part.
     """
 
     start: Floats
@@ -176,7 +176,7 @@ def note(row, t, y, f_a, f_f, mode):
 
 @function
 def gap(law, v, z):
-    """What friction is above 99 % of its steady value, in the direction of the motion; a velocity for tanh."""
+    """Excess of friction over 99 % of its steady value, in the direction of the motion; a velocity for tanh."""
     if law.kind == TANH:
         return abs(v) - law.epsilon * atanh(STEADY)
     g = law.f_c + (law.f_s - law.f_c) * exp(-((v / law.v_s) ** 2))
@@ -185,7 +185,7 @@ def gap(law, v, z):
 
 @function
 def mode_of(law, mode, v, z, f_a):
-    """Sign of the motion, 0 if the mass is held, as a method sees it that meets no events; `mode` is what it was."""
+    """Sign of the motion, 0 if the mass is held, for a method without events; `mode` is the previous one."""
     way = int(np.sign(v))
     if law.kind == SIGN:
         return way

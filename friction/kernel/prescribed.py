@@ -15,7 +15,7 @@ SHORTEST = 1e-14  # of the time of an interval's end
 
 
 class Course(NamedTuple):
-    """Velocity over time: cubics in the time since their start, and a sine; intervals in which it keeps its sign."""
+    """Velocity over time: cubics in the time since their start, and a sine; intervals of constant sign."""
 
     start: Floats  # (pieces,)
     cubic: Floats2  # (pieces, 4) rising powers

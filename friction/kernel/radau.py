@@ -74,7 +74,7 @@ def radau(law, s, h, work):
 
 @function
 def defect(law, s, h, work):
-    """How far the dense output is from the solution: its defect at two instants, integrated, less what slip damps."""
+    """Estimate the error of the dense output: its defect at two instants, integrated, less the part damped by slip."""
     worst = 0.0
     for k in range(CHECKS.size):
         z = slope = 0.0

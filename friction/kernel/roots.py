@@ -29,7 +29,7 @@ def shifted(p, t, q):
 
 @function
 def first_root_within(p, n, h, q):
-    """`first_root` of the first n terms, of which the last may be zero.
+    """Find the first root of a polynomial of the first n terms, the last of which may be zero.
 
     A polynomial of low degree has a long step before it: the search keeps to Fujiwara's bound of its roots, Tôhoku
     Math. J. 10 (1916) 167.
@@ -46,7 +46,7 @@ def first_root_within(p, n, h, q):
 
 @function
 def first_root(p, h, q):
-    """The first t in (0, h] where a polynomial that is positive after 0 vanishes; inf if there is none.
+    """Find the first t in (0, h] where a polynomial that is positive after 0 vanishes; inf if it does not.
 
     Zero at once if its first term is negative; zeros at 0 itself are divided out. Intervals are halved until a bound
     shows that the polynomial keeps its sign there, or rises or falls throughout.

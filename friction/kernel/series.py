@@ -17,9 +17,9 @@ NEAR, FAR, STEEP, LOOKS = 2.0, 6.0, 0.7, 16  # times v_s: above NEAR a series do
 def taylor(law, push, mass, t, s, h, work):
     """One step from y into `new` of `work`, and its polynomials into `dense` (TERMS, 5).
 
-    The last row of u holds the error: of v and z what they miss of the law in the middle, at the end, and where the
-    bell e^(−(v/v_s)²) counts most, which is invisible in the first terms where v is far above v_s; of the others the
-    last term.
+    The last row of u holds the error: of v and z their defect in the middle, at the end, and where the bell
+    e^(−(v/v_s)²) counts most, which is invisible in the first terms where v is far above v_s; of the others the last
+    term.
     """
     y, new, c, error = work.y, work.new, work.dense, work.u[work.u.shape[0] - 1]
     for j in range(5):
@@ -44,7 +44,7 @@ def taylor(law, push, mass, t, s, h, work):
 
 @function
 def missed(law, push, mass, t, s, h, c, theta):
-    """What the polynomials of v and z miss of the law within a step."""
+    """Defect of the polynomials of v and z at an instant within a step."""
     x = v = z = v_t = z_t = 0.0
     for k in range(TERMS - 1, -1, -1):
         if k > 0:
@@ -95,7 +95,7 @@ def speed_at(c, theta):
 def expand(law, push, mass, t, s, c, series):
     """Coefficients of x, v, z and both works in powers of time, from those of the forces.
 
-    The sums of one term run in one loop, side by side; what needs the term itself comes after it.
+    The sums of one term run in one loop, side by side; products with the term itself come after it.
     """
     square, bell, slip, rate, pull, held = series
     peak, lever, per_v_s, per_mass = law.f_s - law.f_c, 1.0, 1.0 / law.v_s**2, 1.0 / mass

@@ -1,4 +1,4 @@
-"""What the units of this package get by reference: contacts, and arrays for all that they find and need meanwhile."""
+"""Structures passed by reference to the units of this package: contacts, and arrays for results and workspace."""
 
 from typing import NamedTuple
 
@@ -30,7 +30,7 @@ class FixedRun(NamedTuple):
 
 
 class Bench(NamedTuple):
-    """The mass that a contact holds, what moves it, and for how long."""
+    """Mass that a contact holds, its excitation, initial state, and times."""
 
     drive: Drive
     mass: float
@@ -68,13 +68,13 @@ class SmoothRun(NamedTuple):
 
 
 def fixed_run(law: Law, drive: Drive, mass: float, start: Floats, h: float, samples: int, events: int) -> FixedRun:
-    """A run from there, for so many samples and events."""
+    """Make a run from `start`, with room for a number of samples and events."""
     record, counts = np.full((samples, 9), np.nan), np.zeros(4, np.int64)
     return FixedRun(law, drive, mass, h, start, record, np.empty((events, 4)), counts, np.empty((4, 5)), np.empty(5))
 
 
 def compared(samples: int, events: int, terms: int) -> Compared:
-    """Two runs with so many samples and events, by steps with so many terms."""
+    """Make two runs with room for a number of samples and events, by steps of a number of terms."""
     records, counts = np.full((2, samples, 9), np.nan), np.zeros(5, np.int64)
     instants, checks = np.full(INSTANTS, np.inf), np.zeros((2, INSTANTS, 9))
     steps = np.zeros((STAGES, 5)), np.zeros(5), np.zeros(5), np.zeros((terms, 5)), np.zeros((SERIES, terms))

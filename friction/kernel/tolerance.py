@@ -71,7 +71,7 @@ def compare_events(compared, before, t_end):
 def compare(compared, k, pulled):
     """Estimates of the errors of run k, its differences to the other; the largest.
 
-    To these comes what no comparison shows: reversals that both pass without landing, and rounding. No column is better
+    Errors invisible to it are added: reversals that both pass without landing, and rounding. No column is better
     than the largest error of a step. The applied force depends on the motion if a spring has `pulled` only.
     """
     errors, peaks, worst = compared.errors, compared.peaks, 0.0

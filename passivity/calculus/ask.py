@@ -47,14 +47,14 @@ def is_positive_real(
 
     Of a text: by rules, which turn facts about the parts into facts about the whole; by a search for a point where the
     property fails, shown in balls; by balls on the axis, if all is rational in s and delays. Functions are principal
-    branches. What is not real for real s > 0 does not have the property.
+    branches. A function that is not real for real s > 0 does not have the property.
 
     Parameters
     ----------
     what : text, numbers, system, network or samples
         An expression, also with ``let NAME = EXPRESSION;`` before it; a number; numerator and denominator, highest
-        power first; matrices A, B, C, D, or E, A, B, C, D of E x' = A x + B u; what a `RationalFunction`,
-        `RationalMatrix` or `StateSpace` is; a system of scipy.signal or python-control; a network of scikit-rf or a
+        power first; matrices A, B, C, D, or E, A, B, C, D of E x' = A x + B u; a `RationalFunction`,
+        `RationalMatrix` or `StateSpace`; a system of scipy.signal or python-control; a network of scikit-rf or a
         `SampledResponse`, which can only be refuted; a line
         or a scene of tline, about which `passivity.calculus.given` says more.
     assume : iterable of str
@@ -67,7 +67,7 @@ def is_positive_real(
     Raises
     ------
     ExpressionError
-        For anything else, and for what `passivity.calculus.read.read` refuses.
+        For any other argument, and where `passivity.calculus.read.read` raises it.
 
     References
     ----------
@@ -156,8 +156,8 @@ def of_text(
     Raises
     ------
     ExpressionError
-        For a name of which nothing is known, for a value or an assumption of a name that is not there, and for what
-        `passivity.calculus.read.read` refuses.
+        For a name without value and assumption, for a value or an assumption of a name that is not in the text, and
+        where `passivity.calculus.read.read` raises it.
     """
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = list(assume)
@@ -229,7 +229,7 @@ def _with_numbers(made: partial, kind: Kind, question: Question) -> Verdict:
 
 
 def _at_once(made: partial, question: Question, prover: Prover) -> list[Verdict]:
-    """By rules along the structure as it stands, in time that grows as its length does."""
+    """Apply the rules along the given structure, with work at most proportional to its length."""
     try:
         with budget(_EACH + _EACH_NODE * len(question.graph.nodes)):
             return _proved(made, question, prover, DEPTHS[:1])
@@ -276,7 +276,7 @@ def _in_balls(
     prover: Prover,
     active: list[tuple[int, int, Reading]],
 ) -> list[Verdict]:
-    """By balls about the load of the line farthest from the input that rules do not find passive, else about all."""
+    """Prove in balls the load of the farthest line that rules leave undecided, else the whole function."""
     for _, _, (_, _, load) in active[:1]:
         if if_affordable(_EACH * 3 // 4, prover.strictly, Kind.PR, load) and (
             found := _at_once(made, question, prover)
@@ -327,7 +327,7 @@ def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Ver
 
 
 def settling(graph: Graph, value: Value, claim: Fact) -> list[str]:
-    """Assumptions on one name each, with any of which the rules prove the claim."""
+    """List assumptions, each on one name, any of which lets the rules prove the claim."""
     found = []
     for name, fact in graph.names.items():
         for other, words in (

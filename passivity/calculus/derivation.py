@@ -60,17 +60,17 @@ class Derivation(Decided):
 
     @property
     def algebra(self) -> tuple[tuple[str, str, bool], ...]:
-        """What is done, the equation, and whether it holds."""
+        """Algebraic steps: description, equation, and whether it holds."""
         return _algebra()
 
     @property
     def load(self) -> Verdict:
-        """Of Z2 as an impedance, where `check_line` answers."""
+        """Verdict on Z2 as an impedance, where `check_line` answers."""
         return self.statements[0][1]
 
     @property
     def reflection(self) -> Verdict:
-        """Of H2 as a reflection, where `check_line` answers."""
+        """Verdict on H2 as a reflection, where `check_line` answers."""
         return self.statements[1][1]
 
     def text_lines(self) -> list[str]:

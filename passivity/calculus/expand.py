@@ -1,6 +1,6 @@
 """Functions multiplied out: quotients (p : q) of polynomials in s, in parameters, and in exponentials and other atoms.
 
-exp of a sum is a product of powers of exp(-unit w), one for each term w that occurs; what is neither rational nor
+exp of a sum is a product of powers of exp(-unit w), one for each term w that occurs; a function neither rational nor
 made of exponentials is an atom of its own. Equal quotients are equal functions; the converse is not claimed.
 """
 
@@ -59,7 +59,7 @@ class Expansion:
     ----------
     graph : Graph
     root : int
-        A node; only what it is made of can be multiplied out.
+        A node; only the nodes it is made of can be multiplied out.
     ranges : iterable of Range
         Of the parameters.
 
@@ -198,7 +198,7 @@ class Expansion:
         return max(degrees[:1] + degrees[1 + self.domain.others :])
 
     def without_squares(self, f: fmpz_mpoly) -> fmpz_mpoly:
-        """Squares of square roots replaced by what they are, where that is a polynomial."""
+        """Replace squares of square roots by their radicands, where these are polynomials."""
         for k, n in enumerate(self.atoms, 1 + len(self.units)):
             kind, parts = self.graph.nodes[n]
             if kind == "sqrt" and f and f.degrees()[k] > 1 and self.graph.is_rational[parts[0][1]]:
@@ -219,7 +219,7 @@ class Expansion:
         return self.domain.context.from_dict({(k, *zeros): c for k, c in enumerate(f.coeffs()) if c})
 
     def generator(self, k: int) -> Value:
-        """What a generator after s stands for, the parameters apart."""
+        """Return the function represented by a generator after s, parameters not counted."""
         if k < len(self.units):
             m, unit = list(self.units.items())[k]
             return self.graph.function("exp", (-unit, m))
@@ -234,7 +234,7 @@ class Expansion:
         return None if self.graph.moves[found[1]] else found
 
     def value(self, f: fmpz_mpoly, s: acb, names: Names | None = None) -> acb:
-        """A polynomial without parameters at a ball, to see what is left of it where a factor vanishes."""
+        """Evaluate a polynomial without parameters at a ball, for its remaining value where a factor vanishes."""
         used = f.degrees()[1 : 1 + self.domain.others]
         at = [in_ball(self.graph, self.generator(k), s, names) if e else acb(1) for k, e in enumerate(used)]
         total = acb(0)
@@ -247,7 +247,7 @@ class Expansion:
 
 
 def _cancel(factors: list[Pair], x: Pair) -> bool:
-    """Multiply one of some factors by one more, if a numerator or denominator of one stands in the other, too."""
+    """Multiply a pair into the first factor with which it cancels, denominator by numerator; return if there is one."""
     spend(300 * len(factors), "the expansion")
     for k, y in enumerate(factors):
         for a, b in ((x, y), (y, x)):

@@ -1,4 +1,4 @@
-"""What can be asked about: text, numbers, systems and networks of other libraries, samples, lines and scenes."""
+"""Accepted questions: text, numbers, systems and networks of other libraries, samples, lines and scenes."""
 
 from collections.abc import Sequence
 from decimal import Decimal
@@ -17,7 +17,7 @@ _EXPECTED = (
 
 
 class Structure(NamedTuple):
-    """A text about names, with what is assumed of these, and what it says."""
+    """Text with names, the assumptions on these, and its statement in words."""
 
     text: str
     assume: Sequence[str]
@@ -25,11 +25,11 @@ class Structure(NamedTuple):
 
 
 def given(what: Any, kind: Kind) -> Any:
-    """What was given as text, Structure, RationalFunction, RationalMatrix, StateSpace, SampledResponse or verdict.
+    """Convert an argument to text, Structure, RationalFunction, RationalMatrix, StateSpace, SampledResponse or verdict.
 
-    A network of scikit-rf stands for the samples of its scattering matrix: its impedances are positive real if and only
+    A network of scikit-rf is taken as samples of its scattering matrix: its impedances are positive real if and only
     if that is bounded real. An object with a method ``passivity_model(kind)``, as lines and scenes of tline have,
-    stands for what that returns: one of these, or a verdict.
+    is replaced by the result of that method: one of these, or a verdict.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def given(what: Any, kind: Kind) -> Any:
 
 
 def checked(what: Any, kind: Kind) -> Any:
-    """The verdict on a network, or on samples, of which those of S are asked about both properties of their system."""
+    """Return the verdict on a network or on samples; samples of S answer for both properties of their system."""
     from passivity.exact.positive_real import check
     from passivity.sampled.check import check_samples
     from passivity.sampled.response import SampledResponse

@@ -1,7 +1,7 @@
 """A graph of functions of s in which equal nodes are one node: constants, names, sums, products, functions, lines.
 
 A value is a pair (c, n), c times node n. Sums are flat and begin with the coefficient 1, products are flat and have no
-coefficient, what all terms of a sum have in common stands before it; so (a - b) and (b - a) are multiples of one node.
+coefficient, factors common to all terms of a sum stand before it; so (a - b) and (b - a) are multiples of one node.
 """
 
 from collections.abc import Iterable
@@ -27,7 +27,7 @@ class Graph(Nodes):
     Parameters
     ----------
     names : mapping of str to fact
-        What is assumed of each name: ``("real", low, high)`` of a parameter, ``("disc", low, high)`` of a function.
+        Assumption on each name: ``("real", low, high)`` of a parameter, ``("disc", low, high)`` of a function.
 
     Examples
     --------
@@ -219,7 +219,7 @@ class Graph(Nodes):
         return found
 
     def fraction(self, c: Fraction, n: int, cut: Iterable[int] = ()) -> Any:
-        """As of the verifier; what occurs twice in an equality is multiplied out once."""
+        """Multiply out a node as the verifier does; a node that occurs twice in an equality is multiplied out once."""
         if cut != self._fractions[0]:
             self._fractions = cut, {}
         known = self._fractions[1]
@@ -242,7 +242,7 @@ class Graph(Nodes):
         self._number, self.marks, self.roots = dict(other._number), list(other.marks), dict(other.roots)
 
     def mark(self, value: Value) -> None:
-        """Remember a value that is to be proved before what is made of it."""
+        """Mark a value that is to be proved before the nodes that contain it."""
         self.marks.append(value[1])
 
 

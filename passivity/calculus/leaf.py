@@ -1,4 +1,4 @@
-"""What the exact test proves of a rational node: discs with its values, and bounds of its argument."""
+"""Facts that the exact test proves of a rational node: discs with its values, and bounds of its argument."""
 
 import math
 from collections.abc import Iterator
@@ -134,7 +134,7 @@ def _proof(z: RationalFunction) -> dict[str, Any] | None:
 
 
 def _moved(r: RationalFunction, disc: Fact) -> RationalFunction:
-    """What must be positive real, for the values of r to lie in a disc that is not a point."""
+    """Return the function that must be positive real for the values of r to lie in a disc that is not a point."""
     _, low, high = disc
     if high == math.inf:
         return r - low

@@ -57,12 +57,12 @@ def verify(evidence: Any) -> bool:
 
 
 def check_evidence(told: dict[str, Any]) -> str | None:
-    """None if a proof or a witness, as its file is read, shows what it says; else what is wrong."""
+    """Return None if a proof or a witness, as read from its file, is valid; else the fault found."""
     return check(told, ALL_RULES) if told["format"] == FORMAT else check_file(told)
 
 
 def margins_of(verdict: Verdict) -> Margins:
-    """The smallest Re Z(jw) or the largest |H(jw)|, sampled, and the bound that the last step of the proof tells of."""
+    """Smallest Re Z(jw) or largest |H(jw)|, sampled, and its bound by the last step of the proof."""
     question = verdict.question
     if any(question.graph.nodes[n][0] == "name" for n in needed(question.graph, question.value[1])):
         return Margins()
@@ -137,7 +137,7 @@ def lines(proof: Proof) -> Iterator[str]:
 
 
 def proved_by(proof: Proof) -> str:
-    """What a proof is about, from its nodes and its claim: the statement in a file is what its writer says.
+    """Write the statement proved, from the nodes and the claim of a proof; the statement in its file may be any text.
 
     Examples
     --------
@@ -154,7 +154,7 @@ def proved_by(proof: Proof) -> str:
 
 
 class Texts:
-    """Nodes of a proof as expressions; what is long or used again stands for itself as #number."""
+    """Nodes of a proof as expressions; a long or repeated node is written as #number."""
 
     def __init__(self, nodes: list[Any]):
         self.nodes = nodes

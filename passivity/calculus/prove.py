@@ -41,7 +41,7 @@ Task: TypeAlias = Iterator[int]  # asks for facts about nodes, which are there w
 
 
 class Prover:
-    """What is known about each node so far."""
+    """Facts proved so far about each node."""
 
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []
@@ -103,7 +103,7 @@ class Prover:
         return found
 
     def _marked(self, root: int) -> list[int]:
-        """The marks among what a node is made of, in order."""
+        """Return the marked nodes among those that a node is made of, in order."""
         return sorted(set(needed(self.graph, root)).intersection(self.graph.marks))
 
     def _implying(self, value: Value, goal: Fact) -> int | None:
@@ -128,7 +128,7 @@ class Prover:
         return any(tilt_of(self.steps[k][1]) <= 1 or size_of(self.steps[k][1]) <= 1 for k in steps)
 
     def follow(self, n: int, rule: str, premises: list[int], data: Any = None) -> list[int]:
-        """Apply a rule, and keep what is new."""
+        """Apply a rule, keep its new facts, and return their steps."""
         try:
             found = ALL_RULES[rule](self.graph, n, [self.steps[k][:2] for k in premises], data)
         except (ValueError, TypeError, ZeroDivisionError):
@@ -187,7 +187,7 @@ class Prover:
                     self.follow(n, "function", [k])
 
     def _rational(self, n: int, kind: str) -> Task:
-        """By the parts if that is enough, else by the exact test, at a closer look with the sharpest discs."""
+        """Try the parts of a node, then the exact test; on a closer look the exact test with the sharpest discs."""
         if not self.most:
             yield from self._sum(n) if kind == "sum" else self._product(n)
             if self.right(n) is not None:
@@ -241,7 +241,7 @@ class Prover:
         return [x for x in active if not passive(x[2], -1)] or active
 
     def right(self, n: int) -> int | None:
-        """The step that says most of Re w >= 0."""
+        """Return the step with the sharpest bound among those that prove Re w >= 0."""
         found = [(low_of(self.steps[k][1]), k) for k in self.known[n] if implies(self.steps[k][1], POSITIVE_REAL)]
         return min(found)[1] if found else None
 
@@ -259,7 +259,7 @@ class Prover:
                 return
 
     def _sum(self, n: int) -> Task:
-        """A sum, from the sharpest facts about its terms, of which rational ones are taken together."""
+        """Prove facts about a sum from the sharpest facts about its terms, the rational terms taken together."""
         graph, terms = self.graph, self.graph.nodes[n][1]
         simple = [(c, m) for c, m in terms if graph.is_rational[m]]
         if 1 < len(simple) < len(terms):
@@ -276,7 +276,7 @@ class Prover:
                 return
 
     def _product(self, n: int) -> Task:
-        """A product, from facts about its inverse or its factors, of which those that belong together are kept so."""
+        """Prove facts about a product from its inverse or its factors; factors that belong together are kept so."""
         graph, powers = self.graph, self.graph.powers(n)
         if len(powers) == 1:
             ((b, e),) = powers.items()
@@ -297,7 +297,7 @@ class Prover:
             yield from self._multiplied(n, units)
 
     def _units(self, n: int, powers: dict[int, int]) -> list[tuple[int, int]]:
-        """Products that were there from the beginning, and what is left of some powers; nothing if there are none."""
+        """Split powers into products present from the beginning and the rest; empty without such products."""
         left, found = dict(powers), []
         for m in sorted({m for b in powers for m in self.products.get(b, ())}, reverse=True):
             inner = self.graph.powers(m)

@@ -29,7 +29,7 @@ class Question:
 
     @classmethod
     def of(cls, kind: Kind, text: str, numbers: Mapping[str, Fraction], names: Mapping[str, Fact]) -> Self:
-        """The question about a text, with values of some names and what is assumed of the others."""
+        """Make the question about a text, with values of some names and assumptions on the others."""
         graph = Graph(dict(names))
         return cls(graph, read(graph, text, numbers), CLAIMS[kind], text, numbers)
 
@@ -49,7 +49,7 @@ class Question:
         return Witness(self.kind, re, im, found, names=dict(values)) if shown else None
 
     def file(self, witness: Witness) -> dict[str, Any] | None:
-        """What `check_file` reads, if balls show that a point is a witness."""
+        """Return the contents of a file for `check_file`, if balls show that a point is a witness."""
         found = self.fails(witness.re, witness.im, witness.names)
         return found and {
             "format": FORMAT,
@@ -64,7 +64,7 @@ class Question:
 
 
 def check_file(witness: dict[str, Any]) -> str | None:
-    """None if a witness, as its file is read, shows that its text lacks the property; else what is wrong."""
+    """Return None if a witness, as read from its file, shows that its text lacks the property; else the fault found."""
     try:
         need = witness["format"] == FORMAT and witness["claim"] in map(in_texts, CLAIMS.values())
         names: dict[str, Fact] = {name: read_fact(fact) for name, fact in witness["names"].items()}
@@ -81,6 +81,6 @@ def check_file(witness: dict[str, Any]) -> str | None:
 
 
 def _allows(fact: Fact, x: Fraction) -> bool:
-    """Whether a constant has what is assumed of a parameter or a function."""
+    """Return whether a constant satisfies the assumption on a parameter or a function."""
     kind, low, high = fact
     return low <= x <= high and (kind in ("real", "disc"))

@@ -44,7 +44,7 @@ def statements(text: str) -> list[tuple[str, str]]:
 
 @lru_cache(maxsize=8)
 def trees(text: str) -> tuple[tuple[str, Node], ...]:
-    """The same with a tree for each expression."""
+    """Return the name and the syntax tree of each statement of a text."""
     found, given = [], statements(text)
     for name, expression in given:
         with _within(name, len(given)):
@@ -72,7 +72,7 @@ def _within(name: str, count: int) -> Iterator[None]:
 
 
 def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) -> Value:
-    """The value of a text, in a graph that knows what is assumed of each of its names.
+    """Return the value of a text, in a graph that knows the assumptions on its names.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) 
     Raises
     ------
     ExpressionError
-        For what is neither, for a name of which nothing is known, and for a division by zero.
+        For any other text, for a name without value and assumption, and for a division by zero.
     """
     known: dict[str, Value] = {name: (x, 0) for name, x in (values or {}).items()}
     known |= {name: graph.name(name) for name in graph.names}

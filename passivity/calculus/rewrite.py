@@ -1,4 +1,4 @@
-"""The same function written differently: so that its parts occur once; and a line in it, with its end."""
+"""Rewritings of a function: with each part occurring once, or as a line with its termination."""
 
 from collections.abc import Iterator
 from fractions import Fraction
@@ -52,7 +52,7 @@ def _conjugate(graph: Graph, n: int) -> Iterator[Rewriting]:
 
 
 def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
-    """N/D without what is common to sums above and below, once these are multiplied out in what they are made of."""
+    """Cancel common factors of sums in N and D, once these are multiplied out as polynomials in their atoms."""
     above, below = ({b: abs(powers[b]) for b in sums if powers[b] * sign > 0} for sign in (1, -1))
     if not above or not below or sum(len(graph.terms(b)) * abs(powers[b]) for b in sums) > MAX_TERMS:
         return
@@ -183,7 +183,7 @@ def _waves(graph: Graph, b: int) -> set[int]:
 
 
 def _split(graph: Graph, b: int, t: int) -> tuple[int | None, Value, Value]:
-    """k, P and Q of a sum t^k (P + Q t); no k if it is none."""
+    """Return k, P and Q of a sum t^k (P + Q t); k is None for any other sum."""
     found: dict[int, list[Value]] = {}
     for c, m in graph.nodes[b][1]:
         powers = graph.powers(m)
@@ -266,7 +266,7 @@ def _atoms(graph: Graph, nodes: list[int], deeper: int = -1) -> list[int]:
 
 
 def pieces_of(graph: Graph, powers: dict[int, int]) -> list[tuple[int, int]]:
-    """Constants together, what is rational together, quotients of sums that differ in signs, and single powers."""
+    """Group powers: all constants, all rational ones, quotients of sums that differ in signs, and single powers."""
     left = dict(powers)
     found: list[tuple[int, int]] = []
     for chosen in (

@@ -35,7 +35,7 @@ _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1,
 
 
 class Scales:
-    """Where terms in s are of one size, and lengths of time: what is the same for all values of the names."""
+    """Terms in s and times, the same for all values of the names, whose balances give frequencies to search."""
 
     def __init__(self, question: Question):
         self.graph, self.order = question.graph, needed(question.graph, question.value[1])
@@ -69,7 +69,7 @@ class Scales:
 
 
 def _size(term: _Term, names: Mapping[str, float]) -> float:
-    """The logarithm of what stands before the power of s in a term."""
+    """Return the logarithm of the magnitude of the coefficient of a term in s."""
     _, size, powers = term
     return size + sum(e * math.log(abs(names[name])) for name, e in powers if names[name])
 
@@ -118,8 +118,8 @@ class Search:
     def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
         """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some, or for the last.
 
-        However little of it is seen through what stands before the line: the place is solved for at which the whole has
-        a value that a passive one has not, in as many digits as that takes. From line to line the place is followed.
+        The point is solved for at which the whole has a value impossible for a passive one, in as many digits as it
+        takes, however weakly the input depends on that load. The point is followed from line to line.
         """
         graph, order = self.question.graph, set(self.scales.order)
         parts = {
@@ -178,7 +178,7 @@ class Search:
         """A witness near a point, where the load of a line is such that the whole fails, by secants in balls.
 
         The whole is (a v + b)/(c v + d) of the load v, known from three of these; the line times a sign is node n, and
-        a part of n, which the whole is made of, tells of its value.
+        a part of n, on which the whole depends, carries its value.
         """
         graph, value = self.question.graph, self.question.value
         e = graph.powers(n)[part]
@@ -223,7 +223,7 @@ class Search:
         return None
 
     def lowest(self) -> float | None:
-        """The frequency of a sampled axis where Re Z(jw) is least, or |H(jw)| largest; None if there is none."""
+        """Lowest sampled frequency where Re Z(jw) is least, or |H(jw)| largest; None without samples."""
         import numpy as np
 
         with np.errstate(all="ignore"):
@@ -242,12 +242,12 @@ class Search:
         return self.question.fails(re, im, self.names)
 
     def values(self, s: Array, value: Value | None = None) -> Array:
-        """Of the function, or of a part of it."""
+        """Values of the function, or of a part of it, at points."""
         order = None if value else self.scales.order
         return in_floats(self.question.graph, value or self.question.value, s, self.floats, order)
 
     def badness(self, s: Array, relative: bool = True) -> Array:
-        """By how much the property fails at points, in parts of the modulus."""
+        """Violation of the property at points: |H| - 1, or -Re Z, by default relative to |Z|."""
         import numpy as np
 
         f = self.values(s)
@@ -370,7 +370,7 @@ def _beside(w: float) -> Iterator[tuple[Fraction, Fraction]]:
 
 
 def _short(x: float | Fraction, bits: int) -> Fraction:
-    """A number in so many binary digits."""
+    """Round a number to `bits` binary digits."""
     x = Fraction(x)
     grid = Fraction(2) ** (x.numerator.bit_length() - x.denominator.bit_length() + 1 - bits)
     return round(x / grid) * grid

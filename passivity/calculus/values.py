@@ -18,7 +18,7 @@ _MOST_BITS = 4096
 
 
 def needed(graph: Graph, *roots: int, known: Iterable[int] = ()) -> list[int]:
-    """What some nodes are made of, and themselves, in order, without 1 and what only others need that are known."""
+    """List the nodes needed to evaluate `roots`, in order, without 1, known nodes, and those only known ones need."""
     seen: set[int] = set()
     stack = list(roots)
     while stack:
@@ -47,7 +47,7 @@ def in_balls(
     known: Mapping[int, acb] | None = None,
     order: list[int] | None = None,
 ) -> list[acb]:
-    """Balls with several values, what these have in common evaluated once; `order` is what is needed for them."""
+    """Evaluate several values in balls, common parts once; `order` lists the nodes needed for them."""
     numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
     at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
     order = needed(graph, *(n for _, n in values), known=known or ()) if order is None else order
@@ -70,7 +70,7 @@ def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Name
 def in_floats(
     graph: Graph, value: Value, s: Array, names: Mapping[str, float], order: list[int] | None = None
 ) -> Array:
-    """Values at an array of points, in complex doubles; what overflows is not finite."""
+    """Evaluate a value at an array of points, in complex doubles; an overflow gives a number that is not finite."""
     import numpy as np
 
     order = needed(graph, value[1]) if order is None else order

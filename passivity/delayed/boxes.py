@@ -3,7 +3,7 @@
 Z = a0 s + 1/(a1 s + 1/(... + 1/(ak s + Z1))), where Z1 has the value A > 0 for s to infinity without its delays. Then
 X = (Z1 - A)/(Z1 + A) = n/d is analytic with |X| < 1 in Re s > 0, and so Z is positive real, if |n| < |d|
 
-  - far out, |s| >= R, where the delays stand for any numbers in the unit disc; where all are multiples of one, for
+  - far out, |s| >= R, where the delays may be any numbers in the unit disc; where all are multiples of one, for
     powers of one number z, and the least |D| - |N| of the leading parts is found on |z| = 1,
   - on the pieces of the axis up to R, each in a ball; at 0 |n| = |d| will do, as where Z has a pole or a zero there, if
     |d|^2 - |n|^2, which is even in w, has a second derivative above 0 on the first piece,

@@ -5,7 +5,7 @@ u is the effort, y the flow, both counted from the input (end 1) to the load (en
     G2 = Z2/z0,   H2 = (G2 - 1)/(G2 + 1),   H1 = exp(-2Ts) H2,   G1 = (1 - H1)/(1 + H1) = z0 y1/u1.
 
 Because |H2|^2 = 1 - 4 Re G2/|G2 + 1|^2 and Re G1 = (1 - |H1|^2)/|1 + H1|^2, each is positive or bounded real if the one
-before is. For a rational load the converse holds too: an active load makes an active port, whatever the delay.
+before is. For a rational load the converse holds too: an active load makes an active port, for any delay.
 
 From both ends, with both flows counted into it, Z = z0 [[coth Ts, csch Ts], [csch Ts, coth Ts]]. The sum and the
 difference of the ports turn it, by a rotation M, into z0 coth(Ts/2) and z0 tanh(Ts/2): half the line, with a short

@@ -135,7 +135,7 @@ def _zeros_right(f: QuasiPolynomial) -> int:
 def winding(f: QuasiPolynomial, radius: Fraction, cuts: list[Fraction]) -> int:
     """Turns of f around the half disc of a radius, f having no zeros far out nor on the pieces of the axis.
 
-    Far out f/s^degree is near its leading part, which may turn with the one exponential, and nowhere vanishes.
+    Far out f/s^degree is near its leading part, which turns with one exponential at most, and nowhere vanishes.
     """
     turned = arb(0)
     values = [f(_J * of_fraction(w)) for w in cuts]

@@ -142,7 +142,7 @@ def _place(kind: Kind, matrix: RationalMatrix, w: float) -> _Place:
 
 
 def _beyond(kind: Kind, n: PolynomialMatrix, d: fmpz_poly, bound: Fraction) -> Fraction | None:
-    """Find x = w^2, not a pole, where the level is below a bound; None if there is none."""
+    """Find x = w^2, not a pole, where the level is below a bound; None if it nowhere is."""
     up, down = bound.numerator, bound.denominator
     shifted = (
         (add(scaled(n, down), identity(len(n), -up * d)), down * d) if kind is Kind.PR else (scaled(n, down), up * d)

@@ -29,7 +29,7 @@ def is_semidefinite(a: fmpq_mat) -> bool:
 
 
 def negative_direction(a: fmpq_mat) -> list[fmpq] | None:
-    """A vector x with x^T a x < 0, None if there is none: Lagrange's reduction to a sum of squares."""
+    """Find x with x^T a x < 0 by Lagrange's reduction to a sum of squares; None if a is positive semidefinite."""
     rest, left, squares = a.tolist(), list(range(a.nrows())), []
     while (x := _obvious(rest, left)) is None:
         pivot = max(left, key=lambda i: rest[i][i], default=None)
@@ -64,7 +64,7 @@ def _obvious(a: list[list[fmpq]], left: list[int]) -> list[fmpq] | None:
 def lossless_storage(kind: Kind, system: StateSpace) -> tuple[fmpq_mat, fmpq_mat, StateSpace] | None:
     """P, V and the reached part (A1, B1, C V, D) of a system that neither loses nor makes energy, None of another one.
 
-    L(P) = 0 tells P B, and by P A = -A^T P, or -A^T P - C^T C, all P A^k B: where the inputs reach all states, these
+    L(P) = 0 gives P B, and by P A = -A^T P, or -A^T P - C^T C, all P A^k B: where the inputs reach all states, these
     equations leave one P.
     """
     from passivity.floats.storage import is_positive
@@ -94,7 +94,7 @@ def _supplied(kind: Kind, a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any]:
 
 
 def _from_residues(kind: Kind, system: StateSpace) -> fmpq_mat | None:
-    """Find P of a controllable system from its residues modulo primes; None if there is none, or only a long one."""
+    """Find P of a controllable system from its residues modulo primes; None if no P exists, or only a long one."""
     n, chosen = system.states, system.independent_columns()
     known, modulus, tried = [0] * (n * n), 1, 1
     for number, prime in enumerate(_primes(), 1):
@@ -125,7 +125,7 @@ def _primes() -> Iterator[int]:
 
 
 def _modulo(kind: Kind, system: StateSpace, chosen: list[int], prime: int) -> nmod_mat | None:
-    """Return P modulo a prime; None if there is none."""
+    """Return P modulo a prime; None if no P exists."""
     a, b, c, d = (
         nmod_mat(whole, prime) * pow(int(unit), -1, prime)
         for whole, unit in (matrix.numer_denom() for matrix in system.matrices)

@@ -75,7 +75,7 @@ def parse(text: str, lines: bool = False) -> Node:
     Raises
     ------
     ExpressionError
-        For anything else, with the column (from 1) and what was expected there.
+        For anything else, with the column (from 1) and the token expected there.
 
     Examples
     --------

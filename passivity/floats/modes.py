@@ -1,7 +1,7 @@
 """A quick look at a state space in floating point, by its modes: the lowest place on the axis, and where to refute.
 
 The form is (Z + Z^H)/2, or I - S^H S, with as many roundings as the eigenvectors of A are ill-conditioned: no bounds of
-errors. What it suggests is proved elsewhere.
+errors. Its suggestions are proved elsewhere.
 """
 
 import math

@@ -5,7 +5,7 @@ By the bounded real lemma S = D + C (sI - A)^-1 B has all its poles in Re s < 0 
     M(P) = [[A^T P + P A + C^T C, P B + C^T D], [B^T P + D^T C, D^T D - I]] < 0,   P > 0.
 
 P solves a Riccati equation with a little more loss than there is, from the stable subspace of a Hamiltonian matrix.
-That is rounded; but whatever P is, the two inequalities are proved of it: T^T X T > 0 proves X > 0 for any matrix T,
+That is rounded; but the two inequalities are proved of P as it is: T^T X T > 0 proves X > 0 for any matrix T,
 and with T from a rounded Cholesky factor of X it is nearly I, so that its diagonal dominates its rows, in balls.
 
 References

@@ -72,7 +72,7 @@ class Root(NamedTuple):
 
     @property
     def frequency(self) -> float:
-        """Square root of the root, which may be beyond the doubles."""
+        """Square root of the root, which may lie outside the range of doubles."""
         return sqrt(self._near())
 
     def _near(self) -> fmpq:
@@ -81,7 +81,7 @@ class Root(NamedTuple):
 
 
 def sqrt(x: fmpq) -> float:
-    """Square root of x >= 0, which may be beyond the doubles."""
+    """Return the square root of x >= 0; x may be outside the range of doubles."""
     with ctx.workprec(100):
         return float(arb(x).sqrt())
 

@@ -1,8 +1,8 @@
 """Is an integer polynomial nonnegative for all x >= 0? Descartes' rule of signs with bisection, in exact arithmetic.
 
 On a piece (l, r) of the half line a polynomial is written in t = (x - l)/(r - x), which runs from 0 to infinity. If no
-coefficient is negative there, no value is. Otherwise the piece is cut in two. What counts on the imaginary axis of a
-function is such a polynomial in x = w^2.
+coefficient is negative there, no value is. Otherwise the piece is cut in two. The condition on the imaginary axis of a
+function is about such a polynomial in x = w^2.
 
 References
 ----------

@@ -31,7 +31,7 @@ def evaluate(text: str, parameters: Mapping[str, Exact]) -> RationalFunction:
 
 
 def check_names(names: set[str], given: Mapping[str, object], missing: str) -> None:
-    """Refuse a name in an expression of which nothing is given, and what is given of a name that is not in it."""
+    """Raise an error if a name in an expression is given nothing, or if a given name is not in the expression."""
     if lost := sorted(names - set(given)):
         expected = f"one for each of {_list(names)}"
         if lost[0] == "pi":
@@ -67,7 +67,7 @@ def exact(value: Exact, where: str) -> Fraction:
 
 
 def positive(value: Exact, where: str) -> Fraction:
-    """The same, above zero."""
+    """Return a number as a Fraction; raise an error unless it is above zero."""
     found = exact(value, where)
     if found <= 0:
         raise ExpressionError(where, "not positive", "more than 0", shown(value))

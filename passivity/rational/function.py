@@ -24,7 +24,7 @@ Number: TypeAlias = int | float | Fraction
 def _with_numbers(
     operation: "Callable[[RationalFunction, RationalFunction], RationalFunction]",
 ) -> "Callable[[RationalFunction, RationalFunction | Number], RationalFunction]":
-    """Let a number stand for a constant as the second operand."""
+    """Accept a number as the second operand, as a constant function."""
 
     def either(self: "RationalFunction", other: "RationalFunction | Number") -> "RationalFunction":
         if isinstance(other, Real):
@@ -106,14 +106,14 @@ class RationalFunction:
         Parameters
         ----------
         text : str
-            What `passivity.expression.parse.parse` reads, without exp and sqrt; degree at most MAX_DEGREE.
+            Syntax of `passivity.expression.parse.parse`, without exp and sqrt; degree at most MAX_DEGREE.
         parameters : mapping of str to number or text, optional
             A value for every name in the expression but ``s``, and for no other; as in `from_coefficients`.
 
         Raises
         ------
         ExpressionError
-            What `parse` refuses; a missing or unused parameter; exp or sqrt; 0/0; more than MAX_DEGREE.
+            A syntax error of `parse`; a missing or unused parameter; exp or sqrt; 0/0; more than MAX_DEGREE.
 
         Examples
         --------
@@ -207,7 +207,7 @@ class RationalFunction:
 
     @_with_numbers
     def __truediv__(self, other: "RationalFunction") -> "RationalFunction":
-        """The quotient; what both denominators share came with the writing, and is no common factor of the whole."""
+        """Divide; a factor of both denominators comes from the writing and is cancelled, others are kept."""
         if self.is_infinite or other.is_infinite:
             return self * other.inverse()
         shared = self.q.gcd(other.q)
@@ -244,7 +244,7 @@ class RationalFunction:
         return (self.inverse() + other.inverse()).inverse()
 
     def reduced(self) -> "RationalFunction":
-        """The same function without factors common to p and q."""
+        """Cancel the common factors of p and q."""
         common = self.p.gcd(self.q)
         return RationalFunction(self.p // common, self.q // common)
 
@@ -287,7 +287,7 @@ class RationalFunction:
         return self._limit(range(self.degree + 1))
 
     def at_infinity(self) -> Fraction | float:
-        """Limit for s to infinity, what a front meets: a Fraction, or ``math.inf`` (without a sign)."""
+        """Limit for s to infinity, which acts on a front: a Fraction, or ``math.inf`` (without a sign)."""
         return self._limit(range(self.degree, -1, -1))
 
     def _limit(self, powers: Iterable[int]) -> Fraction | float:

@@ -130,7 +130,7 @@ class RationalMatrix:
         return real_form(u, v)
 
     def __call__(self, s: complex) -> list[list[complex]]:
-        """Value at a finite `s`, entry by entry (see `RationalFunction`)."""
+        """Evaluate at a finite `s`, entry by entry (see `RationalFunction`)."""
         return [[entry(s) for entry in row] for row in self.rows]
 
     def __str__(self) -> str:
@@ -151,7 +151,7 @@ def table(name: str, rows: Any) -> list[list[Any]]:
 
 
 def check_shape(name: str, rows: Sequence[Sequence[object]]) -> None:
-    """Refuse what is not square, or has too many ports."""
+    """Raise an error unless a matrix is square and has at most MAX_PORTS ports."""
     if not 0 < len(rows) <= MAX_PORTS:
         raise ExpressionError(name, "wrong number of ports", f"from 1 to {MAX_PORTS}", f"{len(rows)}")
     for k, row in enumerate(rows, 1):

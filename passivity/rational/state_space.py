@@ -1,4 +1,4 @@
-"""State spaces with exact entries: where they come from, what their inputs reach, their transfer matrix."""
+"""State spaces with exact entries: construction, controllable part, transfer matrix."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -89,8 +89,8 @@ class StateSpace:
         Raises
         ------
         ExpressionError
-            As `from_entries`; or if the algebraic equations do not determine what E leaves open: then there is no
-            function, or one that grows with s, whose inverse may have a state space.
+            As `from_entries`; or if the algebraic equations do not determine the states that E x' leaves free: then
+            there is no function, or one that grows with s, whose inverse may have a state space.
 
         Examples
         --------
@@ -206,7 +206,7 @@ class StateSpace:
         return d + self.c * (shifted * x), self.c * x * -w
 
     def markov(self, number: int) -> list[fmpq_mat]:
-        """C B, C A B, C A^2 B, ...: what remains of the transfer matrix without D, in powers of 1/s."""
+        """Return C B, C A B, C A^2 B, ...: the coefficients of the transfer matrix without D in powers of 1/s."""
         found, x = [], self.b
         for _ in range(number):
             found.append(self.c * x)
@@ -273,7 +273,7 @@ def from_system(system: Any) -> RationalMatrix | StateSpace:
 
 
 def _krylov(a: Any, b: Any, number: int) -> Any:
-    """[B, A B, A^2 B, ...], so many blocks, over Q or modulo the prime."""
+    """Return [B, A B, A^2 B, ...] with `number` blocks, over Q or modulo the prime."""
     blocks, x = [], b
     for _ in range(number):
         blocks.append(x)
@@ -295,7 +295,7 @@ def _like(a: Any, width: int, entries: list[Any]) -> Any:
 
 
 def dissipation(kind: Kind, a: Any, b: Any, c: Any, d: Any, p: Any) -> Any:
-    """L(P), by which the stored energy x^T P x grows by more than what enters: in fractions or in balls, P symmetric.
+    """Return L(P), the growth of the stored energy x^T P x beyond the supply: in fractions or in balls, P symmetric.
 
     [[A^T P + P A, P B - C^T], [B^T P - C, -D - D^T]] of impedances; else, with waves that enter and leave,
     [[A^T P + P A + C^T C, P B + C^T D], [B^T P + D^T C, D^T D - I]].

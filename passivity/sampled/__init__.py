@@ -1,1 +1,1 @@
-"""Measured or computed frequency responses: what they refute, and the nearest passive rational model."""
+"""Measured or computed frequency responses: refuting their passivity, and the nearest passive rational model."""

@@ -1,4 +1,4 @@
-"""What samples say about passivity: they can refute it, beyond their error bars; they never prove it."""
+"""Passivity judged from samples: they can refute it, beyond their error bars; they never prove it."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -43,14 +43,14 @@ class SampleWitness(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SampleVerdict(Decided):
-    """What was seen in samples.
+    """Result of a passivity test of samples.
 
     Parameters
     ----------
     response : SampledResponse
         As given.
     status : Status
-        `REFUTED` comes with a witness; otherwise `NO_VIOLATION` (seen, at the samples), which is no proof.
+        `REFUTED` comes with a witness; otherwise `NO_VIOLATION` (at the samples), which is no proof.
     worst : ndarray, shape (n,)
         Largest singular value of S, or smallest eigenvalue of (Z + Z*)/2, at each frequency.
     bars : ndarray, shape (n,)
@@ -79,7 +79,7 @@ class SampleVerdict(Decided):
         return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
 
     def text_lines(self) -> list[str]:
-        """What was seen, where, and what samples cannot show."""
+        """Violations, their frequencies, and limitations of the samples, as lines of text."""
         r, scattering = self.response, self.response.parameter is Parameter.S
         lines = [
             f"{len(r.f)} samples of {r.parameter}, {r.ports} port{'s' * (r.ports > 1)}, "
@@ -158,13 +158,13 @@ class SampleVerdict(Decided):
 
     @property
     def _worst(self) -> int:
-        """The sample that is furthest beyond its bar, or if there is none, beyond the bound."""
+        """Index of the sample furthest beyond its bar, or if none is beyond it, furthest beyond the bound."""
         beyond = excess(self.worst, self.response.parameter)
         return int(np.argmax(beyond - self.bars if self.bands else beyond))
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        """What these samples cannot show."""
+        """Limitations of a verdict from these samples."""
         f = self.response.f
         k = int(np.argmax(np.diff(f))) if len(f) > 1 else 0
         gap = f", the widest gap from {f[k]:.6g} to {f[k + 1]:.6g} Hz" if len(f) > 1 else ""
@@ -185,8 +185,8 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
         With n frequencies.
     tolerance : float or array_like, shape (n,), optional
         How far each sample may be from the truth, >= 0, in the unit of the samples: a bound of the spectral norm of the
-        error, for one port of its modulus. If it is not given, what the digits of the file allow, where the samples
-        come from one, else 0. Some rounding is always allowed for, see `SampleVerdict.bars`.
+        error, for one port of its modulus. If it is not given, the rounding of the printed digits, where the samples
+        come from a file, else 0. Some rounding is always allowed for, see `SampleVerdict.bars`.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
 
 
 def worst_name(parameter: Parameter, ports: int) -> str:
-    """What the worst value is called."""
+    """Name of the worst value."""
     if parameter is Parameter.S:
         return "largest |S|" if ports == 1 else "largest singular value of S"
     return f"smallest Re {parameter}" if ports == 1 else f"smallest eigenvalue of ({parameter} + {parameter}*)/2"
@@ -259,7 +259,7 @@ def _bands(response: SampledResponse, worst: NDArray, violating: NDArray) -> tup
 
 
 def _witness(response: SampledResponse, k: int, vector: NDArray[np.complex128], bar: Fraction) -> SampleWitness | None:
-    """The k-th sample as a witness in exact arithmetic, None if it is none."""
+    """Return the k-th sample as a witness in exact arithmetic; None if it refutes nothing."""
     matrix, scattering = response.values[k], response.parameter is Parameter.S
     exact = np.vectorize(Fraction, otypes=[object])
     v = exact(np.concatenate([vector.real, vector.imag]))

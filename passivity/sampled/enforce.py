@@ -2,10 +2,10 @@
 
 Poles stay. Wherever the worst value of a model has an extreme beyond its bound, a passive one must have
 Re v^H Z(jw) v >= 0 with the eigenvector v, or Re u^H S(jw) v <= 1 with the singular vectors u and v: a condition that
-is linear in the coefficients. All of them, old and new, are kept, and what is made small under them is the sum of
-|change|^2 at the samples. The conditions are necessary, so the limit is the best possible change but for what is
-spared. A grid that shows all resonances finds the extremes, and then of one port the exact test, of several the
-Hamiltonian one. What comes out is proved, or not, by the exact test.
+is linear in the coefficients. All conditions, old and new, are kept, and under them the sum of |change|^2 at the
+samples is minimised. The conditions are necessary, so the limit is the best possible change but for a small margin
+to the bound. A grid that shows all resonances finds the extremes, and then of one port the exact test, of several the
+Hamiltonian one. The exact test then proves the result, or does not.
 
 References
 ----------
@@ -58,7 +58,7 @@ FARTHEST = 1e6  # times the distance to the farthest half space; where there is 
 
 
 class Deviation(NamedTuple):
-    """Root mean square and maximum of a difference at the samples, divided by those of what it is compared with."""
+    """Root mean square and maximum of a difference at the samples, relative to those of the reference."""
 
     rms: float
     max: float
@@ -83,7 +83,7 @@ class Enforced(Decided):
     misfit, misfit_before : Deviation
         Of the model and of the given one from the samples.
     samples : SampledResponse
-        At whose frequencies these are told.
+        Samples at whose frequencies the deviations are taken.
     """
 
     model: PoleResidueModel
@@ -159,7 +159,7 @@ def nearest(what: SampledResponse | str | Path | Any, order: int | None = None) 
     Raises
     ------
     ExpressionError
-        What `read_touchstone`, `fit` or `enforce` refuses.
+        Where `read_touchstone`, `fit` or `enforce` raises it.
 
     Examples
     --------
@@ -193,8 +193,8 @@ def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -
         All poles in Re s < 0; for Z and Y of one port also simple ones on the imaginary axis with residues >= 0, which
         they keep, as `proportional` does (>= 0; 0 for S).
     samples : SampledResponse
-        Of the same parameter and ports; at most MAX_SAMPLES. What they do not see, far from their frequencies, may
-        change much.
+        Samples of the same parameter and ports, at most MAX_SAMPLES. Far from their frequencies the model may change
+        much.
     only_constant : bool
         Only the constant may change. Then there need not be a solution.
 
@@ -333,7 +333,7 @@ def whitening(phi: NDArray[np.complex128]) -> NDArray:
 
 
 def least_change(rows: NDArray, bounds: NDArray) -> NDArray | None:
-    """The shortest x for which rows x >= bounds; None if there is none.
+    """Return the shortest x for which rows x >= bounds; None if none of acceptable length is found.
 
     Lawson and Hanson's least distance programming: the residual of a least-squares problem with nonnegative unknowns
     points to x. No row is zero; some bound is above zero.

@@ -2,7 +2,7 @@
 
 In each round the samples h are approximated by sum c_i/(s - a_i) + d + e s over sigma = sum c'_i/(s - a_i) + d', which
 is linear in all c and d once multiplied by sigma; the zeros of sigma are better poles. Unstable ones are reflected.
-Several responses share sigma, and so the poles: a QR of each but the last leaves only what it says about sigma.
+Several responses share sigma, and so the poles: a QR of each but the last keeps only its equations for sigma.
 
 Few poles are begun anywhere. Many are not: a fit of 60 from poles spread over the band is still far off after ten
 rounds. They begin with those found for a lower order, and with new ones where the misfit is.
@@ -74,7 +74,7 @@ def poles_of(w: NDArray, h: NDArray[np.complex128], orders: Iterable[int], grows
 
 
 def coefficients(poles: NDArray[np.complex128], w: NDArray, h: NDArray[np.complex128], grows: bool = False) -> NDArray:
-    """Of residues and constant, and of s if the responses grow, one column for each response."""
+    """Solve for residues and constant, and for the factor of s if the responses grow, one column for each response."""
     return solve(terms(poles, w)[:, : count(poles) + 1 + grows], h)
 
 
@@ -223,7 +223,7 @@ class Reached:
     def is_enough(self, error: float, order: int, fits: bool = False, noise: bool = True) -> bool:
         """Take note of a model, or of the passive one near one that fits; whether no more poles are worth trying.
 
-        What is left of a delay stays as it is for many orders, until there are poles for all its turns: no noise.
+        The rest of a delay stays as it is for many orders, until there are poles for all its turns: it is not noise.
         """
         pays = error < PAYS * self.error
         self.most = max(self.most, order)
@@ -233,7 +233,7 @@ class Reached:
         return self.in_vain == MOST_IN_VAIN
 
     def refusal(self, tolerance: float, passive: bool, otherwise: str = "") -> ExpressionError:
-        """That no model is near enough, and what was reached."""
+        """Return the error that no model is near enough, with the least error reached."""
         problem = f"no {'passive ' * passive}model of up to {self.most} poles is that near to the samples"
         expected = f"at least {self.error:.3g}, which {self.fewest} poles reach{otherwise}"
         return ExpressionError("tolerance", problem, expected, f"{tolerance:g}")

@@ -3,9 +3,9 @@
 S(s) = exp(-s (T + T')) S'(s) between ports of delays T and T'. A delay has no rational model of low degree, so it is
 taken out first. It is searched: of all T the one that leaves a rest which few poles fit best. Too small a T costs
 poles, too large a one leaves a rest that answers before it is asked, which no stable poles fit. Delays in front of
-several ports are looked for in the ratio of what the phases of all entries say. Where a port reflects before its delay
-is over, as a line does that is not matched, none can be taken out, and there are poles for each turn of the phase; what
-looks alike from two sides is then taken apart (`mirrored`). The search ends by orders and samples alone, never by time.
+several ports are searched in the ratio that the phases of all entries give. Where a port reflects before its delay is
+over, as an unmatched line does, none can be taken out, and there are poles for each turn of the phase; a network that
+looks alike from two sides is then split (`mirrored`). The search ends by orders and samples alone, never by time.
 
 References
 ----------
@@ -62,7 +62,7 @@ class DelayedModel:
     samples : SampledResponse
         Of S', the delays taken out.
     parts : tuple of PoleResidueModel
-        Of which `model` is the exact sum between waves that do not see each other, if it is; see `mirrored`.
+        Models of decoupled waves whose exact sum is `model`, if it was made so; see `mirrored`.
     """
 
     delay: Any
@@ -126,7 +126,7 @@ class DelayedModel:
 
     @property
     def nearest(self) -> "DelayedModel":
-        """The same with the nearest passive model, if one was found; the same where its parts were made so."""
+        """Copy with the nearest passive model, if one was found; unchanged where its parts were made passive."""
         return self if self.parts else replace(self, model=enforce(self.model, self.samples).model)
 
     @property
@@ -178,7 +178,7 @@ def fit_scattering(
     Raises
     ------
     ExpressionError
-        These are no such samples, or no order meets them, and the nearest is not wanted: says what was reached.
+        Not such samples, or no order meets them and the nearest is not wanted; the message gives the error reached.
 
     Examples
     --------
@@ -285,7 +285,7 @@ def _without(response: SampledResponse, delay: ArrayLike) -> SampledResponse:
 
 
 def _misfit_at(response: SampledResponse, delay: ArrayLike, order: int) -> float:
-    """Of so many poles, on a part of the samples."""
+    """Return the error of a fit with `order` poles on a part of the samples, the delay taken out."""
     rest, stride = _without(response, delay), -(-len(response.f) // SCOUTED)
     rest = SampledResponse(rest.f[::stride], rest.values[::stride], Parameter.S)
     model = fit(rest, min(order, len(rest.f) - 2))
@@ -293,16 +293,16 @@ def _misfit_at(response: SampledResponse, delay: ArrayLike, order: int) -> float
 
 
 def _rough_delay(response: SampledResponse, whole: float, ratio: ArrayLike = 1.0) -> float:
-    """The delay that a few poles like best, on a grid below what all the turning of the phase makes; 0 for a short."""
+    """Find the delay that a few poles fit best, on a grid down from that of the whole phase; 0 for a short one."""
     step = STEP / response.f[-1]
     grid = whole + step * np.arange(2, 2 - STEPS, -1)
     return min(grid[grid >= step], key=lambda T: _misfit_at(response, T * np.asarray(ratio), SCOUT), default=0.0)
 
 
 def _fine_delays(response: SampledResponse, order: int, around: ArrayLike) -> NDArray:
-    """Delays to all ports near others that so many poles like best; 0 for short ones.
+    """Find delays to all ports, near given ones, that `order` poles fit best; 0 for short ones.
 
-    Gauss and Newton's method: what no fraction of these poles explains, nor one that they move to, asks for delays.
+    Gauss-Newton method: the misfit that neither residues nor moves of these poles explain determines the delays.
     """
     f, ports = response.f[:: -(-len(response.f) // SCOUTED)], response.ports
     w, T = f / f[-1], np.broadcast_to(np.asarray(around, float), ports)

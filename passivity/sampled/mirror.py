@@ -1,7 +1,7 @@
 """Networks that look alike from two sides: models of their sums and differences in place of one with common poles.
 
 Where an exchange of ports in pairs leaves S as it is, as the ends of a uniform line or the conductors of a symmetric
-pair do, waves alike and waves opposite at the two ports of each pair do not see each other: with (1, +-1)/sqrt(2) for
+pair do, waves alike and waves opposite at the two ports of each pair are decoupled: with (1, +-1)/sqrt(2) for
 each pair S is two smaller matrices, and passive if these are. Each has poles of its own, half of those of the whole,
 and its proof is one of fewer ports. Their sum has residues r/2 with signs, exact in binary numbers; constants are
 rounded so that they are, too.
@@ -51,13 +51,13 @@ def _pairings(ports: tuple[int, ...]) -> Iterator[list[tuple[int, int]]]:
 
 
 def on_grid(model: PoleResidueModel) -> PoleResidueModel:
-    """With a constant whose sums are exact; the model itself if it has such a one."""
+    """Round the constant so that its sums are exact; return the model itself if they are."""
     constant = np.round(np.asarray(model.constant) * GRID) / GRID
     return model if np.array_equal(constant, model.constant) else replace(model, constant=constant)
 
 
 def proved_on_grid(model: PoleResidueModel) -> PoleResidueModel:
-    """The same, and still proved passive if the model is."""
+    """Round the constant of a passive model, moved inside the bound as far as its proof needs, if ROOM suffices."""
     tried = (on_grid(model if not room else model.moved_inside(room)) for room in ROOM if verdict_of(model).proved)
     return next((moved for moved in tried if verdict_of(moved).proved), on_grid(model))
 

@@ -19,7 +19,7 @@ MAX_POLES = 2000  # of one port, both of a pair counted
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PoleResidueModel(Presentation):
-    """d + e s + sum of r/(s - a), where each a with Im a > 0 stands for itself and its conjugate, with r and conj r.
+    """Model d + e s + sum of r/(s - a), in which each a with Im a > 0 includes its conjugate, with r and conj r.
 
     Of several ports d, e and all r are matrices, with poles in common.
 
@@ -32,7 +32,7 @@ class PoleResidueModel(Presentation):
     constant, proportional : float or array_like, shape (p, p)
         d and e.
     parameter : Parameter or str
-        Z, Y or S: what the function or matrix is.
+        Z, Y or S: the quantity modelled.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class PoleResidueModel(Presentation):
             object.__setattr__(self, name, value if d.ndim else float(value))
 
     def text_lines(self) -> Iterator[str]:
-        """What it is of, and its poles."""
+        """Parameter, number of ports, and poles, as lines of text."""
         yield f"{self.parameter.value} of {self.ports} port{'s' * (self.ports > 1)}, {self.order} poles, rad/s"
         for a in self.poles:
             yield f"  {a.real:.6g}" + (f" ± {a.imag:.6g}j" if a.imag else "")
@@ -120,7 +120,7 @@ class PoleResidueModel(Presentation):
         return self.with_coefficients(self.coefficients / size)
 
     def moved_inside(self, by: float) -> Self:
-        """S/(1 + by), or Z + by: less beyond the bound by so much."""
+        """Return S/(1 + by), or Z + by, farther inside the bound by that amount."""
         if self.parameter is Parameter.S:
             return self.over(1 + by)
         x = self.coefficients
@@ -132,11 +132,11 @@ class PoleResidueModel(Presentation):
         return np.tensordot(terms(self.poles, w), self.coefficients, 1)
 
     def matrices(self, w: NDArray) -> NDArray[np.complex128]:
-        """The same with shape (n, p, p), of one port too."""
+        """Return the values with shape (n, p, p), of one port too."""
         return self.at(w).reshape(-1, self.ports, self.ports)
 
     def entry(self, i: int, k: int) -> "PoleResidueModel":
-        """What goes from port k to port i."""
+        """Return the transfer from port k to port i."""
         numbers = self.residues[:, i, k], self.constant[i, k], self.proportional[i, k]
         return PoleResidueModel(self.poles, *numbers, self.parameter)
 

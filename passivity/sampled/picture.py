@@ -1,4 +1,4 @@
-"""What samples showed, and the nearest passive model, drawn."""
+"""Figure of the verdict on samples, and of the nearest passive model."""
 
 from typing import Any
 

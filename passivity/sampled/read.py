@@ -1,7 +1,7 @@
 """Samples of one-ports from CSV files, scattering matrices from Touchstone files.
 
-What the digits of a file leave open is kept, see `Rounding`, whatever is done to its numbers: from impedances to S,
-from mixed modes to ports, and from one reference to another. S' is a quotient of linear functions of what is printed,
+The rounding of the digits of a file is kept, see `Rounding`, in all conversions of its numbers: from impedances to S,
+from mixed modes to ports, and from one reference to another. S' is a quotient of linear functions of the printed S,
 so a small change dS of it makes L dS R of S', with two matrices at each frequency.
 
 References
@@ -76,7 +76,7 @@ def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> 
 
 
 def text_of(path: str | Path) -> str:
-    """What a file holds, not longer than MAX_BYTES."""
+    """Read a text file of at most MAX_BYTES, and MAX_LINE characters in a line."""
     try:
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)
@@ -99,7 +99,7 @@ def read_touchstone(path: str | Path) -> SampledResponse:
     Parameters
     ----------
     path : str or Path
-        Of version 1 the suffix tells the number of ports: ``.s1p``, ``.s2p``, ... ``.s16p``. Of version 2 it may be
+        In version 1 the suffix gives the number of ports: ``.s1p``, ``.s2p``, ... ``.s16p``. In version 2 it may be
         ``.ts`` too.
 
     Raises
@@ -145,7 +145,7 @@ def _by_suffix(path: str | Path) -> int:
 
 
 def _printed(read: TouchstoneText) -> tuple[Rounding, NDArray[np.complex128]]:
-    """What the numbers are and leave open, as matrices."""
+    """Return the rounding of the printed numbers and their values, as matrices."""
     ports = read.ports
     full = tuple(np.indices((ports, ports)).reshape(2, -1))
     index = {"lower": np.tril_indices(ports), "upper": np.triu_indices(ports)}.get(read.half, full)
@@ -160,7 +160,7 @@ def _printed(read: TouchstoneText) -> tuple[Rounding, NDArray[np.complex128]]:
 
 
 def _references(read: TouchstoneText) -> NDArray[np.complex128]:
-    """Of the ports at all frequencies: those of comments, else of [Reference] or the option line."""
+    """Reference impedances of the ports at all frequencies: of comments, else of [Reference] or the option line."""
     n, p = len(read.samples), read.ports
     if not read.impedances:
         return np.broadcast_to(np.array(read.resistances, complex), (n, p))
@@ -215,7 +215,7 @@ def _scattering(read: TouchstoneText, values: NDArray, rounding: Rounding, z0: N
 
 
 def _renormalised(read: TouchstoneText, values: NDArray, rounding: Rounding, z0: NDArray) -> tuple[Any, Rounding]:
-    """S' = (p + q S) (r + t S)^-1 against one resistance, and L = q - S' t and R = (r + t S)^-1 by which it changes.
+    """Return S' = (p + q S) (r + t S)^-1 against one resistance; L = q - S' t and R = (r + t S)^-1 in its rounding.
 
     Voltages and currents are (g + h S) a and (k - l S) a of the waves a that arrive.
     """

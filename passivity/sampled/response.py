@@ -1,4 +1,4 @@
-"""A response given by samples on the imaginary axis, and what the digits of a file leave open of it.
+"""Response given by samples on the imaginary axis, and the rounding of the digits of its file.
 
 Each number is known to half a unit in the last place that is printed. An entry of a matrix lies in a rectangle around
 its value, along and across a direction: the real axis for real and imaginary part, the entry's own for modulus and
@@ -42,18 +42,18 @@ class Rounding:
     second: NDArray | float = 0.0  # what is then left to be added, shape (n,)
 
     def transposed(self) -> Self:
-        """Of the transposed matrices."""
+        """Rounding of the transposed matrices."""
         return type(self)(*(x.swapaxes(1, 2) for x in (self.direction, self.along, self.across)))
 
     def through(self, left: NDArray, right: NDArray, second: NDArray | float = 0.0) -> Self:
-        """Of matrices that change by L E R, and by no more than `second` beside that, where these change by E."""
+        """Rounding of matrices that change by L E R, and at most `second` beside that, where these change by E."""
         if self.left is None or self.right is None:
             return replace(self, left=left, right=right, second=self.second + second)
         grown = np.linalg.norm(left, axis=(1, 2)) * np.linalg.norm(right, axis=(1, 2))
         return replace(self, left=left @ self.left, right=self.right @ right, second=self.second * grown + second)
 
     def through_cayley(self, matrices: NDArray[np.complex128]) -> Self:
-        """Of S = +-(1 - 2 M), M = (1 + z)^-1, for normalised z of these values.
+        """Rounding of S = +-(1 - 2 M), M = (1 + z)^-1, for normalised z of these values.
 
         S' - S = +-2 M E M' with E = z' - z, which is 2 M E M but for 2 M E M E M'; there M' is bounded by Neumann's
         series.
@@ -100,7 +100,7 @@ def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rou
 
 
 class Parameter(StrEnum):
-    """What the samples are samples of."""
+    """Quantity that is sampled."""
 
     S = "S"  # scattering matrix or reflection
     Z = "Z"  # impedance
@@ -112,7 +112,7 @@ class Parameter(StrEnum):
 
     @property
     def kind(self) -> Kind:
-        """What is asked of a passive one."""
+        """Property required of a passive response."""
         return Kind.BR if self is Parameter.S else Kind.PR
 
 
@@ -131,12 +131,12 @@ class SampledResponse:
     z0 : float or array_like, shape (p,)
         Reference resistances of S, above zero, ohm; kept as (p,). Without effect on Z and Y.
     rounding : Rounding, optional
-        What the digits leave open where the values were read from text.
+        Rounding of the printed digits, where the values were read from text.
 
     Raises
     ------
     ExpressionError
-        Naming what does not fit: shapes, order, numbers that are not finite, more than MAX_PORTS or MAX_NUMBERS.
+        Names the fault: shapes, order, numbers that are not finite, more than MAX_PORTS or MAX_NUMBERS.
 
     Examples
     --------
@@ -218,12 +218,12 @@ class SampledResponse:
         Parameters
         ----------
         groups : sequence of sequences of int
-            Numbers of one port or of two with the same reference, from 0 on; what is in none is matched.
+            Numbers of one port or of two with the same reference, from 0 on; ports in no group are matched.
 
         Raises
         ------
         ExpressionError
-            A port that is not there or stands twice, or unlike references.
+            A port that does not exist or occurs twice, or unlike references.
 
         References
         ----------
@@ -268,7 +268,7 @@ class SampledResponse:
 
 
 def array(given: ArrayLike, kind: type, name: str) -> NDArray:
-    """A copy as an array of finite numbers that nobody can change; `name` stands in the error."""
+    """Copy to a read-only array of finite numbers; `name` appears in the error."""
     try:
         if kind is float and np.iscomplexobj(given):
             raise TypeError

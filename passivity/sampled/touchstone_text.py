@@ -25,7 +25,7 @@ WAVES = re.compile(r"!\s*S-parameter uses the (power|pseudo|traveling) definitio
 
 @dataclass
 class TouchstoneText:
-    """What a file says, number by number."""
+    """Contents of a Touchstone file, number by number."""
 
     path: str  # named in errors
     ports: int  # by the suffix, 0 if it does not tell
@@ -39,7 +39,7 @@ class TouchstoneText:
     waves: str = "traveling"  # of those impedances
 
     def refuse(self, problem: str, expected: str = "", got: str = "") -> NoReturn:
-        """Say what is wrong; never by words of the file, for a scene may name any."""
+        """Raise an error that never quotes the file, for a scene may name any."""
         raise ExpressionError(self.path, problem, expected, got)
 
     @property
@@ -49,7 +49,7 @@ class TouchstoneText:
 
     @property
     def entries(self) -> int:
-        """Of a matrix, as many as are written."""
+        """Number of entries of a matrix that are written."""
         return self.ports * (self.ports + 1) // 2 if self.half else self.ports**2
 
 
@@ -150,7 +150,7 @@ def _numbers(found: TouchstoneText, n: int, words: list[str]) -> bool:
 
 
 def _comments(found: TouchstoneText, lines: list[str]) -> None:
-    """Impedances of ports, and what waves are meant."""
+    """Read impedances of ports and the kind of waves from comments."""
     block = None
     for line in lines:
         if waves := WAVES.fullmatch(line):

@@ -1,4 +1,4 @@
-"""What is assumed of names: parameters lie in an interval, as ``R > 0`` or ``k real`` say, functions are passive."""
+"""Assumptions on names: parameters lie in an interval, as ``R > 0`` or ``k real`` say, functions are passive."""
 
 import math
 import re
@@ -31,7 +31,7 @@ class Range:
     ----------
     name : str
     low, high : Fraction or None
-        The ends, None where there is none; both the same for a parameter with a value.
+        The ends, None where unbounded; equal for a parameter with a value.
     open_low, open_high : bool
         Whether the end itself is left out.
     """
@@ -58,7 +58,7 @@ class Range:
         return above and (self.high is None or value < self.high or (value == self.high and not self.open_high))
 
     def meet(self, other: "Range") -> "Range | None":
-        """The values that are in both, None if there are none."""
+        """Return the intersection with another range; None if it is empty."""
         low, open_low = max(((r.low, r.open_low) for r in (self, other) if r.low is not None), default=(None, False))
         high, shut = min(((r.high, not r.open_high) for r in (self, other) if r.high is not None), default=(None, True))
         if low is not None and high is not None and (low > high or (low == high and (open_low or not shut))):
@@ -131,7 +131,7 @@ def collect(assumptions: Iterable[str | Range]) -> dict[str, Range]:
 
 
 def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
-    """What is assumed of each name, as facts, and the constants that each may be."""
+    """Return the assumption on each name as a fact, and the range of constants that satisfy it."""
     opaque: dict[str, Fact] = {}
     ranges: list[str | Range] = []
     for text in assume:
@@ -150,7 +150,7 @@ def assumed(assume: Iterable[str]) -> tuple[dict[str, Fact], list[Range]]:
 
 
 def meet(first: Range | None, second: Range) -> Range:
-    """The values that are in both ranges, all if the first is None; refused if there are none."""
+    """Return the intersection of two ranges, the second if the first is None; raise an error if it is empty."""
     both = first.meet(second) if first else second
     if both is None:
         raise ExpressionError(f"parameter {second.name:.60}", f"no value has {first} and {second}", "other assumptions")
@@ -212,7 +212,7 @@ def _ends(r: Range) -> list[Fraction]:
 
 
 def _at(r: Range, u: Fraction) -> Fraction:
-    """The point of a range that u > 0 stands for, as in `Domain`."""
+    """Map u > 0 to a point of a range, as in `Domain`."""
     if r.low is not None and r.high is not None:
         return (r.low + r.high * u) / (1 + u)
     if r.high is not None:

@@ -8,7 +8,7 @@ zero: then they are positive on a dense set of parameters, and Re p conj q >= 0 
 Of (A s^2 + B s + C)/(D s^2 + E s + F) p conj q has the real part A D x^2 + M x + C F on the axis, M = B E - A F - C D.
 It is >= 0 for all x >= 0 if and only if A D >= 0, C F >= 0 and (M >= 0 or 4 A D C F >= M^2). If all coefficients are
 >= 0, that is sqrt(B E) >= |sqrt(A F) - sqrt(C D)|, and all. In general the roots of p + q = a s^2 + b s + c must lie in
-Re s <= 0 too: no two of a, b, c have opposite signs (what lies on the axis then cancels). A root in Re s > 0 does no
+Re s <= 0 too: no two of a, b, c have opposite signs (roots on the axis then cancel). A root in Re s > 0 does no
 harm if p and q have it in common. Then either p and q are proportional, or it is the only one, and a c <= 0. With
 m1 = A E - B D, m2 = A F - C D, m3 = B F - C E a common root satisfies m2^2 = m1 m3 and is -m2/m1 = -m3/m2. Terms that
 are missing are no exception: open circuit and short circuit, constants and degree one are included.
@@ -38,7 +38,7 @@ def as_impedance(kind: Kind, function: Pair) -> Pair:
 
 
 def positivity_condition(z: Pair, domain: Domain, expansion: Expansion) -> Formula | bool | None:
-    """True if p/q is seen to be positive real for all parameters; or exactly when it is; None if neither is found.
+    """Return True if p/q is found positive real for all parameters, else the exact condition, or None if unknown.
 
     A condition is found where one factor decides, as with one resistor of any sign among coils and capacitors, or a
     gain: A(x) = c B(x), B >= 0 and not identically zero, c free of x. Where c < 0, A is negative somewhere.
@@ -83,7 +83,7 @@ def _parts(f: fmpz_mpoly) -> tuple[fmpz_mpoly, fmpz_mpoly]:
 
 
 def is_hurwitz(f: fmpz_mpoly, domain: Domain, expansion: Expansion, *, strictly: bool = False) -> bool:
-    """Whether all roots of f in s are seen to lie in Re s < 0, on a dense set of parameters or strictly on all."""
+    """Return whether all roots of f in s are shown to lie in Re s < 0, on a dense set of parameters or strictly all."""
     c = coefficients(f)
     if len(c) > MAX_DEGREE + 1:
         raise ExpansionError(f"the degree in s is over {MAX_DEGREE}")

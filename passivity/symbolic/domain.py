@@ -31,8 +31,8 @@ Signs: TypeAlias = frozenset[int]  # -1, 0, 1: all that can occur, perhaps more
 class Domain:
     """The ranges of the free parameters.
 
-    The polynomials have the generators s, which in a polynomial of x = w^2 stands for x >= 0; others such as
-    e = exp(-tau s), one if nothing else is said; and the parameters.
+    The polynomials have the generators s, which in a polynomial of x = w^2 denotes x >= 0; others such as
+    e = exp(-tau s), one by default; and the parameters.
     """
 
     ranges: tuple[Range, ...]

@@ -1,6 +1,6 @@
 """Conditions on parameters: polynomials that must be >= 0, > 0 or = 0, joined by "and" and "or".
 
-They are simplified with what is assumed: factors of known sign are dropped, claims that always or never hold vanish.
+They are simplified under the assumptions: factors of known sign are dropped, claims that always or never hold vanish.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -49,7 +49,7 @@ class Claim:
         return f"{'*'.join(factor_text(f, k) for f, k in self.factors)} {self.relation} 0"
 
     def interval(self) -> Range | None:
-        """The same as a range of one parameter, if it is one."""
+        """Return the claim as a range of one parameter, if it is one."""
         generators = {gen for f, _ in self.factors for gen, d in enumerate(f.degrees()) if d}
         linear = all(f.total_degree() == 1 and power == 1 for f, power in self.factors)
         if len(generators) != 1 or not linear or self.relation == "=":
@@ -66,7 +66,7 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Joined:
-    """Parts of which all (``and``) or one (``or``) must hold."""
+    """Formulas joined by ``and`` (all must hold) or ``or`` (one must)."""
 
     word: str
     parts: "tuple[Formula, ...]"
@@ -83,7 +83,7 @@ Formula: TypeAlias = Claim | Joined
 
 
 def claim(f: fmpz_mpoly, relation: str, domain: Domain, written: str = "") -> Formula | bool:
-    """f >= 0, f > 0 or f = 0, simplified; `written` is for what cannot be."""
+    """Simplify f >= 0, f > 0 or f = 0; `written` is the text of an f too large for that."""
     truths = {_RELATIONS[relation](sign, 0) for sign in domain.signs(f)}
     if len(truths) == 1:
         return truths.pop()
@@ -157,7 +157,7 @@ def _sides(f: fmpz_mpoly, relation: str) -> str:
 
 
 def polynomial_text(f: fmpz_mpoly, s: str = "s") -> str:
-    """A polynomial in s, or what it stands for, and the parameters, a positive term first if there is one."""
+    """Write a polynomial in s, or a name for it, and the parameters, a positive term first if there is one."""
     names = (s, *f.context().names()[1:])
     text, terms = "", list(f.terms())
     first = next((k for k, (_, c) in enumerate(terms) if c > 0), 0)
@@ -186,14 +186,14 @@ def quotient_text(p: fmpz_mpoly, q: fmpz_mpoly) -> str:
 
 @dataclass(frozen=True)
 class Condition:
-    """What the parameters must satisfy, besides the assumptions: exactly then the property holds.
+    """Necessary and sufficient condition on the parameters, besides the assumptions, for the property.
 
     Parameters
     ----------
     formula : Claim or Joined
         In the parameters, by their names.
     ranges : tuple of Range
-        What is assumed.
+        Assumptions on the parameters.
     function : Pair
         Numerator and denominator as the expression gives them when multiplied out.
     """

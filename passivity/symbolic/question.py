@@ -1,6 +1,6 @@
 """The expanded function whose parameters are to be judged, its exact condition, and its verdict at given values.
 
-Before a rational reflection may stand a delay, H1 = exp(-tau s) H2, also in the impedance or admittance
+A delay may precede a rational reflection, H1 = exp(-tau s) H2, also in the impedance or admittance
 (1 + H1)/(1 - H1), which is positive real if and only if H1 is bounded real. For tau >= 0 that is so exactly if H2 is:
 |H1| <= |H2| in Re s > 0, on the axis |H1| = |H2|, and they have the same poles. For tau < 0 H1 grows without bound
 unless H2 = 0.
@@ -75,12 +75,12 @@ class Question:
 
     @property
     def degree(self) -> int:
-        """Of p or q in s."""
+        """Larger degree of p and q in s."""
         return max(int(f.degrees()[0]) for f in self.function)
 
     @property
     def work(self) -> int:
-        """Of a trial with values for the parameters."""
+        """Work of a trial with values for the parameters."""
         return sum(map(len, self.function)) + self.degree**2
 
     def refutation(self, values: Mapping[str, Fraction], asked: Asked) -> tuple[Witness, str] | None:
