@@ -40,7 +40,8 @@ def check_names(names: set[str], given: Mapping[str, object], missing: str) -> N
     if unused := sorted(set(given) - names, key=str):
         where = f"parameter{'s' * (len(unused) > 1)} {', '.join(map(shown, unused)):.60}"
         problem = "s is the Laplace variable" if unused == ["s"] else "not in the expression"
-        raise ExpressionError(where, problem, f"something about {_list(names)}", _list(given))
+        wanted = "values" if missing == "no value" else "values or assumptions"
+        raise ExpressionError(where, problem, f"{wanted} for {_list(names)}", _list(given))
 
 
 def of_tree(tree: Node, values: Mapping[str, Fraction]) -> RationalFunction:

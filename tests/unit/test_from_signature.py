@@ -13,7 +13,7 @@ from tline.cli.main import main
 from tline.errors import InputError
 
 PLACES = {
-    "tline.surge.operation:operate": ("wave_speed", "In the pipes of an .inp file whose material is not told; 1000"),
+    "tline.surge.operation:operate": ("wave_speed", "In the pipes of an .inp file without a material; 1000"),
     "tline.design.closure:closure": ("path", "Nodes between which all places keep the limits"),  # "as of" another
     "tline.sweeps.runs:sweep": ("tol", "Largest error of effort and flow"),
     "friction.testbench:Testbench": ("mass", "Mass [kg], positive."),

@@ -18,6 +18,7 @@ from tline.loss import (
     LossyLine,
     RoundWire,
     SkinEffect,
+    Sum,
     TurbulentFriction,
     hagen_poiseuille,
     kelvin_voigt_wall,
@@ -25,7 +26,10 @@ from tline.loss import (
     smooth_pipe_resistance,
     tabulated,
 )
+from tline.loss.line import Losses
 from tline.scene.file import read_scene
+from tline.solver.description.circuits import Fit, circuits_of
+from tline.solver.description.lines import Line
 from tline.study.reference.lossy import lossy_response
 
 WATER = {"density": 998.0, "viscosity": 1e-3, "radius": 0.011}
@@ -251,3 +255,19 @@ def test_laws_are_equal_by_what_they_are_made_of():
     assert hash(one) == hash(other)
     assert one != Foster(0.3, 0, [1, 2], [3, 5])
     assert ConstantLoss(0, 1) != Foster(0, 1, [], [])
+
+
+def test_many_laws_that_differ_by_scale_share_circuits_as_good_as_their_own():
+    """Friction of twelve pipes of other widths, within the tolerance of the law itself in the whole band."""
+    fit = Fit(low=0.01, high=100.0, tolerance=1e-5, fastest=1e4)
+    radii = np.geomspace(0.05, 0.6, 12)
+    laws = [Sum(ConstantLoss(1e3, 0.0), TurbulentFriction(1000, 1e-3, r, 1e5)) for r in radii]
+    pairs = [LossyLine(law, ConstantLoss(0.0, 1e-9), 100.0) for law in laws]
+    lines = {f"p{k}": Line(("a", "b"), 1e6, 1.0, Losses(pair)) for k, pair in enumerate(pairs)}
+    found = circuits_of(lines, fit)
+    s = 2j * np.pi * np.geomspace(fit.low, fit.high, 333)
+    for law, each in zip(laws, found.values(), strict=True):
+        error = np.abs(each.series.at(s) / law.at(s) - 1).max()
+        assert error <= 1.05 * each.error
+        assert each.error <= fit.tolerance
+    assert len({each.series.rates.size for each in found.values()}) < len(laws)

@@ -77,7 +77,7 @@ def test_refused_coefficients(numerator, denominator, message):
     [
         ("R + s*L", {"R": 1}, "parameter L: no value, expected one for each of L, R, got R"),
         ("R + s", None, "parameter R: no value, expected one for each of R, got no names"),
-        ("R", {"R": 1, "r": 2}, "parameter r: not in the expression, expected something about R, got R, r"),
+        ("R", {"R": 1, "r": 2}, "parameter r: not in the expression, expected values for R, got R, r"),
         ("s", {"s": 2}, "parameter s: s is the Laplace variable"),
         ("s", {1: 2, None: 3}, "parameters 1, None: not in the expression"),
         ("R", {"R": math.nan}, "parameter R: not a number"),

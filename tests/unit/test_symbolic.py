@@ -72,11 +72,11 @@ def test_bad_assumptions_are_refused_in_one_sentence(text, expected):
     [
         ("R + s*L", ["R > 0"], "parameter L: no value and no assumption"),
         ("R", ["R > 0", "R < 0"], "parameter R: no value has R > 0 and R < 0"),
-        ("R", ["R > 0", "k real"], "parameter k: not in the expression, expected something about R"),
+        ("R", ["R > 0", "k real"], "parameter k: not in the expression, expected values or assumptions for R"),
         (
             "let x = R; x",
             ["R > 0", "x > 0", "Z pr"],
-            "parameters Z, x: not in the expression, expected something about R, got R, Z, x",
+            "parameters Z, x: not in the expression, expected values or assumptions for R, got R, Z, x",
         ),
         ("a/(b - b)*0", ["a > 0", "b > 0"], "division by zero"),
         ("((((a*1e300 + s)^20)^20)^20)", ["a > 0"], "the numbers are too long"),

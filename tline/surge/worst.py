@@ -17,11 +17,12 @@ BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
 BESIDE_PIPES = 1e3  # Pa, by which pressures at nodes without pipes must fall lower, since their errors are unknown
 FAINT = 1e-6  # of the largest change: a node that moves by less does not
 LAST = 0.01  # of a run: an extreme so near its end may be exceeded later
+OUTLETS = {"check valve", "demand", "leak", "relief valve"}  # kinds of loads that let water out alone
 CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column that separates
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
 STOOD = "water boils in the network itself, before anything is operated"
-DRAINED = "water would boil where no pipe ends, as behind what is shut against an outflow"
+DRAINED = "water would boil where no pipe ends"
 EMPTIES = "a vessel runs empty, and gas in the pipe is not computed"
 ALONE = "there was time for one number of places for cavities alone"
 RISES = "the highest pressure comes at the end of the run and may be higher later"
@@ -87,6 +88,20 @@ def _alone(result: Result) -> Iterator[Extreme]:
         yield Extreme(node, start - known, low - known, low_at, nan, high - known, high_at, nan)
 
 
+def _behind_outlets(result: Result) -> set[str]:
+    """Nodes at which no pipe ends that links connect with an outlet; shut in, they have any pressure below that of air.
+
+    Such an outlet lets nothing in, so that no equation has a lower bound of the pressure before it.
+    """
+    assert result.envelope is not None
+    left, found = [load.at for load in result.scene.loads.values() if load.kind in OUTLETS], set[str]()
+    while left:
+        if (node := left.pop()) in result.envelope.alone and node not in found:
+            found.add(node)
+            left += [each for link in result.scene.links.values() if node in link.nodes for each in link.nodes]
+    return found
+
+
 def boils(node: Extreme) -> bool:
     """Whether water of 20 °C may boil there, as far as errors tell."""
     return node.lowest - (0.0 if isnan(node.lowest_error) else node.lowest_error) < BOILS
@@ -102,7 +117,8 @@ def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") 
     boiling = sorted((node for node in nodes if boils(node) and node.node not in followed), key=lambda n: n.lowest)
     lowest = min(nodes, key=lambda node: node.lowest)
     alone = list(_alone(result))
-    drained = [node.node for node in alone if node.before >= BOILS > node.lowest + BESIDE_PIPES]
+    drained = [one.node for one in alone if one.before >= BOILS > one.lowest + BESIDE_PIPES]
+    drained = [*{*drained} - _behind_outlets(result)]
     highest = max([*nodes, *alone], key=lambda node: node.highest)
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)

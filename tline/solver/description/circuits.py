@@ -18,6 +18,7 @@ HELD, BAND = 0.5, 2.0  # cycles per slab: up to which circuits hold, and beyond 
 CYCLES_PER_RUN = 0.1  # at which the band of a circuit begins, at most
 STEP = 2.0  # its upper end is a power of this over its lower end, so that many runs share a circuit
 PLACES, WORST = 200, 0.1  # at which shares are looked at; tolerance of a shape that hardly counts, at most
+FEW_LAWS = 8  # laws that are fitted one by one
 NONE = np.empty(0)
 
 
@@ -54,19 +55,20 @@ def fit_of(t_end: float, h: float, tolerance: float, drive: float = 0.0) -> Fit:
 
 
 def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
-    """Circuits of all lines that lose something."""
+    """Circuits of all lines that lose something; many laws that differ by scale share the circuits of their shape."""
     known: dict[int, Circuits] = {}
+    many = len({line.losses.exact.series for line in lines.values() if line.losses is not None}) > FEW_LAWS
     for line in lines.values():
         if line.losses is not None and id(line.losses) not in known:
             exact = line.losses.exact
-            (series, a), (shunt, b) = (circuit_of(law, fit) for law in (exact.series, exact.shunt))
+            (series, a), (shunt, b) = (circuit_of(law, fit, many) for law in (exact.series, exact.shunt))
             known[id(line.losses)] = Circuits(series, shunt, max(a, b))
     return {name: known[id(line.losses)] for name, line in lines.items() if line.losses is not None}
 
 
-def circuit_of(law: Law, fit: Fit) -> tuple[Foster, float]:
+def circuit_of(law: Law, fit: Fit, many: bool) -> tuple[Foster, float]:
     """A circuit, as it is if the law is one that is no faster than the band, and its error."""
-    return (_constant(law.loss, law.storage), 0.0) if isinstance(law, ConstantLoss) else _fitted(law, fit)
+    return (_constant(law.loss, law.storage), 0.0) if isinstance(law, ConstantLoss) else _fitted(law, fit, many)
 
 
 @lru_cache
@@ -75,7 +77,7 @@ def _constant(loss: float, storage: float) -> Foster:
 
 
 @lru_cache
-def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
+def _fitted(law: Law, fit: Fit, many: bool) -> tuple[Foster, float]:
     parts = law.laws if isinstance(law, Sum) else (law,)
     if all(isinstance(part, ConstantLoss | Foster) for part in parts):
         fosters = [part for part in parts if isinstance(part, Foster)]
@@ -84,7 +86,7 @@ def _fitted(law: Law, fit: Fit) -> tuple[Foster, float]:
         if rates.max(initial=0.0) <= fit.fastest:
             return Foster(law.loss, law.storage, strengths, rates), 0.0
     shapes = [part.shape for part in parts if not isinstance(part, ConstantLoss)]
-    if len(shapes) == 1 and shapes[0] is not None:
+    if many and len(shapes) == 1 and shapes[0] is not None:
         return _scaled(law, shapes[0], fit)
     found = realise(law, (fit.low, fit.high), fit.tolerance)
     return found.circuit, found.error
