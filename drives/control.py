@@ -28,7 +28,7 @@ from tline.presentation import Presentation, plain
 
 @dataclass(frozen=True)
 class Margins:
-    """How far a stable loop is from instability; of an unstable one they say nothing.
+    """Distances of a stable loop from instability; without meaning for an unstable one.
 
     Attributes
     ----------

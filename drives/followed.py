@@ -62,7 +62,7 @@ def motion(f: NDArray, forms: Sequence[NDArray], lengths: Sequence[float], more:
 SUM_ROUNDING = 1e-9  # relative to the terms of a sum: far more than rounding, far less than 1 % of a parameter
 SPREAD = 30.0  # times the distance of two ways to the same motion in floats
 STRAIGHT, BENT, CORNERS = 2000, 4, 3  # stretches without and with corners that are followed, and corners in each
-WINDOWS, PARTS, MOST_RATES = 2, 200, 3000  # of what is integrated: windows, their part of the run, evaluations
+WINDOWS, PARTS, MOST_RATES = 2, 200, 3000  # of integrated runs: windows, their part of the run, evaluations
 TIGHT, TIGHTER = 1e-7, 1e-10  # relative to the largest values: asked of the integration, and once more if in doubt
 LOOSE, PROMISED = 1e-6, 1e-12  # and what counts as another result; of runs that are integrated, absolute
 

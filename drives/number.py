@@ -9,10 +9,10 @@ from flint import fmpq
 
 from tline.errors import InputError
 
-Number = float | Fraction  # what a user may give
+Number = float | Fraction  # accepted types
 SMALLEST, LARGEST = Fraction(1, 10**30), Fraction(10**30)
 LONGEST = 400  # bits of a fraction
-SHOWN = 40  # letters of what was given, in a message
+SHOWN = 40  # letters of a given value, in a message
 
 
 def exact(value: object, where: str) -> Fraction:

@@ -14,8 +14,8 @@ from drives.by_hand import Control, Equations
 from drives.followed import SUM_ROUNDING, Record, Rows, follow
 from drives.torque import Torque
 
-BALANCED = 1e-8  # relative to what was turned over; runs that are integrated have 1e-10
-DIGITS = 1e-13  # of a value that is given out
+BALANCED = 1e-8  # relative to the energy turned over; runs that are integrated have 1e-10
+DIGITS = 1e-13  # relative to an output value
 ENERGIES = "the heat", "the work of the motors"
 
 
@@ -48,7 +48,7 @@ def doubts(
     x = np.array([*(run.states[name] for name in equations.states), run.outputs["phi2"]])
     events = [event.t for side in run.events.values() for event in side]
     record = Record(run.t, x, np.array([run.energy.dissipated, run.energy.supplied]), inputs, events)
-    with np.errstate(all="ignore"):  # what leaves the range of floats is not judged
+    with np.errstate(all="ignore"):  # values outside the range of floats are not judged
         for one in _all(equations, record, run):
             return (one,)
     return ()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MOST_REVERSALS = 1_000_000
 FEWEST_PIECES, MOST_PIECES = 64, 16_384  # of the spline of a formula
 FORMULA = 1e-9  # error of that, relative to the largest value
-BETWEEN = 0.382  # share of a piece at which it is looked at
+BETWEEN = 0.382  # share of a piece at which it is sampled
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ def moved_by(formula: Callable[[NDArray], ArrayLike], t_end: float, where: str) 
 
 
 def _values(formula: Callable[[NDArray], ArrayLike], t: NDArray, where: str) -> NDArray:
-    with np.errstate(all="ignore"):  # what is no number is refused below
+    with np.errstate(all="ignore"):  # values not finite raise an error below
         values = np.broadcast_to(np.asarray(formula(t), float), t.shape)
     if not np.isfinite(values).all():
         raise InputError(where, f"no number at {t[~np.isfinite(values)][0]:g} s", "a finite number at any instant")

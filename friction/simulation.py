@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
 MOST_BUDGET = 1_000_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 20_000_000, "taylor": 20_000_000}
-OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with errors told; tolerance of single steps where none is given
+OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with error estimates; tolerance of single steps where none is given
 
 
 def simulate(

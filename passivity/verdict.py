@@ -164,8 +164,7 @@ class Margin(NamedTuple):
     ----------
     low, high : Fraction, float or None
         The value lies between them; equal where it is known exactly, infinite where it is. Of several ports one end is
-        proved, the other computed in floats; of a function that is not rational one end is sampled, the other proved
-        or None.
+        proved, the other computed in floats; if it is not rational one is sampled, the other proved or None.
     frequency : float
         Angular frequency where it is attained, rad/s; ``math.inf`` for the limit.
     largest : bool

@@ -46,7 +46,7 @@ class Prover:
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []
         self.known: dict[int, list[int]] = {}
-        self.seen: set[int] = set()  # nodes that were looked at
+        self.seen: set[int] = set()  # nodes visited
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
         self.waves: Waves | None = None

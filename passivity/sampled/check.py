@@ -131,12 +131,12 @@ class SampleVerdict(Decided):
 
     @property
     def worst_frequency(self) -> float:
-        """Where it is, Hz."""
+        """Frequency of the worst value, Hz."""
         return float(self.response.f[self._worst])
 
     @property
     def worst_excess(self) -> float:
-        """How far it is beyond the bound: sigma - 1, or minus the eigenvalue."""
+        """Excess of the worst value over the bound: sigma - 1, or minus the eigenvalue."""
         return float(excess(self.worst, self.response.parameter)[self._worst])
 
     @property
