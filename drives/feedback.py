@@ -165,7 +165,7 @@ def _diagonal(entries: list) -> fmpq_mat:
 
 
 def _blocks(blocks: list[list[fmpq_mat]]) -> fmpq_mat:
-    """One matrix of several."""
+    """Join blocks to one matrix."""
     rows = []
     for across in blocks:
         lists = [block.tolist() for block in across]

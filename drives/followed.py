@@ -32,7 +32,7 @@ class Motion(NamedTuple):
 
 
 def motion(f: NDArray, forms: Sequence[NDArray], lengths: Sequence[float], more: int = 0) -> Motion | None:
-    """The motion of z' = f z, by some doublings more than it takes; None where that would be too many.
+    """Solve z' = f z over some lengths of time, by `more` doublings than needed; None if these are too many.
 
     Examples
     --------
@@ -87,7 +87,7 @@ class Record:
 
     @property
     def beside(self) -> float:
-        """So close to a sample a corner of an input is at it, s."""
+        """Distance from a sample within which a corner of an input counts as at it, s."""
         return 64 * float(np.spacing(self.t[-1]))
 
     def forced(self, t: NDArray) -> NDArray:
@@ -171,7 +171,7 @@ class _Legs:
         self.noise_energies = SPREAD * (rough.integrals @ largest @ largest)
 
     def along(self, samples: NDArray, legs: Sequence[int], begins: NDArray) -> Steps:
-        """From samples over legs that begin at some times to the next samples."""
+        """Integrate from samples to the next ones, over legs that begin at some times."""
         n, found = len(self.record.x), self.record.rows[:, samples]
         x, energies = found[:n], found[n:]
         off, off_energies = np.zeros_like(x), np.zeros_like(energies)
@@ -191,7 +191,7 @@ class _Legs:
 
 
 class _TooLong(Exception):
-    """An integration that costs more than a look is worth."""
+    """Integration that costs more than a check is worth."""
 
 
 def _integrated(equations: Equations, record: Record) -> Iterator[Steps]:

@@ -146,7 +146,7 @@ def simulate_control(
 
 
 def _control(design: Design, limit: float, antiwindup: bool, filter_time: float) -> Control:
-    """The controllers as the witness takes them."""
+    """Return the controllers in the form of the witness."""
 
     def numbers(controller: PI) -> tuple[float, float]:
         return float(controller.gain), float(controller.integral_time)

@@ -39,7 +39,7 @@ def exact(value: object, where: str) -> Fraction:
 
 
 def positive(value: object, where: str, *, or_zero: bool = False) -> Fraction:
-    """The number as a fraction, if a part can have it."""
+    """Return a number as a fraction; raise an error unless it is positive (or zero) and not tiny."""
     found = exact(value, where)
     if found < 0 or (found == 0 and not or_zero):
         raise InputError(where, "not physical", "0 or more" if or_zero else "more than 0", repr(value)[:SHOWN])

@@ -66,7 +66,7 @@ class Sensitivities(Presentation):
             yield f"poles that coincide have no derivative: {', '.join(map(written, self.multiple))} rad/s"
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it."""
+        """All fields as plain values."""
         return {each.name: plain(getattr(self, each.name)) for each in fields(self)}
 
 

@@ -29,7 +29,7 @@ def doubts(
     dry: Sequence[Any] = (None, None),
     winding: Any = None,
 ) -> tuple[str, ...]:
-    """A sentence, if this run is not one of this mechanism.
+    """Return the first contradiction of a run to the equations of motion as a sentence; empty without any.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def _of_balance(record: Record, run: Any) -> Iterator[str]:
 
 
 def _apart(t: NDArray, name: str, given: NDArray, found: NDArray, off: NDArray) -> Iterator[str]:
-    """A sentence, where two values are further apart than they can be by rounding."""
+    """Yield a sentence if two values differ by more than `off`, at the instant where this is worst."""
     far = np.abs(given - found)
     wrong = far > off
     if wrong.any():

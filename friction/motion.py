@@ -55,7 +55,7 @@ class Motion:
         return x + amplitude / omega * (cos(phase) - np.cos(omega * t + phase)) if amplitude else x
 
     def course(self, t_end: float) -> "Course":
-        """The motion up to an end as the kernels take it.
+        """Motion up to an end, in the form of the kernels.
 
         Raises
         ------
@@ -151,8 +151,8 @@ def _checked(motion: Motion, slope: NDArray, where: str) -> Motion:
 
 
 def moved_by(formula: Callable[[NDArray], ArrayLike], t_end: float, where: str) -> tuple[Motion, Motion, float]:
-    """A velocity [m/s] or position [m] by a function of times: as a spline fine enough, as one of half the pieces, and
-    how far these are apart, relative to the largest velocity.
+    """Approximate a velocity [m/s] or position [m] by a spline; return it, one of half the pieces, and their difference
+    relative to the largest velocity.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def _values(formula: Callable[[NDArray], ArrayLike], t: NDArray, where: str) -> 
 
 
 def splined(t: NDArray, values: NDArray, is_position: bool, noise: float = 0.0) -> Motion:
-    """A velocity, or a place, by a spline of them that leaves noise of that deviation: cubic pieces of the velocity."""
+    """Fit a spline to velocity or position, smoothing noise of that deviation; the velocity has cubic pieces."""
     from scipy.interpolate import PPoly, make_interp_spline, splrep
 
     degree = 3 + is_position

@@ -166,7 +166,7 @@ def _scipy(
 def _heard(
     model: Model, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
 ) -> Result:
-    """A run at these times, heard by the witness at others too.
+    """Run with samples at `times`, checked by the witness at other instants too.
 
     Room for as many events as there may be costs more than most runs, so that few are expected at first.
     """

@@ -178,12 +178,12 @@ class Margin(NamedTuple):
 
     @property
     def value(self) -> float:
-        """The end that is attained: the number to print."""
+        """Attained end of the enclosure: the number to print."""
         return double(self.low if self.largest else self.high)
 
     @property
     def bound(self) -> float:
-        """The end that is proved not to be passed."""
+        """Proved end of the enclosure, which is never passed."""
         return double(self.high if self.largest else self.low)
 
 
@@ -332,7 +332,7 @@ class Verdict(Decided):
         return in_lines(self, self._margins)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it, with the proof, and whether it was verified."""
+        """Verdict as values for JSON, with the proof, and whether it was verified."""
         from passivity.report import as_dict
 
         return as_dict(self, self._margins)

@@ -22,7 +22,7 @@ _LONGEST_NUMBER = 30  # characters
 
 
 def in_texts(fact: Fact) -> list[str]:
-    """A fact as files have it."""
+    """Write a fact as in files."""
     return [fact[0], *map(written, fact[1:])]
 
 

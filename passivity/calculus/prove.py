@@ -357,7 +357,7 @@ class Prover:
                     self.follow(n, "mean", [k], written(c))
 
     def _equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
-        """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
+        """Carry a fact over to a multiple, nodes in `cut` not expanded; if that fails and is cheap, all expanded."""
         try:
             with budget(_EQUALITY):
                 found = self.follow(n, "equal", [k], [c, cut])

@@ -56,7 +56,7 @@ class UnresolvedError(UndecidedError):
 
 
 def prove_in_balls(kind: Kind, graph: Graph, value: Value) -> dict[str, Any]:
-    """A proof that a value has the property strictly, as the data of a step about its node; or UnresolvedError."""
+    """Prove that a value has the property strictly; return the data of a step about its node, or UnresolvedError."""
     with ctx.workprec(BITS):
         x = reflection(kind, graph, value)
         room = least_difference(x.n, x.d)

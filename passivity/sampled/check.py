@@ -74,7 +74,7 @@ class SampleVerdict(Decided):
 
     @property
     def why(self) -> str:
-        """The worst value, and where it is."""
+        """Worst value and its frequency, in words."""
         name = worst_name(self.response.parameter, self.response.ports)
         return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
 
@@ -103,7 +103,7 @@ class SampleVerdict(Decided):
         return lines + [f"  note: {caveat}" for caveat in self.caveats]
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it but the samples."""
+        """Verdict as plain values, without the samples."""
         r, witness = self.response, self.witness
         told: dict[str, Any] = {
             "parameter": r.parameter.value,

@@ -48,7 +48,7 @@ def seen(model: PoleResidueModel) -> AxisAnalysis:
 
 
 def places_of(model: PoleResidueModel, w: NDArray) -> list[Place]:
-    """The worst value at each frequency, and others beyond the bound."""
+    """Return the worst value at each frequency, and all others beyond the bound."""
     beyond, left, right = worst_first(model.matrices(w), model.parameter)
     chosen = [(i, j) for i, j in np.ndindex(beyond.shape) if j == 0 or beyond[i, j] > 0]
     return [(float(w[i]), float(beyond[i, j]), left[i, :, j], right[i, :, j]) for i, j in chosen]
