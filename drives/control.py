@@ -28,7 +28,7 @@ from tline.presentation import Presentation, plain
 
 @dataclass(frozen=True)
 class Margins:
-    """How far a stable loop is from instability; of an unstable one they say nothing.
+    """Distances of a stable loop from instability; without meaning for an unstable one.
 
     Attributes
     ----------
@@ -290,7 +290,7 @@ def _tuned(plant: TransferFunction, bandwidth: float) -> tuple[PI, float]:
 
 
 def _tried(plant: TransferFunction, bandwidth: float) -> PI | None:
-    """The PI controller of this bandwidth, if it has the margins."""
+    """Return the PI controller of a bandwidth, if it has the margins."""
     pole = _slowest(plant)
     constant = math.inf if pole == 0 else (2 if pole.imag else 1) * -pole.real / abs(pole) ** 2
     integral = min(constant, 4 / bandwidth) or 4 / bandwidth

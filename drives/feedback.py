@@ -4,8 +4,7 @@ With y = (w1, w2, tension), perhaps behind low-pass filters, and the controllers
 
     tau = K (r - E y) + K/T_i q,   T = S tau + R y
 
-where E y is (belt speed, tension), and S and R are the decoupler, which makes unequal spools behave alike (see
-`drives.decoupling`).
+where E y is (belt speed, tension), and S and R are the decoupler of unequal spools (see `drives.decoupling`).
 """
 
 from fractions import Fraction
@@ -166,7 +165,7 @@ def _diagonal(entries: list) -> fmpq_mat:
 
 
 def _blocks(blocks: list[list[fmpq_mat]]) -> fmpq_mat:
-    """One matrix of several."""
+    """Join blocks to one matrix."""
     rows = []
     for across in blocks:
         lists = [block.tolist() for block in across]

@@ -32,7 +32,7 @@ class Motion(NamedTuple):
 
 
 def motion(f: NDArray, forms: Sequence[NDArray], lengths: Sequence[float], more: int = 0) -> Motion | None:
-    """The motion of z' = f z, by some doublings more than it takes; None where that would be too many.
+    """Solve z' = f z over some lengths of time, by `more` doublings than needed; None if these are too many.
 
     Examples
     --------
@@ -62,7 +62,7 @@ def motion(f: NDArray, forms: Sequence[NDArray], lengths: Sequence[float], more:
 SUM_ROUNDING = 1e-9  # relative to the terms of a sum: far more than rounding, far less than 1 % of a parameter
 SPREAD = 30.0  # times the distance of two ways to the same motion in floats
 STRAIGHT, BENT, CORNERS = 2000, 4, 3  # stretches without and with corners that are followed, and corners in each
-WINDOWS, PARTS, MOST_RATES = 2, 200, 3000  # of what is integrated: windows, their part of the run, evaluations
+WINDOWS, PARTS, MOST_RATES = 2, 200, 3000  # of integrated runs: windows, their part of the run, evaluations
 TIGHT, TIGHTER = 1e-7, 1e-10  # relative to the largest values: asked of the integration, and once more if in doubt
 LOOSE, PROMISED = 1e-6, 1e-12  # and what counts as another result; of runs that are integrated, absolute
 
@@ -87,7 +87,7 @@ class Record:
 
     @property
     def beside(self) -> float:
-        """So close to a sample a corner of an input is at it, s."""
+        """Distance from a sample within which a corner of an input counts as at it, s."""
         return 64 * float(np.spacing(self.t[-1]))
 
     def forced(self, t: NDArray) -> NDArray:
@@ -171,7 +171,7 @@ class _Legs:
         self.noise_energies = SPREAD * (rough.integrals @ largest @ largest)
 
     def along(self, samples: NDArray, legs: Sequence[int], begins: NDArray) -> Steps:
-        """From samples over legs that begin at some times to the next samples."""
+        """Integrate from samples to the next ones, over legs that begin at some times."""
         n, found = len(self.record.x), self.record.rows[:, samples]
         x, energies = found[:n], found[n:]
         off, off_energies = np.zeros_like(x), np.zeros_like(energies)
@@ -191,7 +191,7 @@ class _Legs:
 
 
 class _TooLong(Exception):
-    """An integration that costs more than a look is worth."""
+    """Integration that costs more than a check is worth."""
 
 
 def _integrated(equations: Equations, record: Record) -> Iterator[Steps]:

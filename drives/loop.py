@@ -32,7 +32,7 @@ from drives.torque_limit import unreachable
 from drives.witness import doubts
 from tline.errors import InputError
 
-GROWS = 1e-9  # of what a loop is larger at the next look: more is no rounding
+GROWS = 1e-9  # relative growth of a loop from look to look; more is not rounding
 
 
 def simulate_control(
@@ -146,7 +146,7 @@ def simulate_control(
 
 
 def _control(design: Design, limit: float, antiwindup: bool, filter_time: float) -> Control:
-    """The controllers as the witness takes them."""
+    """Return the controllers in the form of the witness."""
 
     def numbers(controller: PI) -> tuple[float, float]:
         return float(controller.gain), float(controller.integral_time)

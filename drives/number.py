@@ -9,10 +9,10 @@ from flint import fmpq
 
 from tline.errors import InputError
 
-Number = float | Fraction  # what a user may give
+Number = float | Fraction  # accepted types
 SMALLEST, LARGEST = Fraction(1, 10**30), Fraction(10**30)
 LONGEST = 400  # bits of a fraction
-SHOWN = 40  # letters of what was given, in a message
+SHOWN = 40  # letters of a given value, in a message
 
 
 def exact(value: object, where: str) -> Fraction:
@@ -39,7 +39,7 @@ def exact(value: object, where: str) -> Fraction:
 
 
 def positive(value: object, where: str, *, or_zero: bool = False) -> Fraction:
-    """The number as a fraction, if a part can have it."""
+    """Return a number as a fraction; raise an error unless it is positive (or zero) and not tiny."""
     found = exact(value, where)
     if found < 0 or (found == 0 and not or_zero):
         raise InputError(where, "not physical", "0 or more" if or_zero else "more than 0", repr(value)[:SHOWN])

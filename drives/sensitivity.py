@@ -21,7 +21,7 @@ from tline.presentation import Presentation, plain
 from tline.words.aligned import aligned
 
 PARAMETER_STEP = Fraction(1, 10**5)  # relative change of a parameter
-SMALLEST_CHANGE = 1e-9  # of an overshoot, and of what a pole moves by
+SMALLEST_CHANGE = 1e-9  # of an overshoot, and of the motion of a pole
 APART = 1e-6  # relative distance of poles that count as one
 SETTLED, SAMPLES, LOOKS = 30.0, 2000, 8  # time constants of a response, its samples, steps of Newton's method
 
@@ -66,7 +66,7 @@ class Sensitivities(Presentation):
             yield f"poles that coincide have no derivative: {', '.join(map(written, self.multiple))} rad/s"
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it."""
+        """All fields as plain values."""
         return {each.name: plain(getattr(self, each.name)) for each in fields(self)}
 
 

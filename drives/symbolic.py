@@ -81,7 +81,7 @@ def transfer(parameters: Mapping[str, Fraction], output: str, source: str) -> Tr
     known_names("output", (output,), OUTPUTS)
     known_names("input", (source,), INPUTS)
     constants = {name: fmpq_poly([rational(value)]) for name, value in parameters.items()}
-    constants["k"] += constants.pop("m") * fmpq_poly([0, 0, 1])  # what moves with the spring
+    constants["k"] += constants.pop("m") * fmpq_poly([0, 0, 1])  # mass moving with the spring
     numerator, denominator = fractions_of(Parameters(s=fmpq_poly([0, 1]), **constants))[output, source]
     return TransferFunction(numerator, denominator, f"{output}/{source}")
 

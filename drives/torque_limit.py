@@ -18,7 +18,7 @@ from drives.coupled import CoupledDrives
 from drives.number import exact, positive
 from drives.torque import Torque
 
-EXCESS = Fraction(1, 10**9)  # relative to the limit: what it exceeds by less is held
+EXCESS = Fraction(1, 10**9)  # relative to the limit: a smaller excess is still held
 Range = tuple[float, float]
 
 
@@ -75,7 +75,7 @@ def reach(
     (False, 4.0, 6.0, (-10.0, 10.0), None, (-20.0, 20.0))
     """
     v, f, most = exact(belt_speed, "belt_speed"), exact(tension, "tension"), positive(limit, "limit")
-    sides = []  # radius, friction seen by the belt with its sign, disturbance
+    sides = []  # radius, friction referred to the belt with its sign, disturbance
     for spool, sign, d in ((drives.left, -1, exact(d1, "d1")), (drives.right, 1, exact(d2, "d2"))):
         sides.append((spool.radius, sign * drives.mobility(spool)[1], d))
     needed = [r * (f + c * v) - d for r, c, d in sides]

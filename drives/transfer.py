@@ -186,7 +186,7 @@ def _coefficients(polynomial: fmpq_poly) -> tuple[Fraction, ...]:
 
 
 def _side(polynomial: fmpq_poly) -> str:
-    """A polynomial as people write it, in decimals; in parentheses if it has several terms."""
+    """Write a polynomial in decimals; in parentheses if it has several terms."""
     terms: Iterable[tuple[int, Fraction]] = ((k, c) for k, c in enumerate(_coefficients(polynomial)[::-1]) if c)
     text = ""
     for power, c in sorted(terms, reverse=True):

@@ -14,8 +14,8 @@ from drives.by_hand import Control, Equations
 from drives.followed import SUM_ROUNDING, Record, Rows, follow
 from drives.torque import Torque
 
-BALANCED = 1e-8  # relative to what was turned over; runs that are integrated have 1e-10
-DIGITS = 1e-13  # of a value that is given out
+BALANCED = 1e-8  # relative to the energy turned over; runs that are integrated have 1e-10
+DIGITS = 1e-13  # relative to an output value
 ENERGIES = "the heat", "the work of the motors"
 
 
@@ -29,7 +29,7 @@ def doubts(
     dry: Sequence[Any] = (None, None),
     winding: Any = None,
 ) -> tuple[str, ...]:
-    """A sentence, if this run is not one of this mechanism.
+    """Return the first contradiction of a run to the equations of motion as a sentence; empty without any.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def doubts(
     x = np.array([*(run.states[name] for name in equations.states), run.outputs["phi2"]])
     events = [event.t for side in run.events.values() for event in side]
     record = Record(run.t, x, np.array([run.energy.dissipated, run.energy.supplied]), inputs, events)
-    with np.errstate(all="ignore"):  # what leaves the range of floats is not judged
+    with np.errstate(all="ignore"):  # values outside the range of floats are not judged
         for one in _all(equations, record, run):
             return (one,)
     return ()
@@ -95,7 +95,7 @@ def _of_balance(record: Record, run: Any) -> Iterator[str]:
 
 
 def _apart(t: NDArray, name: str, given: NDArray, found: NDArray, off: NDArray) -> Iterator[str]:
-    """A sentence, where two values are further apart than they can be by rounding."""
+    """Yield a sentence if two values differ by more than `off`, at the instant where this is worst."""
     far = np.abs(given - found)
     wrong = far > off
     if wrong.any():

@@ -68,8 +68,8 @@ class Motion:
         self.shown = mode
 
     def next_mode(self, t: float, y: NDArray, ended: bool) -> None:
-        """The mode that begins at t, because the last one ended or the force jumped; at rest, the mass is held if it
-        can be.
+        """Set the mode that begins at t, because the last one ended or the force jumped; at rest, the mass is held if
+        possible.
         """
         if self.mode == FREE:
             return

@@ -17,7 +17,7 @@ from friction.models import Coulomb, Karnopp
 from friction.testbench import Testbench
 from tline.errors import InputError
 
-SPAN, POINTS = 1e3, 4000  # of angular frequencies about √(P/m), and how many are looked at
+SPAN, POINTS = 1e3, 4000  # range of angular frequencies about √(P/m), and their number
 
 
 class Swing(NamedTuple):

@@ -15,7 +15,7 @@ from tline.history import History
 from tline.presentation import plain
 
 CERTAIN = 1.96  # standard deviations on each side of an interval of 95 %
-HOPELESS = 1.5  # times the least misfit to all samples: not even what it was fitted to is met
+HOPELESS = 1.5  # times the least misfit to all samples: beyond it the law misses even the samples of its fit
 CORRELATED = 0.2  # of neighbours in a residual that is more than noise
 
 

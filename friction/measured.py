@@ -31,7 +31,7 @@ class Measured(NamedTuple):
 
     @property
     def at_rest(self) -> NDArray:
-        """Where it hardly moves."""
+        """Samples with a speed of at most REST times the largest."""
         return np.abs(self.v) <= REST * np.max(np.abs(self.v))
 
 

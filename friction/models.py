@@ -46,7 +46,7 @@ class Model(Parameters):
 
     @property
     def law(self) -> "Law":
-        """The parameters as the kernels take them."""
+        """Parameters in the form of the kernels."""
         from friction.kernel import law
 
         own = {field.name: getattr(self, field.name) for field in fields(self)}

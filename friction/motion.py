@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 MOST_REVERSALS = 1_000_000
 FEWEST_PIECES, MOST_PIECES = 64, 16_384  # of the spline of a formula
 FORMULA = 1e-9  # error of that, relative to the largest value
-BETWEEN = 0.382  # share of a piece at which it is looked at
+BETWEEN = 0.382  # share of a piece at which it is sampled
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Motion:
         return x + amplitude / omega * (cos(phase) - np.cos(omega * t + phase)) if amplitude else x
 
     def course(self, t_end: float) -> "Course":
-        """The motion up to an end as the kernels take it.
+        """Motion up to an end, in the form of the kernels.
 
         Raises
         ------
@@ -151,8 +151,8 @@ def _checked(motion: Motion, slope: NDArray, where: str) -> Motion:
 
 
 def moved_by(formula: Callable[[NDArray], ArrayLike], t_end: float, where: str) -> tuple[Motion, Motion, float]:
-    """A velocity [m/s] or position [m] by a function of times: as a spline fine enough, as one of half the pieces, and
-    how far these are apart, relative to the largest velocity.
+    """Approximate a velocity [m/s] or position [m] by a spline; return it, one of half the pieces, and their difference
+    relative to the largest velocity.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def moved_by(formula: Callable[[NDArray], ArrayLike], t_end: float, where: str) 
 
 
 def _values(formula: Callable[[NDArray], ArrayLike], t: NDArray, where: str) -> NDArray:
-    with np.errstate(all="ignore"):  # what is no number is refused below
+    with np.errstate(all="ignore"):  # values not finite raise an error below
         values = np.broadcast_to(np.asarray(formula(t), float), t.shape)
     if not np.isfinite(values).all():
         raise InputError(where, f"no number at {t[~np.isfinite(values)][0]:g} s", "a finite number at any instant")
@@ -184,7 +184,7 @@ def _values(formula: Callable[[NDArray], ArrayLike], t: NDArray, where: str) -> 
 
 
 def splined(t: NDArray, values: NDArray, is_position: bool, noise: float = 0.0) -> Motion:
-    """A velocity, or a place, by a spline of them that leaves noise of that deviation: cubic pieces of the velocity."""
+    """Fit a spline to velocity or position, smoothing noise of that deviation; the velocity has cubic pieces."""
     from scipy.interpolate import PPoly, make_interp_spline, splrep
 
     degree = 3 + is_position

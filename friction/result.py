@@ -182,7 +182,7 @@ class Result(History):
 
     @property
     def ledger(self) -> Ledger:
-        """Where the energy went."""
+        """Energy balance of the run."""
         bench = self.bench
         kinetic = self.kinetic[-1] - 0.5 * bench.mass * bench.v0**2
         bristle = self.bristle[-1] - 0.5 * self.model.law.sigma0 * bench.z0**2

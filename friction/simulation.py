@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
 MOST_BUDGET = 1_000_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 20_000_000, "taylor": 20_000_000}
-OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with errors told; tolerance of single steps where none is given
+OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with error estimates; tolerance of single steps where none is given
 
 
 def simulate(
@@ -166,7 +166,7 @@ def _scipy(
 def _heard(
     model: Model, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
 ) -> Result:
-    """A run at these times, heard by the witness at others too.
+    """Run with samples at `times`, checked by the witness at other instants too.
 
     Room for as many events as there may be costs more than most runs, so that few are expected at first.
     """

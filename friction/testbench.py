@@ -210,7 +210,7 @@ class Testbench(Parameters):
 
     @property
     def drive(self) -> "Drive":
-        """The applied force as the kernels take it."""
+        """Applied force in the form of the kernels."""
         from friction.kernel.law import Drive
 
         pid = self.controller or PID(0.0)

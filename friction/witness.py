@@ -16,7 +16,7 @@ from friction.testbench import Force, Ramp, Sine, Steps, Table, Testbench
 
 WINDOWS, SEED = 32, 5
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(9) / 8)  # of a window; every second one is a node of the rougher rule
-DIGITS = 1e-10  # of the largest magnitude of each column: what exact runs are held to
+DIGITS = 1e-10  # of the largest magnitude of each column: tolerance of exact runs
 TIMES_TOLD = 10.0  # by which estimates may be wrong, at single instants
 PEAK = 5.0  # times v_s, above which nothing is left of the Stribeck peak
 UNCERTAIN = 10.0  # share of the difference of two rules that is not held against a run
@@ -70,7 +70,7 @@ def doubt(
     events : sequence of float
         Instants at which the run says that the motion changes.
     """
-    with np.errstate(all="ignore"):  # what leaves the range of floats is not judged
+    with np.errstate(all="ignore"):  # values outside the range of floats are not judged
         for found in (_of_forces(model, bench, run), _of_motion(model, bench, run, heard, told, events)):
             for names, given, other, off in found:
                 far = np.abs(given - other)

@@ -16,7 +16,7 @@ from passivity.errors import ExpressionError, shown
 
 T = TypeVar("T")
 VERDICT = 1_500_000_000
-ASIDE = 500_000_000  # for what is said beside the verdict
+ASIDE = 500_000_000  # for findings beside the verdict
 MAX_DEGREE = 400
 MAX_BITS = 100_000  # of a number or a coefficient
 MAX_TOTAL = 4_000_000  # bits of all coefficients together

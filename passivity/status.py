@@ -52,7 +52,7 @@ class Decided(Presentation):
         return [self.status.value, f"  because {why}"] if why else [self.status.value]
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it."""
+        """Status and its reason as values for JSON."""
         return {"status": self.status.value, "why": getattr(self, "why", "")}
 
     def plot(self, ax: Any = None) -> Any:

@@ -164,8 +164,7 @@ class Margin(NamedTuple):
     ----------
     low, high : Fraction, float or None
         The value lies between them; equal where it is known exactly, infinite where it is. Of several ports one end is
-        proved, the other computed in floats; of a function that is not rational one end is sampled, the other proved
-        or None.
+        proved, the other computed in floats; if it is not rational one is sampled, the other proved or None.
     frequency : float
         Angular frequency where it is attained, rad/s; ``math.inf`` for the limit.
     largest : bool
@@ -179,12 +178,12 @@ class Margin(NamedTuple):
 
     @property
     def value(self) -> float:
-        """The end that is attained: the number to print."""
+        """Attained end of the enclosure: the number to print."""
         return double(self.low if self.largest else self.high)
 
     @property
     def bound(self) -> float:
-        """The end that is proved not to be passed."""
+        """Proved end of the enclosure, which is never passed."""
         return double(self.high if self.largest else self.low)
 
 
@@ -333,7 +332,7 @@ class Verdict(Decided):
         return in_lines(self, self._margins)
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it as JSON can hold it, with the proof, and whether it was verified."""
+        """Verdict as values for JSON, with the proof, and whether it was verified."""
         from passivity.report import as_dict
 
         return as_dict(self, self._margins)

@@ -97,7 +97,7 @@ def automaton(run: HybridRun, budget: int) -> int:
 
 @function
 def is_finite(c):
-    """Whether all series are."""
+    """Return whether all coefficients of all series are finite."""
     wrong = 0
     for i in range(c.shape[0]):
         for j in range(N + 1):

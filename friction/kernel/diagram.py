@@ -24,7 +24,7 @@ STUCK, SLIDING, PUSHED = 0, 1, 2  # modes, with the sign of the motion; pushed: 
 N = 20  # terms of a series
 CLOCK, LOST, TURN = range(3)  # time since the piece of the inputs began, what its sum lost, turns of the sine
 INVERSE = np.array([1.0 / factorial(k) for k in range(N + 1)])
-SERIES_TAIL = 1e-17  # of a series' largest early term: what its last terms may be
+SERIES_TAIL = 1e-17  # of a series' largest early term: largest last terms
 FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count: 2e-16
 
 
@@ -37,7 +37,7 @@ class Diagram(NamedTuple):
     first: Integers  # (n + 1,) of the terms of each sum
     term: Integers  # signals that are added
     factor: Floats  # by which
-    constant: Floats  # (n,) what is added to a sum
+    constant: Floats  # (n,) constant term of a sum
     law: Floats2  # (contacts, 5)
     contact: Integers  # (contacts,) signals of their friction
     watched: Integers  # signals that steps must follow to rounding
@@ -76,14 +76,14 @@ class HybridRun(NamedTuple):
     t_end: float
     times: Floats  # of samples
     shown: Integers  # signals that are kept
-    place: Integers  # (contacts,) signals told with events
+    place: Integers  # (contacts,) signals recorded with events
     record: Floats2  # (times, 1 + shown + contacts) time, signals, modes
     events: Floats2  # (events, 5) sign of the motion before, after, t, place, number of the contact
     counts: Integers  # (4,)
     state: Floats  # (n,) of signals that are states
     mode: Integers  # (contacts,)
     side: Integers  # (n,) sign of the difference at a switch
-    known: Floats  # (n,) what an event says that a signal is; NaN otherwise
+    known: Floats  # (n,) value of a signal set by an event; NaN otherwise
     clock: Floats  # (3,)
     series: Floats2  # (n, N + 1)
     bell: Floats2  # (2·contacts, N + 1) (v/v_s)², e^(−(v/v_s)²)

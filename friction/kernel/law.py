@@ -78,7 +78,7 @@ def piece(drive, i):
 
 @function
 def push_at(drive, t):
-    """The piece of the applied force that begins at t or goes on there."""
+    """Return the piece of the applied force that holds at t and just after."""
     low, high = 0, drive.start.size
     while low + 1 < high:
         middle = (low + high) // 2

@@ -28,7 +28,7 @@ class Course(NamedTuple):
 
 
 class PrescribedRun(NamedTuple):
-    """A law that is moved, and the workspace of its steps."""
+    """Law under a prescribed motion, and the workspace of its steps."""
 
     law: Law
     course: Course
@@ -48,7 +48,7 @@ class PrescribedRun(NamedTuple):
 def prescribed_run(
     law: Law, course: Course, z0: float, allowed: float, times: Floats, velocity: Floats
 ) -> PrescribedRun:
-    """A run for those samples."""
+    """Make a run with samples at `times`."""
     out, steps, v = np.zeros((times.size, 2)), np.zeros(1, np.int64), np.zeros(STAGES + 2)
     more = np.zeros(STAGES + 1), v, np.zeros_like(v), np.zeros(STAGES), np.zeros((STAGES, STAGES + 1))
     return PrescribedRun(law, course, z0, allowed, times, velocity, out, steps, *more)

@@ -123,7 +123,7 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
 
 
 def _noted(text: str, kind: Kind, assume: list[str], values: Mapping[str, Exact] | None) -> Verdict:
-    """The verdict on a text; assumptions of names that are not in it count for nothing, and it says so."""
+    """Return the verdict on a text; assumptions on names not in the text are ignored, with a note."""
     names = free_names(text)
     about = [min({*assumed([each])[0]}) for each in assume]
     verdict = of_text(text, kind, [each for each, name in zip(assume, about, strict=True) if name in names], values)

@@ -1,4 +1,4 @@
-"""From the load of a line to its input port, each statement proved and each step of the algebra checked.
+"""Derivation from the load of a line to its input port, each statement proved and each step of algebra checked.
 
 u effort, y flow, both from the input (1) to the load (2): a = u + z0 y, b = u - z0 y; A2 = e^(-Ts) A1, B1 = e^(-Ts) B2.
 """
@@ -19,7 +19,7 @@ from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict, Witness
 
-# name of the step, left side, right side, what is put in
+# name of the step, left side, right side, substitution
 _ALGEBRA = (
     ("a and b at the input", "(U1 - z0*Y1)/(U1 + z0*Y1)", "B1/A1", {"A1": "U1 + z0*Y1", "B1": "U1 - z0*Y1"}),
     ("divide by U1", "(1 - z0*Y1/U1)/(1 + z0*Y1/U1)", "(U1 - z0*Y1)/(U1 + z0*Y1)", {}),
@@ -32,7 +32,7 @@ _ALGEBRA = (
 
 @dataclass(frozen=True)
 class Derivation(Decided):
-    """From the load of a line to its input port: the statements, and the algebra of G1 = (1 - H1)/(1 + H1) between.
+    """Derivation from the load of a line to its input port: statements, and the algebra of G1 = (1 - H1)/(1 + H1).
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Derivation(Decided):
 
     @property
     def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """That of the last statement."""
+        """Status of the last statement."""
         return self.statements[-1][1].status
 
     @property
@@ -157,7 +157,7 @@ def is_equation(left: str, right: str) -> bool:
 class Identity(NamedTuple):
     """An equation between the real parts of complex numbers and functions of these."""
 
-    text: str  # what it says, in the quantities of the line
+    text: str  # statement in the quantities of the line
     parts: str  # the right side in real and imaginary parts
     definition: str  # the left side from its definition, i being the imaginary unit
 

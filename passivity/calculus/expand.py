@@ -214,7 +214,7 @@ class Expansion:
         return f
 
     def univariate(self, f: fmpz_poly) -> fmpz_mpoly:
-        """A polynomial in s, as one in s and all else."""
+        """Embed a polynomial in s in the ring of s and all other generators."""
         zeros = (0,) * (len(self.domain.context.gens()) - 1)
         return self.domain.context.from_dict({(k, *zeros): c for k, c in enumerate(f.coeffs()) if c})
 

@@ -22,7 +22,7 @@ _LONGEST_NUMBER = 30  # characters
 
 
 def in_texts(fact: Fact) -> list[str]:
-    """A fact as files have it."""
+    """Write a fact as in files."""
     return [fact[0], *map(written, fact[1:])]
 
 
@@ -76,7 +76,7 @@ def _above(x: Any) -> Any:
 
 
 def is_useful(fact: Fact) -> bool:
-    """Whether it says anything."""
+    """Return whether a fact restricts the values of its function."""
     return fact[0] == "arg" or fact[1] > -math.inf or fact[2] < math.inf
 
 

@@ -166,7 +166,7 @@ class Graph(Nodes):
         return ONE, self.node("mul", tuple(sorted(kept.items()))) if kept else 0
 
     def opposite(self, n: int) -> int | None:
-        """The number of 1 over a node, None if it is not there yet."""
+        """Return the number of the node 1 over a node; None if it is not in the graph yet."""
         powers = {b: -e for b, e in self.powers(n).items()}
         if len(powers) == 1 and 1 in powers.values():
             return next(iter(powers))

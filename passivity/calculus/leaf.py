@@ -43,7 +43,7 @@ def rational_facts(graph: Graph, n: int, sharp: bool = True) -> Iterator[tuple[F
 
 
 def function_of(graph: Graph, n: int) -> RationalFunction:
-    """A node that is rational in s as such a function."""
+    """Convert a node that is rational in s to a RationalFunction."""
     known = {0: RationalFunction.constant(Fraction(1))}
     for k in needed(graph, n):
         kind, parts = graph.nodes[k]
@@ -157,6 +157,6 @@ def _candidates(r: RationalFunction) -> list[Fact]:
 
 
 def _end(margin: Margin | None, upper: bool = False) -> Fraction | None:
-    """The end of a margin's enclosure that is not passed."""
+    """Return the lower or upper end of a margin's enclosure; None if it is infinite or there is no margin."""
     end = math.inf if margin is None else margin.high if upper else margin.low
     return None if end in (math.inf, -math.inf) else Fraction(end)

@@ -79,7 +79,7 @@ def margins_of(verdict: Verdict) -> Margins:
 
 
 def proof_of(graph: Graph, steps: list[Step], last: int, value: Value, claim: Fact, statement: str) -> Proof:
-    """The steps that lead to the last one, and the nodes that they speak of."""
+    """Collect the steps that the last one rests on, and the nodes they are about."""
     used, stack = set(), [last]
     while stack:
         k = stack.pop()

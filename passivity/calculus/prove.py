@@ -46,7 +46,7 @@ class Prover:
     def __init__(self, graph: Graph):
         self.graph, self.steps = graph, []
         self.known: dict[int, list[int]] = {}
-        self.seen: set[int] = set()  # nodes that were looked at
+        self.seen: set[int] = set()  # nodes visited
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
         self.waves: Waves | None = None
@@ -357,7 +357,7 @@ class Prover:
                     self.follow(n, "mean", [k], written(c))
 
     def _equal(self, n: int, k: int, c: str, cut: list[int]) -> list[int]:
-        """A fact of a multiple; where sums have merged with those that are cut off, in full if that is small."""
+        """Carry a fact over to a multiple, nodes in `cut` not expanded; if that fails and is cheap, all expanded."""
         try:
             with budget(_EQUALITY):
                 found = self.follow(n, "equal", [k], [c, cut])

@@ -101,7 +101,7 @@ def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) 
 
 
 class _Reader:
-    """From trees to values."""
+    """Evaluation of trees in a graph."""
 
     def __init__(self, graph: Graph, known: Mapping[str, Value]):
         self.graph, self.known = graph, known

@@ -140,7 +140,7 @@ def _powered(graph: Graph, powers: dict[int, int]) -> Value:
 
 
 def _spread(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
-    """A sum above spread over its terms; one below, over the terms of the inverse."""
+    """Distribute a product over the terms of a sum in the numerator, or its inverse over one in the denominator."""
     for b in sums:
         e = powers[b]
         if e not in (1, -1) or len(powers) == 1:
@@ -195,7 +195,7 @@ def _split(graph: Graph, b: int, t: int) -> tuple[int | None, Value, Value]:
 
 
 def _line(graph: Graph, t: int, c: Value, p: Value, q: Value, r: Value, s: Value) -> Any:
-    """The line that c (P + Q t)/(R + S t) or its negative is; None if it has an open end, or none of its constants."""
+    """Write c (P + Q t)/(R + S t) or its negative as a line; None where constants degenerate, as with R = 0."""
     kind, ((x, through),) = graph.nodes[t]
     if kind == "exp" and x > 0:
         p, q, r, s = q, p, s, r

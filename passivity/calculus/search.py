@@ -233,12 +233,12 @@ class Search:
         return float(least.min()) if len(least) else None
 
     def rounded(self, place: acb) -> Witness | None:
-        """A place as a witness, with few digits if these show it."""
+        """Round a point to a witness with few digits; None if no rounding is a witness."""
         shorter = ([_short(near(part), bits) for part in (place.real, place.imag)] for bits in _LENGTHS)
         return next(filter(None, (self.check(*point) for point in shorter)), None)
 
     def check(self, re: Fraction, im: Fraction) -> Witness | None:
-        """The point as a witness, if it is one."""
+        """Return the point as a witness, if the property fails there."""
         return self.question.fails(re, im, self.names)
 
     def values(self, s: Array, value: Value | None = None) -> Array:

@@ -58,7 +58,7 @@ def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Name
     """Value at a rational point, to 60 certain bits where some thousand bits of precision give them."""
     bits, size = 128, len(needed(graph, value[1]))
     while True:
-        # the precision is global to the process: what counts is the accuracy found, not asked for
+        # the precision is global to the process: the accuracy found counts, not the one asked for
         spend(size * (4_000 + bits * 40), "a value")
         with ctx.workprec(bits):
             found = in_ball(graph, value, of_point(re, im), names)

@@ -44,7 +44,7 @@ from passivity.verifier import RULES, scaled
 from passivity.verifier import Graph as Nodes
 
 _PLACES = ((Fraction(37, 29), Fraction(17, 23)), (Fraction(5, 3), Fraction(0)), (Fraction(1, 7), Fraction(9, 11)))
-_DIGITS = 4096  # binary, of the comparison: a term of 1e-400 is seen, and so is its square
+_DIGITS = 4096  # binary, of the comparison: enough for a term of 1e-400 and its square
 _MAX_POLES = 4  # at infinity, split off one after the other
 _NO_VALUE = "no positive value far out, where delays have died away"
 
@@ -56,7 +56,7 @@ class UnresolvedError(UndecidedError):
 
 
 def prove_in_balls(kind: Kind, graph: Graph, value: Value) -> dict[str, Any]:
-    """A proof that a value has the property strictly, as the data of a step about its node; or UnresolvedError."""
+    """Prove that a value has the property strictly; return the data of a step about its node, or UnresolvedError."""
     with ctx.workprec(BITS):
         x = reflection(kind, graph, value)
         room = least_difference(x.n, x.d)
@@ -115,7 +115,7 @@ def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction, 
 
 
 class _Axis:
-    """Where |n| < |d|."""
+    """Comparison of |n| with |d| on pieces of the axis, and at 0."""
 
     def __init__(self, n: QuasiPolynomial, d: QuasiPolynomial):
         self.each = tuple((f, f.derivative(), f.derivative().derivative()) for f in (n, d))

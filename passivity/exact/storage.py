@@ -41,7 +41,7 @@ def negative_direction(a: fmpq_mat) -> list[fmpq] | None:
         for i in left:
             if factor := rest[i][pivot]:
                 rest[i] = [c - factor * r for c, r in zip(rest[i], row, strict=True)]
-    for pivot, row in reversed(squares):  # what is squared is made zero
+    for pivot, row in reversed(squares):  # the squares are made zero
         x[pivot] = -sum((row[i] * c for i, c in enumerate(x) if i != pivot), fmpq(0))
     return x
 

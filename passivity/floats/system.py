@@ -155,7 +155,7 @@ def floats(given: fmpq_mat) -> NDArray[np.float64]:
 
 
 def power_of_two(x: Any) -> float:
-    """The one nearest to a size, 1 for zero."""
+    """Return the power of two nearest to a size, 1 for zero."""
     return float(2.0 ** np.round(np.log2(x))) if x else 1.0
 
 
@@ -187,7 +187,7 @@ class Samples:
 
     @property
     def lowest(self) -> Place:
-        """The lowest value that is known better than not at all."""
+        """Place with the least upper bound of its value, of those with a finite error."""
         known = [place for place in self.places.values() if np.isfinite(place.error)]
         return min(known, key=lambda place: place.value + place.error)
 

@@ -261,7 +261,7 @@ def routh_column(f: fmpz_poly) -> tuple[arb, ...] | None:
     bits = 64 + 4 * f.degree()
     while True:
         spend(10_000 * len(f) + len(f) ** 2 * bits // 2, f"Routh's scheme of degree {f.degree()}")
-        # the precision is global to the process: what counts is the accuracy found, not asked for
+        # the precision is global to the process: the accuracy found counts, not the one asked for
         with ctx.workprec(bits):
             column, determinant = [], arb(1)
             for pivot in pivots(f):

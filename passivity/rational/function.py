@@ -271,7 +271,7 @@ class RationalFunction:
             raise ExpressionError("s", "no value here", "a finite complex number", f"{s}")
         point, bits = acb(s.real, s.imag), 64
         while True:
-            # the precision is global to the process: what counts is the accuracy found, not asked for
+            # the precision is global to the process: the accuracy found counts, not the one asked for
             with ctx.workprec(bits):
                 p, q = self.p(point), self.q(point)
                 if q == 0 and (p == 0 or p != 0):  # certain: a ball may hold 0 without being 0

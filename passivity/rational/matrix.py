@@ -138,7 +138,7 @@ class RationalMatrix:
 
 
 def table(name: str, rows: Any) -> list[list[Any]]:
-    """The rows of something that can be iterated over twice."""
+    """Return the rows of a nested iterable as lists."""
     expected = "a sequence of rows, each a sequence of entries"
     if isinstance(rows, str) or not isinstance(rows, Iterable):
         raise ExpressionError(name, "not a matrix", expected, shown(rows, repr))

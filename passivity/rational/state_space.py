@@ -105,9 +105,7 @@ class StateSpace:
         rank, free = len(pivots), [k for k in range(n) if k not in pivots]
         left = columns(reduced, range(n, 2 * n))  # with which E is [1 F; 0 0], columns renumbered
         forward, backward = columns(identity(n), pivots), columns(identity(n), free)
-        backward -= (
-            forward * columns(columns(reduced, free).transpose(), range(rank)).transpose()
-        )  # what E does not see
+        backward -= forward * columns(columns(reduced, free).transpose(), range(rank)).transpose()  # the kernel of E
         try:
             first, last = (columns(left.transpose(), part).transpose() for part in (range(rank), range(rank, n)))
             within = (last * given.a * backward).inv() * -1

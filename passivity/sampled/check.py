@@ -74,7 +74,7 @@ class SampleVerdict(Decided):
 
     @property
     def why(self) -> str:
-        """The worst value, and where it is."""
+        """Worst value and its frequency, in words."""
         name = worst_name(self.response.parameter, self.response.ports)
         return f"{name} = {self.worst_value:.6g} at {self.worst_frequency:.6g} Hz, in {len(self.worst)} samples"
 
@@ -103,7 +103,7 @@ class SampleVerdict(Decided):
         return lines + [f"  note: {caveat}" for caveat in self.caveats]
 
     def to_dict(self) -> dict[str, Any]:
-        """All of it but the samples."""
+        """Verdict as plain values, without the samples."""
         r, witness = self.response, self.witness
         told: dict[str, Any] = {
             "parameter": r.parameter.value,
@@ -131,12 +131,12 @@ class SampleVerdict(Decided):
 
     @property
     def worst_frequency(self) -> float:
-        """Where it is, Hz."""
+        """Frequency of the worst value, Hz."""
         return float(self.response.f[self._worst])
 
     @property
     def worst_excess(self) -> float:
-        """How far it is beyond the bound: sigma - 1, or minus the eigenvalue."""
+        """Excess of the worst value over the bound: sigma - 1, or minus the eigenvalue."""
         return float(excess(self.worst, self.response.parameter)[self._worst])
 
     @property

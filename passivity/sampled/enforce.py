@@ -53,7 +53,7 @@ LEAST_SPARE = 2.0**-44  # of the size of the function: rounding
 ROOM = (0.0, 1e-9, 1e-7, 1e-5, 1e-3)  # by which several ports end inside the bound, until a proof is found
 INSIDE = 1e-5  # where a model of many poles begins
 BARELY = 1e-6  # beyond the bound: then all of the model is moved inside
-UNSEEN = 1e-8  # weight of a coefficient itself, for what the samples do not see
+UNSEEN = 1e-8  # weight of a coefficient itself, for those the samples do not determine
 FARTHEST = 1e6  # times the distance to the farthest half space; where there is no solution it is infinite
 
 

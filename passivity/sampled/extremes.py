@@ -20,7 +20,7 @@ from passivity.status import Status
 from passivity.verdict import Verdict
 
 FEW_PORTS, MANY_POLES = 4, 40  # ports and poles up to which the exact test takes seconds
-NEARLY_INFINITE = 1e6  # times the largest frequency: stands for infinity, its inverse for zero
+NEARLY_INFINITE = 1e6  # times the largest frequency: replaces infinity, its inverse zero
 AROUND = np.tan(np.linspace(-1.5, 1.5, 17))  # of the half width of a resonance: frequencies that show it
 EVEN = 100  # frequencies at equal ratios
 MOST_EXTREMES = 40  # extremes that are followed
@@ -48,7 +48,7 @@ def seen(model: PoleResidueModel) -> AxisAnalysis:
 
 
 def places_of(model: PoleResidueModel, w: NDArray) -> list[Place]:
-    """The worst value at each frequency, and others beyond the bound."""
+    """Return the worst value at each frequency, and all others beyond the bound."""
     beyond, left, right = worst_first(model.matrices(w), model.parameter)
     chosen = [(i, j) for i, j in np.ndindex(beyond.shape) if j == 0 or beyond[i, j] > 0]
     return [(float(w[i]), float(beyond[i, j]), left[i, :, j], right[i, :, j]) for i, j in chosen]

@@ -49,7 +49,7 @@ GOOD = 1e-3  # misfit, root mean square, that is good enough
 MEETING = (0, 1, 2, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 50, 60, 80, 100, 130, 160, 200)  # to meet a tolerance
 MANY = 40  # poles from which on more must pay
 WHITE = 0.5  # correlation of the misfits at neighbouring frequencies below which they are noise
-PAYS = 0.8  # of the least error: what an order must reach to pay
+PAYS = 0.8  # of the least error: an order with less pays
 MOST_IN_VAIN = 3  # orders that do not pay, after which no higher is tried
 
 
@@ -93,7 +93,7 @@ def _first_poles(w: NDArray, order: int) -> NDArray:
 
 
 def _grown(poles: NDArray, w: NDArray, misfit: NDArray, more: int) -> NDArray:
-    """With narrow pairs at equal shares of the squared misfit, and a real pole if the number is odd."""
+    """Add `more` poles: narrow pairs at equal shares of the squared misfit, and a real pole if the number is odd."""
     power = misfit**2 + EVENLY * (misfit**2).mean() + np.finfo(float).tiny
     share = np.cumsum(power / power.sum())
     im = np.interp((np.arange(more // 2) + 0.5) / max(more // 2, 1), share, np.maximum(w, LOWEST))
@@ -101,7 +101,7 @@ def _grown(poles: NDArray, w: NDArray, misfit: NDArray, more: int) -> NDArray:
 
 
 def _settled(w: NDArray, h: NDArray, poles: NDArray, grows: bool) -> NDArray:
-    """The best of some rounds."""
+    """Return the best poles of some rounds."""
     least, best = np.inf, poles
     for _ in range(MORE_ROUNDS):
         poles = _relocated(w, h, poles, grows)
@@ -117,7 +117,7 @@ def _relocated(w: NDArray, h: NDArray, poles: NDArray, grows: bool) -> NDArray:
     above, below = phi[:, : order + 1 + grows], phi[:, : order + 1]
     own, weight = above.shape[1], float(np.linalg.norm(h)) / len(h)
     *others, last = (np.hstack([above, -values[:, None] * below]) for values in h.T)
-    rows = [np.linalg.qr(_real(each), mode="r")[own:] for each in others]  # without what is their own
+    rows = [np.linalg.qr(_real(each), mode="r")[own:] for each in others]  # own unknowns eliminated
     held = np.concatenate([np.zeros(own), below.real.sum(0)]) * weight
     target = np.append(np.zeros(len(h), complex), weight * len(h))
     target = np.append(target, np.zeros(sum(map(len, rows))))

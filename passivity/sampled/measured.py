@@ -44,7 +44,7 @@ FINE = 1e-9  # radians at the highest frequency, to which a delay is narrowed
 MOST_STEPS = 12  # on the way
 FARTHEST_STEP = 0.5  # radians at the highest frequency
 SEEN = 1e-6  # of what the best seen delays change; of others nothing is known
-Tried: TypeAlias = Callable[[int, float], object]  # told order and misfit of each model on the way
+Tried: TypeAlias = Callable[[int, float], object]  # called with order and misfit of each model tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ class DelayedModel:
         return float(np.abs(self.original.matrices(2 * np.pi * self.samples.f) - self.samples.values).max())
 
     def meets(self, tolerance: float) -> bool:
-        """Whether it is that near to the samples, or was until it was made passive, as these are not."""
+        """Return whether the model is that near to the samples, or was until made passive, as these are not."""
         if self.error <= tolerance or self.misfit > tolerance:
             return self.error <= tolerance
         try:
@@ -120,7 +120,7 @@ class DelayedModel:
 
     @property
     def cost(self) -> float:
-        """How far being passive moved an entry at a sample, at most."""
+        """Largest change of an entry at a sample by making the model passive."""
         w = 2 * np.pi * self.samples.f
         return float(np.abs(self.model.at(w) - self.original.at(w)).max())
 

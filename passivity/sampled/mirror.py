@@ -19,7 +19,7 @@ from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import SampledResponse
 
 MOST_PORTS = 8  # whose exchanges are all tried
-ALIKE = 1e-2  # of the tolerance: how far S may be from what its exchange makes of it
+ALIKE = 1e-2  # of the tolerance: largest change of S by an exchange of its ports
 GRID = 2.0**46  # constants are multiples of its inverse, so that their sums and halves are exact
 
 

@@ -49,7 +49,7 @@ def draw_samples(verdict: SampleVerdict, ax: Axes | None = None, enforced: Enfor
     axes.set(xlabel="frequency f", ylabel=name + _UNITS[response.parameter], ylim=(bottom, top))
     axes.xaxis.set_major_formatter(EngFormatter("Hz"))
     usual = float(np.median(np.abs(verdict.worst)))
-    if not scattering and top > 20 * usual > 0:  # a resonance would hide what lies near the bound
+    if not scattering and top > 20 * usual > 0:  # a resonance would hide values near the bound
         axes.set_yscale("symlog", linthresh=usual)
     axes.grid()
     axes.legend(loc="best", fontsize=8)
@@ -72,7 +72,7 @@ def draw_model(model: PoleResidueModel, ax: Axes | None = None) -> Any:
 
 
 def _ends(band: Band) -> tuple[float, float]:
-    """From halfway to the sample before to halfway to the one after."""
+    """Return the ends of a band, halfway to the sample before and halfway to the one after."""
     before = band.first if band.before is None else (band.first + band.before) / 2
     after = band.last if band.after is None else (band.last + band.after) / 2
     return before, after

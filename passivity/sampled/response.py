@@ -39,7 +39,7 @@ class Rounding:
     across: NDArray
     left: NDArray[np.complex128] | None = None  # L and R, where matrices change by L E R with what is printed
     right: NDArray[np.complex128] | None = None
-    second: NDArray | float = 0.0  # what is then left to be added, shape (n,)
+    second: NDArray | float = 0.0  # bound of the remainder, shape (n,)
 
     def transposed(self) -> Self:
         """Rounding of the transposed matrices."""

@@ -31,7 +31,7 @@ class Claim:
     written: str = ""  # how to write it, if not as the factors tell
 
     def holds(self, values: Mapping[str, Fraction]) -> bool:
-        """Whether it is true of these parameters."""
+        """Return whether the claim holds at these parameters."""
         product = prod((value(f, values) ** power for f, power in self.factors), start=Fraction(1))
         return _RELATIONS[self.relation](product, 0)
 
@@ -72,7 +72,7 @@ class Joined:
     parts: "tuple[Formula, ...]"
 
     def holds(self, values: Mapping[str, Fraction]) -> bool:
-        """Whether it is true of these parameters."""
+        """Return whether the formula holds at these parameters."""
         return (all if self.word == "and" else any)(part.holds(values) for part in self.parts)
 
     def __str__(self) -> str:
@@ -203,7 +203,7 @@ class Condition:
     function: Pair
 
     def holds(self, values: Mapping[str, Exact]) -> bool:
-        """Whether it is true of a value for each parameter, decided exactly.
+        """Return whether the condition holds at a value for each parameter, decided exactly.
 
         Raises
         ------
