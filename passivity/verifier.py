@@ -252,6 +252,7 @@ class Graph:
     def rule_leaf(self, n, known, data):
         """Facts of 1, s and names, as assumed."""
         kind, parts = self.nodes[n]
+        need(not known, "a leaf has no premises")
         return [self.names[parts[0]]] if kind == "name" else {"one": [("real", ONE, ONE)], "s": [RIGHT]}.get(kind, [])
 
     def rule_combination(self, n, known, data):
