@@ -1,6 +1,6 @@
 """Operations in a network, with instants: words such as "VALVE-179@1s+5s" or "J73:20 L/s@2s", "*" for several."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,6 +14,9 @@ from tline.scene.scene import Scene
 from tline.scene.valve import Orifice
 from tline.scene.waveform import read_table
 from tline.solver.description.excitation import just_before
+from tline.words.wording import nearest, shown
+
+Texts = str | Iterable[str]
 
 OPERATIONS = {
     "trip": "PUMP@TIME",
@@ -26,6 +29,7 @@ OPERATIONS = {
     "demand": "NODE:+FLOW@TIME+DURATION",
 }
 FLOWING, TURNED = {"burst", "demand"}, {"close", "open"}
+MOST_PROBED = 5  # nodes, where none are wanted
 FASTEST = 2.0  # speed of a pump over the rated one
 
 
@@ -198,3 +202,30 @@ def _candidates(scene: Scene, kind: str, tripped: Collection[str]) -> list[str]:
     pumps = {name: link for name, link in scene.links.items() if isinstance(link, Pump)}
     runs = {name for name, pump in pumps.items() if just_before(pump.speed) > 0}
     return [name for name in pumps if (name not in runs or name in tripped if kind == "start" else name in runs)]
+
+
+def as_texts(where: str, given: Texts) -> tuple[str, ...]:
+    """Return the given texts as a tuple."""
+    texts = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else (given,)
+    for text in texts:
+        if not isinstance(text, str):
+            raise InputError(where, "unknown value", "a text, or a list of texts", shown(text))
+    return texts
+
+
+def probed_nodes(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
+    """Nodes to probe: those wanted, or those at which something is operated."""
+    nodes = {node for line in scene.lines.values() for node in line.nodes}
+    found: list[str] = []
+    for event in events:
+        if event.kind in FLOWING:  # at a node, which may have the name of a pipe
+            found.append(event.name)
+            continue
+        link, load, pipe = scene.links.get(event.name), scene.loads.get(event.name), scene.lines.get(event.name)
+        here = link.nodes if link else [load.at] if load else [event.name]
+        found += [gate_of(event.name), pipe.nodes[1]] if pipe else here
+        nodes |= {gate_of(event.name)} if pipe else set()
+    for node in wanted:
+        if node not in nodes:
+            raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
+    return wanted or [node for node in dict.fromkeys(found) if node in nodes][:MOST_PROBED]

@@ -1,7 +1,7 @@
 """Operate a network by words, run it, and find the worst of it."""
 
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count
@@ -9,9 +9,8 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tline.errors import InputError, import_extra
+from tline.errors import import_extra
 from tline.interchange.water_controls import WaterControl
-from tline.interchange.water_valves import gate_of
 from tline.presentation import Presentation
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
@@ -22,13 +21,12 @@ from tline.solver.tolerance.ladder import Budget
 from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated, surely
 from tline.surge.control import acting, read_control, triggered
-from tline.surge.event import FLOWING, OPERATIONS, Event, each_of, read_event, to_open
+from tline.surge.event import OPERATIONS, Event, Texts, as_texts, each_of, probed_nodes, read_event, to_open
 from tline.surge.operate import Network, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import as_dataset, save_tables
 from tline.surge.unsteady import with_unsteady
 from tline.surge.worst import ALONE, Extreme, Worst, extremes, is_decided, worst
-from tline.words.wording import nearest, shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,8 +39,6 @@ SECONDS = 20.0  # computing time for all runs
 KEPT, WAITING_SHARE = 0.5, 0.2  # of the time left: for further runs where some follow, and for one that finds instants
 LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
 MOST_RECORDED = 300  # lines of a network all of which are recorded
-
-Texts = str | Iterable[str]
 
 
 Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on guesses for it
@@ -346,7 +342,7 @@ def plan(
 
     def build(done: Iterable[Event]) -> Planned:
         done = list(done)
-        probes = {node: {"at": node} for node in _probed(scene, done, wanted)}
+        probes = {node: {"at": node} for node in probed_nodes(scene, done, wanted)}
         changed, notes = operated(scene, done, **rotor, more=more | ({"probes": probes} if probes else {}))
         return changed, tuple(notes)
 
@@ -400,30 +396,3 @@ def carried_out(
     told = f"an extreme lay at the end of a run of {now:g} s: it was made again, up to {longer:g} s"
     again = {"cavities": cavities, "until_settled": True, "progress": progress}
     return carried_out(scene.with_changes(t_end=longer), (*guesses, told), record, budget, **again)
-
-
-def as_texts(where: str, given: Texts) -> tuple[str, ...]:
-    """Return the given texts as a tuple."""
-    texts = (given,) if isinstance(given, str) else tuple(given) if isinstance(given, Iterable) else (given,)
-    for text in texts:
-        if not isinstance(text, str):
-            raise InputError(where, "unknown value", "a text, or a list of texts", shown(text))
-    return texts
-
-
-def _probed(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
-    """Nodes to probe: those wanted, or those at which something is operated."""
-    nodes = {node for line in scene.lines.values() for node in line.nodes}
-    found: list[str] = []
-    for event in events:
-        if event.kind in FLOWING:  # at a node, which may have the name of a pipe
-            found.append(event.name)
-            continue
-        link, load, pipe = scene.links.get(event.name), scene.loads.get(event.name), scene.lines.get(event.name)
-        here = link.nodes if link else [load.at] if load else [event.name]
-        found += [gate_of(event.name), pipe.nodes[1]] if pipe else here
-        nodes |= {gate_of(event.name)} if pipe else set()
-    for node in wanted:
-        if node not in nodes:
-            raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
-    return wanted or [node for node in dict.fromkeys(found) if node in nodes][:SHOWN]

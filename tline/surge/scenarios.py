@@ -21,9 +21,9 @@ from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
 from tline.scene.text_file import read_toml
 from tline.scene.valve import Orifice
-from tline.surge.event import FLOWING, OPERATIONS, TURNED, matching, read_event, to_open
+from tline.surge.event import FLOWING, OPERATIONS, TURNED, as_texts, matching, read_event, to_open
 from tline.surge.operate import Network, read_network
-from tline.surge.operation import Operation, as_texts, operate
+from tline.surge.operation import Operation, operate
 from tline.words.wording import nearest, shown
 
 READING = "wave_speed", "material", "hour", "moving_tanks"  # arguments of `read_network`
