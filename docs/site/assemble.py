@@ -50,7 +50,7 @@ def letter_page(answer: Answer) -> str:
 
 
 def public_names() -> dict[str, list[str]]:
-    """What each package offers, once; packages within it left out."""
+    """Public names of each package, once, without packages within it."""
     found, seen = {}, set[int]()
     for package in PACKAGES:
         module = importlib.import_module(package)

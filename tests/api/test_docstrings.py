@@ -1,9 +1,11 @@
 """Every public name says what it takes, in which units, what it refuses, and shows itself in an example that runs."""
 
+import ast
 import enum
 import importlib
 import inspect
 import re
+from pathlib import Path
 
 import pytest
 
@@ -16,6 +18,8 @@ UNIT = re.compile(
     r"|\bSI\b|unit|relative|share|ratio|factor|probability|dimensionless|number of|tolerance|as of `",
     re.IGNORECASE,
 )
+WITHOUT_SUBJECT = re.compile(r"(The same|It|They|Its|Their|Of|What|Whatever|Those|That)\b|.*\b(so many|so much)\b")
+ROOT = Path(__file__).parents[2]
 REFUSES = re.compile(r"raise \w*Error\(|check_number\(|known_names\(|\bpositive\(|\bexact\(|\bfinite\(")
 
 
@@ -64,3 +68,12 @@ def test_a_public_name_is_documented_whole(found):
     assert not made or ">>>" in text
     if inspect.isfunction(found) and REFUSES.search(inspect.getsource(found)):
         assert "Raises" in told
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_docstrings_name_their_subject(package):
+    """First lines are read alone, in lists of what a module has: none begins with a word that stands for another."""
+    kinds = ast.Module | ast.ClassDef | ast.FunctionDef
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in (ROOT / package).rglob("*.py"))
+    told = [ast.get_docstring(node) or "" for tree in trees for node in ast.walk(tree) if isinstance(node, kinds)]
+    assert [line for text in told if WITHOUT_SUBJECT.match(line := text.partition("\n")[0])] == []

@@ -102,7 +102,7 @@ def _content(part: Any) -> tuple[Any, ...]:
 
 
 class Shape(NamedTuple):
-    """What of a law is beyond loss and storage: size·law(s/rate), of a law that many share."""
+    """Part of a law beyond loss and storage as size·law(s/rate), with a law that many share."""
 
     law: "Law"
     rate: float  # 1/s

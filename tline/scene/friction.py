@@ -71,7 +71,7 @@ class Zielke(Friction):
 
 
 class Unsteady(Element):
-    """What friction adds while the flow changes, beside a law of steady flow."""
+    """Unsteady friction of a pipe, in addition to a law of steady flow."""
 
     kind: Literal["vardy-brown", "zielke"] = Field(description="'vardy-brown' in turbulent flow, 'zielke' in laminar")
     viscosity: Viscosity = Field(description="dynamic viscosity")
@@ -87,7 +87,7 @@ class Unsteady(Element):
         return self
 
     def law(self, density: float, area: float) -> Law:
-        """Its impedance per metre, nothing in steady flow."""
+        """Impedance per metre; it vanishes in steady flow."""
         radius = (area / pi) ** 0.5
         if self.kind == "zielke" or self.reynolds is None:
             return ChangingLaminarFriction(density, self.viscosity, radius)

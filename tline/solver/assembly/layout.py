@@ -136,7 +136,7 @@ class Layout:
 
     @property
     def lines(self) -> dict[str, Line]:
-        """Those that are not lumped."""
+        """Lines that are not lumped."""
         return self.grid.lines
 
     @cached_property

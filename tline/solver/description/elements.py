@@ -55,7 +55,7 @@ class PlacedLaw(NamedTuple):
 
     @property
     def nodes(self) -> list[str]:
-        """Those that it is at."""
+        """Nodes of the element."""
         return [node for node in (self.from_node, self.to_node) if node is not None]
 
     def seen(self, nodes: Mapping[str, Node]) -> float:

@@ -110,7 +110,7 @@ def conductors(modes: Modes) -> Ports:
 
 
 def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranch]:
-    """Those of a scene; `nodes` are its own."""
+    """Yield the branches of a scene; `nodes` are those of the scene."""
     for name, link in scene.links.items():
         where = place("links", name)
         match link:

@@ -210,7 +210,7 @@ def _far_shorter(description: Description, kept: set[str]) -> list[str]:
 
 
 def _restless(description: Description, short: list[str]) -> tuple[set[str], float]:
-    """Those of them that lie in a group which settles too slowly, or is too large; and how slowly the others settle."""
+    """Short lines in groups that settle too slowly or are too large, and the settling time of the others, s."""
     sections = dict.fromkeys(short, 1)
     try:
         groups, _ = description.grouped(sections)

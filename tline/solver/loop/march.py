@@ -125,12 +125,12 @@ class Noted(NamedTuple):
     values: NDArray  # (pieces, 2, s) what arrived, and what left
 
     def of_rows(self, most: int) -> "Noted":
-        """Those of the first rows of the record."""
+        """Select the pieces of the first rows of the record."""
         return Noted(*(part[self.row < most] for part in self))
 
 
 def concatenated(noted: list[Noted], s: int) -> Noted:
-    """One after the other."""
+    """Concatenate recorded pieces."""
     nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
     if not noted:
         return nothing
