@@ -21,6 +21,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from threadpoolctl import threadpool_limits
 
 from passivity.errors import ExpressionError
 from passivity.floats.axis import AxisAnalysis
@@ -195,6 +196,14 @@ def fit_scattering(
     if not nearest:
         what = "one-port" if response.ports == 1 else "network"
         check_samples(response).refuse_beyond(tolerance * response.ports, what)
+    with threadpool_limits(1, "blas"):  # threads wait for each other longer than such matrices take
+        return _searched(response, tolerance, nearest, delays, progress)
+
+
+def _searched(
+    response: SampledResponse, tolerance: float, nearest: bool, delays: ArrayLike | None, progress: Tried | None
+) -> DelayedModel:
+    """Search orders upwards, and refuse samples that none meets."""
     reached, tried = Reached(), []
     halves = mirrored(response, tolerance) if not np.any(delays) else None
     for found in _candidates(response, delays):
