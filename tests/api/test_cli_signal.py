@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -199,6 +200,14 @@ def test_a_measured_channel_and_its_report(folder: Path) -> None:
     assert (folder / "c.png").stat().st_size > 10_000
     assert run("channel scenes/filter.s2p --report r.pdf").exit_code == 0
     assert (folder / "r.pdf").read_bytes().count(b"/Subtype /Image") == 3  # no eye
+
+
+def test_a_report_as_pdf_needs_its_extra(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "fpdf", None)
+    done = run("channel scenes/filter.s2p --report new.pdf")
+    assert done.exit_code == 2
+    assert "\nnew.pdf: fpdf2 is missing" in "\n" + done.stderr
+    assert not (folder / "new.pdf").exists()
 
 
 def test_mistakes_of_channels(folder: Path) -> None:

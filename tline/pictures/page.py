@@ -26,13 +26,13 @@ def page(title: str, parts: Iterable[str]) -> str:
 
 def save_page(text: str, path: str | Path) -> None:
     """Write a page, ``.html``, or ``.pdf`` on sheets of A4."""
-    with replacing(path) as temporary:
-        if temporary.suffix.lower() == ".pdf":
-            from tline.pictures.printed import print_page
+    content = text.encode()
+    if Path(path).suffix.lower() == ".pdf":
+        from tline.pictures.printed import print_page
 
-            print_page(text, temporary)
-        else:
-            temporary.write_text(text, encoding="utf-8")
+        content = print_page(text, str(path))
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], marks: Sequence[str] = ()) -> str:

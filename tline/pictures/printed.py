@@ -16,15 +16,15 @@ FAILED = "#fbe9e0"  # rows of scenarios that fail
 FONTS = {"": "DejaVuSans", "b": "DejaVuSans-Bold"}  # those of Matplotlib: they have Greek letters and signs
 
 
-def print_page(text: str, path: Path) -> None:
-    """Write a page of HTML, made by `tline.pictures.page`, as PDF.
+def print_page(text: str, where: str) -> bytes:
+    """Set a page of HTML, made by `tline.pictures.page`, as PDF; errors name `where`.
 
     Raises
     ------
     MissingExtraError
         fpdf2 is not installed.
     """
-    fpdf = import_extra("fpdf", "fpdf2", "pdf", str(path))
+    fpdf = import_extra("fpdf", "fpdf2", "pdf", where)
     paper = fpdf.FPDF(format="A4")
     paper.set_creation_date(datetime.fromtimestamp(0, UTC))
     paper.set_margin(MARGIN)
@@ -38,7 +38,7 @@ def print_page(text: str, path: Path) -> None:
         for tag, size in SIZES.items()
     }
     paper.write_html(_plain(text), font_family="report", tag_styles=styles, li_prefix_color=INK)
-    paper.output(str(path))
+    return bytes(paper.output())
 
 
 def _plain(text: str) -> str:
