@@ -23,6 +23,20 @@ except ImportError:  # Windows: a killed run's files remain there
 ENDS = ("SIGTERM", "SIGHUP")  # signals that end a program without an exception, where the system has them
 
 
+def suffix_of(path: str | Path, known: Sequence[str]) -> str:
+    """Return the suffix of a file, in lower case, if it is among those known.
+
+    Examples
+    --------
+    >>> suffix_of("out/Run.CSV", (".csv", ".npz"))
+    '.csv'
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in known:
+        raise InputError(str(path), "unknown kind of file", " or ".join(known), f"'{suffix}'")
+    return suffix
+
+
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path next to `path` that takes its place when the block ends well, and is removed otherwise.

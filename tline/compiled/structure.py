@@ -16,12 +16,8 @@ Floats2 = Annotated[NDArray[np.float64], np.float64, 2]
 Floats3 = Annotated[NDArray[np.float64], np.float64, 3]
 Floats4 = Annotated[NDArray[np.float64], np.float64, 4]
 Floats5 = Annotated[NDArray[np.float64], np.float64, 5]
-Complexes = Annotated[NDArray[np.complex128], np.complex128, 1]
-Complexes2 = Annotated[NDArray[np.complex128], np.complex128, 2]
-Complexes3 = Annotated[NDArray[np.complex128], np.complex128, 3]
 Integers = Annotated[NDArray[np.int64], np.int64, 1]
 Integers2 = Annotated[NDArray[np.int64], np.int64, 2]
-Integers3 = Annotated[NDArray[np.int64], np.int64, 3]
 Flags = Annotated[NDArray[np.bool_], np.bool_, 1]
 
 

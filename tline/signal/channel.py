@@ -231,8 +231,9 @@ class Channel(Presentation):
         """
         from importlib import import_module
 
-        if (suffix := Path(path).suffix.lower()) not in REPORTS:
-            raise InputError(str(path), "unknown kind of file", " or ".join(REPORTS), f"'{suffix}'")
+        from tline.atomic import suffix_of
+
+        suffix_of(path, REPORTS)
         profile = self.reflections(0.5 / self.measured.f[-1] if rise is None else rise)
         text = import_module("tline.pictures.channel").report(self, profile, seen, inputs or {})
         import_module("tline.pictures.page").save_page(text, path)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.atomic import replacing, write_table
+from tline.atomic import replacing, suffix_of, write_table
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.file import scene_text
@@ -154,10 +154,7 @@ class SurgeStudy(Presentation):
         InputError
             Another suffix, or the file cannot be written.
         """
-        suffix = Path(path).suffix.lower()
-        if suffix not in WRITTEN:
-            raise InputError(str(path), "unknown kind of file", " or ".join(WRITTEN), f"'{suffix}'")
-        if suffix == ".csv":
+        if suffix_of(path, WRITTEN) == ".csv":
             write_table(path, *self.table())
             return
         from tline.pictures.page import save_page

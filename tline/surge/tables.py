@@ -10,8 +10,8 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
-from tline.atomic import replacing, write_table
-from tline.errors import InputError, import_extra
+from tline.atomic import replacing, suffix_of, write_table
+from tline.errors import import_extra
 from tline.scene.line import Pipe
 from tline.solver.result.interior import inside
 from tline.solver.result.result import Result
@@ -95,9 +95,7 @@ def tables(result: Result) -> list[Table]:
 def save_tables(result: Result, path: str | Path) -> None:
     """Write tables as NAME-nodes.csv, NAME-pipes.csv and NAME-states.csv, as sheets (.xlsx), or as a map (.geojson)."""
     path, found = Path(path), tables(result)
-    suffix = path.suffix.lower()
-    if suffix not in WRITTEN:
-        raise InputError(str(path), "unknown kind of file", " or ".join(WRITTEN), f"'{suffix}'")
+    suffix = suffix_of(path, WRITTEN)
     if suffix == ".csv":
         for table in found:
             write_table(path.with_name(f"{path.stem}-{table.name}.csv"), table.head, table.rows)

@@ -104,12 +104,10 @@ class Export:
         InputError
             Another suffix, or the file cannot be written; MissingExtraError where xarray or its backend is missing.
         """
-        from tline.atomic import replacing
+        from tline.atomic import replacing, suffix_of
         from tline.solver.result.save import save_csv, save_npz
 
-        suffix = Path(path).suffix.lower()
-        if suffix not in SUFFIXES:
-            raise InputError(str(path), "unknown kind of file", " or ".join(SUFFIXES), f"'{suffix}'")
+        suffix = suffix_of(path, SUFFIXES)
         if suffix in (".csv", ".npz"):
             (save_csv if suffix == ".csv" else save_npz)(cast("Result", self), path, t)
         elif suffix == ".zarr":
