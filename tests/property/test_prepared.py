@@ -140,6 +140,30 @@ def test_values_of_an_earlier_run_do_not_stay(prepared):
     assert same(again, first)
 
 
+@pytest.mark.parametrize(
+    ("name", "path", "values"),
+    [
+        ("diode_clamp", "lines.cable.z0", (48.0, 51.0, 49.0, 60.0)),
+        ("valve_closure", "lines.pipe.density", (980.0, 990.0, 970.0, 900.0)),
+        ("valve_closure", "lines.pipe.diameter", (0.29, 0.31, 0.3, 0.35)),
+        ("valve_closure", "t_end", (5.0, 5.1, 5.2, 7.3)),
+    ],
+)
+def test_values_of_lines_and_times_are_those_of_the_last_run(name, path, values):
+    """On a plan, too: the impedance of a line is not an element's, and weighs at both of its nodes."""
+    scene = read_scene(SCENES / f"{name}.toml")
+    ready = prepare(scene)
+    for value in values:
+        seen = ready.run({path: value}, tol=1e-6)
+    truth = simulate(changed(scene, {path: values[-1]}), tol=1e-9)
+    assert seen.slabs.end == truth.slabs.end
+    t = np.linspace(0.0, truth.slabs.end, 200)
+    for probe, expected in truth.probes.items():
+        for letter in "uy":
+            ours, theirs = (getattr(each.at(t), letter) for each in (seen.probes[probe], expected))
+            np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-6 * np.abs(theirs).max())
+
+
 def test_texts_have_units_and_numbers_are_in_si(prepared):
     one, other = (prepared.run({"loads.receiver.capacitance": value}, tol=1e-6) for value in ("5 pF", 5e-12))
     assert same(one, other)

@@ -59,6 +59,7 @@ class OneOrder:
         self.initial = self.assembly.state.load.copy()
         samples = len(self.assembly.network.ends) * self.slabs.number * order
         self.attempt = Attempt(order, self.slabs.width, None, samples, 0.0)
+        self._lines = description.lines
 
     @property
     def smooth(self) -> bool:
@@ -67,10 +68,14 @@ class OneOrder:
         return not (assembly.follows_edges or assembly.events or any(len(places) for places in self.signals.places))
 
     def take(self, description: Description) -> bool:
-        """Put another scene in place; whether that could be done."""
+        """Put another scene in place, whose lines delay alike between the same nodes; whether that could be done."""
         assembly, n = self.assembly, self.slabs.number
-        chosen = assembly.resolution
-        if not rewritten(assembly, description, chosen, layout_of(description, chosen, assembly.grid)):
+        chosen, grid = assembly.resolution, assembly.grid
+        if description.lines is not self._lines:
+            self._lines = description.lines
+            z0 = np.array([line.z0 for line in self._lines.values()])
+            grid = replace(grid, lines={name: self._lines[name] for name in grid.lines}, z0=z0)
+        if not rewritten(assembly, description, chosen, layout_of(description, chosen, grid)):
             return False
         self.signals = Signals(assembly, n, self.signals)
         self.excitation = self.signals.sampled(0, n)

@@ -102,11 +102,11 @@ class Prepared:
         return result
 
     def _planned(self, description: Description, tol: float) -> Result | None:
-        """Result by a plan or a pair, for the same delays; None without one, or if it is not for these values.
+        """Result by a plan or a pair, for the same lines and times; None without one, or if it is not for these values.
 
         A plan is made once a search has begun where another had ended.
         """
-        if not (tol in self._repeated or self._fixed) or not description.delays_as(self.description):
+        if not (tol in self._repeated or self._fixed) or not description.fits(self.description):
             return None
         with self._lock:
             if tol not in self._plans:

@@ -76,11 +76,15 @@ class Description:
             laws |= {(part, keys[0]): new.law()} if law else {}
         return None if self._composed else (at, laws)
 
-    def delays_as(self, other: "Description") -> bool:
-        """Whether all lines delay as those of another."""
-        if self.lines is other.lines:
+    def fits(self, other: "Description") -> bool:
+        """Whether it differs from another by its elements, and the impedances of its lines, alone."""
+        if self.origin is not None and self.origin.description is other:
             return True
-        return [line.delay for line in self.lines.values()] == [line.delay for line in other.lines.values()]
+        ours, theirs = (
+            (each.t_end, each.steady, each.heights, each.scene.probes, each.scene.solver) for each in (self, other)
+        )
+        lines = ({name: (line.nodes, line.delay) for name, line in each.lines.items()} for each in (self, other))
+        return ours == theirs and next(lines) == next(lines)
 
     @cached_property
     def _composed(self) -> bool:
