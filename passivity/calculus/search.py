@@ -30,7 +30,7 @@ _LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 10  # of loads, of places where they are
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
 _BITS, _LENGTHS = (160, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
-_DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
+_DISTANCES = (4, 8, 16, 32, 64, 128, 256, 512, 1024)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 
 
@@ -108,12 +108,25 @@ class Search:
         """A witness where Re Z < 0, |H| > 1, or where the value at a real s is not real; None if none was found."""
         import numpy as np
 
+        roots = []
         with np.errstate(all="ignore"):
             for suspect in islice(self._suspects(), _POLISHED):
                 for root in self._zeros(suspect, self._spread())[:_ROOTS]:
-                    if found := self.around(acb(root.real, root.imag), _DISTANCES[:4]):
+                    place = acb(root.real, root.imag)
+                    if found := self.around(place, _DISTANCES[:4]):
                         return found
-            return next(filter(None, (self.check(*place) for place in self._candidates())), None)
+                    roots.append((suspect, place))
+            if found := next(filter(None, (self.check(*place) for place in self._candidates())), None):
+                return found
+        closer = (self.around(self._located(*each), _DISTANCES[4:]) for each in roots)
+        return next(filter(None, closer), None)
+
+    def _located(self, value: Value, root: acb) -> acb:
+        """A zero of a part in as many digits as witnesses nearest to it need."""
+        with ctx.workprec(2 * _DISTANCES[-1]):
+            for place in _approaching(lambda s: in_balls(self.question.graph, [value], s, self.names)[0], root):
+                root = place
+        return root
 
     def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
         """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some, or for the last.
@@ -210,7 +223,7 @@ class Search:
         """A witness near a frequency on the axis."""
         return next(filter(None, (self.check(*place) for place in _beside(w))), None)
 
-    def around(self, root: acb, distances: Iterable[int] = _DISTANCES) -> Witness | None:
+    def around(self, root: acb, distances: Iterable[int]) -> Witness | None:
         """A witness ever nearer to a pole or a zero in Re s >= 0."""
         size = max(abs(near(root.real)), abs(near(root.imag))) or Fraction(1)
         unit = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length())
