@@ -13,7 +13,7 @@ from passivity.budget import VERDICT, UndecidedError, budget, granted, if_afford
 from passivity.calculus.fact import CLAIMS, POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.leaf import Waves, function_of
+from passivity.calculus.leaf import function_of, in_waves
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.question import Question
@@ -246,14 +246,13 @@ def _refuted(made: partial, found: Witness | None) -> list[Verdict]:
 
 def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> list[Verdict]:
     """Refuted exactly, as a function of t = tanh(unit s/2), if it is rational in that."""
-    waves = Waves(question.graph)
-    r = waves.function(question.value[1])
-    point = check(r * question.value[0], kind).witness if r else None
-    if point is None:
+    found = in_waves(question.graph, question.value[1])
+    point = check(found[1] * question.value[0], kind).witness if found else None
+    if found is None or point is None:
         return []
     with ctx.workprec(_BITS):
         t = of_point(point.re, point.im)
-        return _refuted(made, search.rounded(((1 + t) / (1 - t)).log() / of_fraction(waves.unit)))
+        return _refuted(made, search.rounded(((1 + t) / (1 - t)).log() / of_fraction(found[0])))
 
 
 def _in_balls(

@@ -72,13 +72,13 @@ class Expansion:
     """
 
     def __init__(self, graph: Graph, root: int, ranges: Iterable[Range] = ()):
-        self.graph, self.work = graph, 0
+        self.graph, self.work, ranges = graph, 0, tuple(ranges)
         self.units: dict[int, Fraction] = {}  # of exp(-unit w), by w
         self.atoms: list[int] = []
-        self._collect(root)
+        self._collect(root, {r.name for r in ranges})
         if _depth(graph, root) > _MAX_DEPTH:
             raise ExpansionError(f"functions of over {_MAX_DEPTH} parts within parts are not expanded")
-        self.domain = Domain(tuple(ranges), max(len(self.units) + len(self.atoms), 1))
+        self.domain = Domain(ranges, max(len(self.units) + len(self.atoms), 1))
         if len(self.domain.ranges) > MAX_PARAMETERS:
             raise ExpansionError(f"functions of over {MAX_PARAMETERS} parameters are not expanded")
         self.s, *gens = self.domain.context.gens()
@@ -90,7 +90,7 @@ class Expansion:
         for r, x in zip(self.domain.ranges, gens, strict=True):
             self.known[graph.name(r.name)[1]] = Pair(x, self.one)
 
-    def _collect(self, root: int) -> None:
+    def _collect(self, root: int, parameters: set[str]) -> None:
         graph, stack, seen = self.graph, [root], set()
         while stack:
             n = stack.pop()
@@ -98,7 +98,7 @@ class Expansion:
                 continue
             seen.add(n)
             kind, parts = graph.nodes[n]
-            if kind in ("sqrt", "log") or (kind == "name" and graph.names[parts[0]][0] != "real"):
+            if kind in ("sqrt", "log") or (kind == "name" and parts[0] not in parameters):
                 self.atoms.append(n)
             elif kind in ("exp", "cosh", "tanh", "line"):
                 c, m = parts[1] if kind == "line" else parts[0]
