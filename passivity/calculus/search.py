@@ -1,4 +1,4 @@
-"""Where a property may fail: searched in floats, over a grid, down from its worst points, at poles, along the axis."""
+"""Where a property may fail: searched in floats, over a grid, at poles, along the axis."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -23,8 +23,7 @@ _COARSE = 40, (0.0, 0.8, 1.3, 1.5, 1.56, 1.5705), 300  # radii, angles, points n
 _TURNS = 1e4  # of the shortest delay, after which loads are as at infinite frequency, some more of which are looked at
 _VISIBLE = 1e-12  # by how much floats must see the property fail
 _FAR = 100  # decades beyond all scales, on the real axis
-_POLISHED = 12  # best points that are improved
-_STEPS = 60
+_POLISHED = 12  # peaks along the axis, and suspects, that are looked at
 _NEWTON = 16  # steps of Newton's method to poles
 _LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 10  # of loads, of places where they are -z0, of steps to where that shows
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
@@ -270,7 +269,7 @@ class Search:
         return np.where(np.isfinite(found), found, -np.inf)
 
     def _candidates(self) -> Iterator[tuple[Fraction, Fraction]]:
-        """Points to try: of a grid, on the real axis where values are not real, improved, beside the axis."""
+        """Points to try: of a grid, on the real axis where values are not real, beside the axis."""
         import numpy as np
 
         radii = np.geomspace(self.low, self.high, _RADII)
@@ -280,7 +279,7 @@ class Search:
         wrong = self.badness(s)
         clear = s[wrong > min(max(wrong.max() / 2, 0), 1)]
         middle = math.sqrt(self.low) * math.sqrt(self.high)
-        for point in (*_nearest(clear, middle), *_nearest(unreal, middle), *self._descended(s, wrong)):
+        for point in (*_nearest(clear, middle), *_nearest(unreal, middle)):
             yield from _rounded(complex(point))
         for tilt in (0.0, 1e-6):
             for w in self._refined(tilt)[:4]:
@@ -302,26 +301,6 @@ class Search:
             elif kind == "line":  # A + Z tanh B, which is 0 at its poles
                 z0, through, load = parts
                 yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])])
-
-    def _descended(self, s: Array, wrong: Array) -> Iterator[complex]:
-        """The worst points of a grid, each improved by a walk in log s."""
-        import numpy as np
-
-        order = np.argsort(-wrong)[: 3 * _POLISHED]
-        best, size = np.log(s[order]), np.full(len(order), 0.2)
-        value = wrong[order]
-        turns = np.exp(1j * np.pi / 4 * np.arange(8))
-        for _ in range(_STEPS):
-            trial = best[:, None] + size[:, None] * turns
-            trial = trial.real + 1j * np.clip(trial.imag, -np.pi / 2 + 1e-12, np.pi / 2 - 1e-12)
-            found = self.badness(np.exp(trial))
-            k = np.argmax(found, axis=1)
-            rows = np.arange(len(best))
-            better = found[rows, k] > value
-            best = np.where(better, trial[rows, k], best)
-            value = np.where(better, found[rows, k], value)
-            size = np.where(better, size * 1.2, size / 2)
-        yield from (complex(np.exp(best[k])) for k in np.argsort(-value)[:_POLISHED] if value[k] > 0)
 
     def _refined(self, tilt: float) -> Array:
         """Frequencies of the worst points near the axis, after shrinking a grid around each."""
