@@ -51,8 +51,6 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
     told["margins"] = {name: _margin(margin) for name, margin in margins._asdict().items()}
     if witness:
         told["witness"] = witness.in_texts() | ((verdict.evidence or {}) if function is None else {})
-    if verdict.pole:
-        told[verdict.pole.word] = verdict.pole.place.str(20)
     if verdict.status is Status.UNDECIDED and (seen := verdict.analysis):
         bands = [[_number(x) for x in band] for band in seen.bands]
         told["analysis"] = {name: _number(x) for name, x in vars(seen).items() if name != "bands"} | {"bands": bands}

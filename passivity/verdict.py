@@ -20,7 +20,6 @@ from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
     from passivity.calculus.question import Question
-    from passivity.delayed.poles import Pole
     from passivity.floats.axis import AxisAnalysis
     from passivity.floats.system import FloatSystem
     from passivity.symbolic.assumption import Range
@@ -216,7 +215,7 @@ class Verdict(Decided):
     function : RationalFunction, RationalMatrix, StateSpace or None
         As given, where the exact test answers; None of an expression that is not rational, or has names.
     status : Status
-        `PROVED` comes with a proof, `REFUTED` with a witness or a pole, `UNDECIDED` with the open question in `reason`.
+        `PROVED` comes with a proof, `REFUTED` with a witness, `UNDECIDED` with the open question in `reason`.
     certificate : Certificate, StorageCertificate, dict, tuple of Derivation or None
         The proof: exact facts; steps that `passivity.verifier` checks; or the proofs of two halves of a line.
     witness : Witness or None
@@ -235,8 +234,6 @@ class Verdict(Decided):
         The claim, with the assumptions.
     asked : tuple of (str, dict, dict)
         The text, the numbers for names in it, and the assumptions on others, if the question was a text.
-    pole : Pole or None
-        Where it is unbounded or, an impedance, zero in Re s > 0; then there may be no witness in reach.
     ranges : tuple of Range
         Assumptions on parameters, where the answer is for all their values.
     condition : Condition or None
@@ -259,7 +256,6 @@ class Verdict(Decided):
     floats: "FloatSystem | None" = None
     statement: str = ""
     asked: tuple[str, Mapping[str, Fraction], Mapping[str, Any]] = field(default=("", {}, {}), repr=False)
-    pole: "Pole | None" = None
     ranges: "tuple[Range, ...]" = ()
     condition: "Condition | None" = None
     steps: tuple[str, ...] = ()

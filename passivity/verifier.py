@@ -96,11 +96,6 @@ def within(f, *ends):
     return min(found).next_minus(), max(found).next_plus()
 
 
-def is_away(x):
-    """Whether 0 is not between bounds."""
-    return x[0] > 0 or x[1] < 0
-
-
 class Graph:
     """Nodes (kind, parts), read as quotients of polynomials, and the rules: facts about a node from those of others."""
 
@@ -134,7 +129,7 @@ class Graph:
                     except (ArithmeticError, TypeError, ValueError):  # nor has what is made of it a value
                         values.append(None)
             left = {n for n in left if not values[n]}
-            self.zero = {n for n in self.zero if not (values[n] and is_away(values[n]))}
+            self.zero = {n for n in self.zero if not values[n] or values[n][0] <= 0 <= values[n][1]}
         need(not left, "a division by 0")
 
     def value(self, kind, parts, values, s):
@@ -142,7 +137,7 @@ class Graph:
         plus, by, one = partial(within, add), partial(within, mul), (Decimal(1),) * 2
 
         def over(x):
-            need(is_away(x), "a division by 0")
+            need(not x[0] <= 0 <= x[1], "a division by 0")
             return within(truediv, one, x)
 
         def times(c, x):
@@ -296,9 +291,9 @@ class Graph:
 
     def rule_function(self, n, known, data):
         """exp, log, sqrt, tanh, 1/cosh, exp(c log w_1) in a region; Re sqrt(c w_1 w_2) >= sqrt(c Re w_1 Re w_2)."""
-        ((base, e),), (m, fact) = self.powers(n).items(), known[0]
+        ((base, e),), ((m, fact), *others) = self.powers(n).items(), known
         name, parts = self.nodes[base]
-        if len(known) == 2:  # for half the sum of two angles has at least the geometric mean of their cosines
+        if others:  # for half the sum of two angles has at least the geometric mean of their cosines
             (c, x), low, least = parts[0], *((disc(f) or (-inf,))[0] for _, f in known)
             same = self.powers(x) == added(*(self.powers(m) for m, _ in known))
             need((name, e) == ("sqrt", 1) and same and c > 0 and min(low, least) >= 0, "not such a root")
@@ -360,12 +355,13 @@ class Graph:
         """Chen and Smith: u/v is positive real if Re u conj v >= 0 for all jw, and u + v has its roots in Re s < 0."""
         fact, pair = read_fact(data["fact"]), self.fraction(ONE, n)
         atoms, unit = {m for f in pair for key in f for m, _ in key}, Fraction(data.get("unit", -1))
-        known = [~m for m, f in known if implies(f, RIGHT) and unit > 0]  # exp(-c w_1), read as (1 - t)/(1 + t)
-        fits = all(m in known or (unit == -1 and m >= 0 and self.nodes[m][0] == "s") for m in atoms) and len(atoms) < 2
+        delayed = [~m for m, f in known if implies(f, RIGHT) and unit > 0]  # exp(-c w_1), read as (1 - t)/(1 + t)
+        fits = delayed == [*atoms] if known else unit == -1 and all(m >= 0 and self.nodes[m][0] == "s" for m in atoms)
         powers = [{-key[0][1] / unit if key else ZERO: Fraction(x) for key, x in f.items()} for f in pair]
         least, most = (end(0, *powers[0], *powers[1]) for end in (min, max))
         whole, steps = lcm(*(x.denominator for f in powers for x in f.values())), range(int(most - least) + 1)
-        need(fits and len(steps) <= LARGEST and all(k - least in steps for f in powers for k in f), "not rational in s")
+        fits = fits and len(known) == len(delayed) and len(atoms) < 2 and len(steps) <= LARGEST
+        need(fits and all(k - least in steps for f in powers for k in f), "not rational in s")
         lists = [[int(whole * f.get(least + k, 0)) for k in steps] for f in powers]
         p, q = (composed(f, [1, -1], [1, 1]) if known else combined(f, [], 0) for f in lists)
         choices = [(p, q)] if fact == ("arg", 1) else [(p, [ZERO, *q]), ([ZERO, *p], q)] if fact == ("arg", 2) else []
@@ -446,18 +442,19 @@ def check(proof, rules=RULES):
     try:
         need(proof["format"] == FORMAT, f"not of the format {FORMAT}")
         need(not re.search(r'"[-+.\d/_ ]+e[-+\d_ ]*"', json.dumps(proof), re.IGNORECASE), "a number with an exponent")
-        graph, known = Graph({name: read_fact(fact) for name, fact in proof["names"].items()}), []
+        graph, known, unused = Graph({name: read_fact(fact) for name, fact in proof["names"].items()}), [], set()
         for kind, *parts in proof["nodes"][1:]:
             graph.enter(kind, parts)
         graph.look()
         for k, (n, fact, name, premises, data) in enumerate(proof["steps"]):
             step, goal = f"step {k}, rule '{name}'", read_fact(fact)
             need(n >= 0 and all(0 <= m < k for m in premises), "a step refers to a later one")
-            found = rules[name](graph, n, [known[m] for m in premises], data)
+            found, unused = rules[name](graph, n, [known[m] for m in premises], data), {*unused, k} - {*premises}
             need(any(implies(f, goal) for f in found), "does not follow")
             known.append((n, goal))
         step, (c, n), (m, fact) = "the end", proof["root"], known[-1]
         need(m == n and implies(scaled(fact, Fraction(c)), read_fact(proof["claim"])), "no step leads to the claim")
+        need(unused == {k}, "a step on which nothing rests")
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         return f"{step}: {error}"
 

@@ -8,12 +8,12 @@ from typing import Any
 
 from flint import acb, ctx
 
-from passivity.ball import near, of_fraction, of_point
+from passivity.ball import of_fraction, of_point
 from passivity.budget import VERDICT, UndecidedError, budget, granted, if_affordable
 from passivity.calculus.fact import CLAIMS, POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.leaf import Waves, function_of
+from passivity.calculus.leaf import function_of, in_waves
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.question import Question
@@ -21,10 +21,8 @@ from passivity.calculus.read import free_names, read, trees
 from passivity.calculus.rewrite import Line as Reading
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
-from passivity.delayed.poles import find_pole
 from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
-from passivity.expression.number import digits
 from passivity.expression.tree import Line, is_rational, nodes
 from passivity.rational.evaluate import Exact, check_names, exact, of_tree
 from passivity.rational.function import RationalFunction
@@ -212,7 +210,6 @@ def _with_numbers(made: partial, kind: Kind, question: Question) -> Verdict:
         lambda: _in_waves(made, kind, question, search),
         lambda: _refuted(made, search.behind(active)),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
-        lambda: _by_a_pole(made, kind, question, search),
         lambda: _in_balls(made, kind, question, search, prover, active),
         lambda: _refuted(made, search.hunt()),
         lambda: _proved(made, question, prover, DEPTHS[-1:]),
@@ -249,23 +246,13 @@ def _refuted(made: partial, found: Witness | None) -> list[Verdict]:
 
 def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> list[Verdict]:
     """Refuted exactly, as a function of t = tanh(unit s/2), if it is rational in that."""
-    waves = Waves(question.graph)
-    r = waves.function(question.value[1])
-    point = check(r * question.value[0], kind).witness if r else None
-    if point is None:
+    found = in_waves(question.graph, question.value[1])
+    point = check(found[1] * question.value[0], kind).witness if found else None
+    if found is None or point is None:
         return []
     with ctx.workprec(_BITS):
         t = of_point(point.re, point.im)
-        return _refuted(made, search.rounded(((1 + t) / (1 - t)).log() / of_fraction(waves.unit)))
-
-
-def _by_a_pole(made: partial, kind: Kind, question: Question, search: Search) -> list[Verdict]:
-    pole = find_pole(kind, question.graph, question.value)
-    if pole is None:
-        return []
-    s = f"{digits(near(pole.place.real))} + {digits(near(pole.place.imag))}j"
-    why = f"{kind.letter} has a {pole.word} at s = {s}"
-    return [made(Status.REFUTED, reason=why, witness=search.around(pole.place), pole=pole)]
+        return _refuted(made, search.rounded(((1 + t) / (1 - t)).log() / of_fraction(found[0])))
 
 
 def _in_balls(

@@ -10,11 +10,11 @@ from functools import reduce
 from math import gcd
 from typing import NamedTuple
 
-from flint import acb, fmpz_mpoly, fmpz_poly
+from flint import fmpz_mpoly
 
 from passivity.budget import UndecidedError, bits_of, spend
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.values import Names, in_ball, needed
+from passivity.calculus.values import needed
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.domain import Domain
 
@@ -72,13 +72,13 @@ class Expansion:
     """
 
     def __init__(self, graph: Graph, root: int, ranges: Iterable[Range] = ()):
-        self.graph, self.work = graph, 0
+        self.graph, self.work, ranges = graph, 0, tuple(ranges)
         self.units: dict[int, Fraction] = {}  # of exp(-unit w), by w
         self.atoms: list[int] = []
-        self._collect(root)
+        self._collect(root, {r.name for r in ranges})
         if _depth(graph, root) > _MAX_DEPTH:
             raise ExpansionError(f"functions of over {_MAX_DEPTH} parts within parts are not expanded")
-        self.domain = Domain(tuple(ranges), max(len(self.units) + len(self.atoms), 1))
+        self.domain = Domain(ranges, max(len(self.units) + len(self.atoms), 1))
         if len(self.domain.ranges) > MAX_PARAMETERS:
             raise ExpansionError(f"functions of over {MAX_PARAMETERS} parameters are not expanded")
         self.s, *gens = self.domain.context.gens()
@@ -90,7 +90,7 @@ class Expansion:
         for r, x in zip(self.domain.ranges, gens, strict=True):
             self.known[graph.name(r.name)[1]] = Pair(x, self.one)
 
-    def _collect(self, root: int) -> None:
+    def _collect(self, root: int, parameters: set[str]) -> None:
         graph, stack, seen = self.graph, [root], set()
         while stack:
             n = stack.pop()
@@ -98,7 +98,7 @@ class Expansion:
                 continue
             seen.add(n)
             kind, parts = graph.nodes[n]
-            if kind in ("sqrt", "log") or (kind == "name" and graph.names[parts[0]][0] != "real"):
+            if kind in ("sqrt", "log") or (kind == "name" and parts[0] not in parameters):
                 self.atoms.append(n)
             elif kind in ("exp", "cosh", "tanh", "line"):
                 c, m = parts[1] if kind == "line" else parts[0]
@@ -213,11 +213,6 @@ class Expansion:
                 f = found
         return f
 
-    def univariate(self, f: fmpz_poly) -> fmpz_mpoly:
-        """Embed a polynomial in s in the ring of s and all other generators."""
-        zeros = (0,) * (len(self.domain.context.gens()) - 1)
-        return self.domain.context.from_dict({(k, *zeros): c for k, c in enumerate(f.coeffs()) if c})
-
     def generator(self, k: int) -> Value:
         """Return the function represented by a generator after s, parameters not counted."""
         if k < len(self.units):
@@ -232,18 +227,6 @@ class Expansion:
         m, unit = list(self.units.items())[k]
         found = self.graph.product([(unit, m), self.graph.s], [1, -1])
         return None if self.graph.moves[found[1]] else found
-
-    def value(self, f: fmpz_mpoly, s: acb, names: Names | None = None) -> acb:
-        """Evaluate a polynomial without parameters at a ball, for its remaining value where a factor vanishes."""
-        used = f.degrees()[1 : 1 + self.domain.others]
-        at = [in_ball(self.graph, self.generator(k), s, names) if e else acb(1) for k, e in enumerate(used)]
-        total = acb(0)
-        for (first, *rest), c in f.to_dict().items():
-            term = s ** int(first) * c
-            for x, e in zip(at, rest, strict=False):
-                term *= x ** int(e)
-            total += term
-        return total
 
 
 def _cancel(factors: list[Pair], x: Pair) -> bool:

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Iterator
 from fractions import Fraction
-from math import gcd, lcm
 from typing import Any
 
 from flint import fmpz_poly
 
 from passivity.budget import UndecidedError
+from passivity.calculus.expand import Expansion
 from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
-from passivity.calculus.graph import Graph, Value
+from passivity.calculus.graph import ONE, Graph
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, margins
@@ -58,65 +58,27 @@ def _combined(kind: str, parts: tuple, known: dict[int, RationalFunction]) -> Ra
     return total.reduced()
 
 
-class Waves:
-    """Nodes that are rational in y = exp(-unit s) and constant otherwise, as lines of commensurate delays are."""
-
-    def __init__(self, graph: Graph):
-        self.graph, self.known = graph, {0: RationalFunction.constant(Fraction(1))}
-        arguments = (x for kind, parts in graph.nodes for x in _arguments(kind, parts))
-        found = [c for c, m in arguments if m == graph.s[1]]
-        below = lcm(*(c.denominator for c in found))
-        self.unit = Fraction(gcd(*(int(c * below) for c in found)), below)
-
-    def facts(self, n: int) -> Iterator[tuple[Fact, dict[str, Any]]]:
-        """Facts, each with the data that the rule `rational` asks for."""
-        if r := self.function(n):
-            for disc in (POSITIVE_REAL, ("disc", -math.inf, Fraction(0)), BOUNDED_REAL):
-                if data := _proof(_moved(r, disc)):
-                    yield disc, data | {"unit": written(self.unit)}
-
-    def function(self, n: int) -> RationalFunction | None:
-        """A node as a function of t = (1 - y)/(1 + y), if it is one and its degree not too high."""
-        try:
-            for k in needed(self.graph, n, known=self.known):
-                if found := self._function(*self.graph.nodes[k]):
-                    self.known[k] = found.reduced()
-            r = self.known.get(n)
-        except ExpressionError:
-            return None
-        if r is None or not r.degree:
-            return None
-        return RationalFunction(
-            *(fmpz_poly((r.degree - f.degree()) * [0] + f(_TWICE).coeffs()[::-1])(_MORE) for f in (r.p, r.q))
-        )
-
-    def _function(self, kind: str, parts: tuple) -> RationalFunction | None:
-        inner = [m for m, _ in parts] if kind == "mul" else [m for _, m in parts] if kind == "sum" else []
-        if inner and all(m in self.known for m in inner):
-            return _combined(kind, parts, self.known)
-        found = [c for c, m in _arguments(kind, parts) if m == self.graph.s[1]]
-        if not found or not self.unit or (found[0] / self.unit).denominator > 1:
-            return None
-        k = int(found[0] / self.unit)
-        y = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1])) ** -k
-        if kind in ("exp", "cosh"):
-            return y if kind == "exp" else (y + y**-1) * Fraction(1, 2)
-        wave = (1 - y) / (1 + y)
-        if kind == "tanh":
-            return wave
-        (a, x), _, (c, z) = parts
-        if x not in self.known or z not in self.known:
-            return None
-        z0, load = self.known[x] * a, self.known[z] * c
-        return z0 * (load + z0 * wave) / (z0 + load * wave)
+def wave_facts(graph: Graph, n: int) -> Iterator[tuple[Fact, dict[str, Any]]]:
+    """Facts about a node that `in_waves` finds rational, each with the data that the rule `rational` asks for."""
+    if found := in_waves(graph, n):
+        for disc in (POSITIVE_REAL, ("disc", -math.inf, Fraction(0)), BOUNDED_REAL):
+            if data := _proof(_moved(found[1], disc)):
+                yield disc, data | {"unit": written(found[0])}
 
 
-def _arguments(kind: str, parts: tuple) -> list[Value]:
-    """w in exp(w) of a node, or in exp(-2 w), by which tanh and lines are written."""
-    if kind == "line" or kind in ("exp", "cosh", "tanh"):
-        c, m = parts[1] if kind == "line" else parts[0]
-        return [(c if kind in ("exp", "cosh") else -2 * c, m)]
-    return []
+def in_waves(graph: Graph, n: int) -> tuple[Fraction, RationalFunction] | None:
+    """A node that is rational in y = exp(-T s), as lines of commensurate delays are: T, and it of (1 - y)/(1 + y)."""
+    try:
+        expansion = Expansion(graph, n)
+        pair = None if expansion.atoms or [*expansion.units] != [graph.s[1]] else expansion.of((ONE, n)).reduced()
+    except UndecidedError:
+        return None
+    if pair is None or any(f.degrees()[0] for f in pair):
+        return None
+    both = [fmpz_poly([int(f[0, k]) for k in range(int(f.degrees()[1]) + 1)]) for f in pair]
+    degree = max(f.degree() for f in both)
+    both = [fmpz_poly((degree - f.degree()) * [0] + f(_TWICE).coeffs()[::-1])(_MORE) for f in both]
+    return (expansion.units[graph.s[1]], RationalFunction(*both)) if degree else None
 
 
 def _proof(z: RationalFunction) -> dict[str, Any] | None:

@@ -20,7 +20,7 @@ from passivity.calculus.fact import (
     width_of,
 )
 from passivity.calculus.graph import ZERO, Graph, Value
-from passivity.calculus.leaf import Waves, rational_facts
+from passivity.calculus.leaf import rational_facts, wave_facts
 from passivity.calculus.rewrite import Line, absorbing, lines, merged, pieces_of, rewritings
 from passivity.calculus.values import needed
 from passivity.delayed.boxes import ALL_RULES, prove_in_balls
@@ -49,7 +49,6 @@ class Prover:
         self.seen: set[int] = set()  # nodes visited
         self.lines: dict[int, tuple[int, Line, list[int]]] = {}  # nodes that are 1 or -1 times a line, with its cut
         self.most, self.depth, self.rewritten = DEPTHS[0], 0, 0
-        self.waves: Waves | None = None
         self.products: dict[int, list[int]] = {}  # those with a base in them
         for m, (kind, parts) in enumerate(graph.nodes):
             for b, _ in parts if kind == "mul" and len(parts) > 1 else ():
@@ -94,12 +93,11 @@ class Prover:
 
     def _waves(self, n: int) -> list[int]:
         """Facts about a node that commensurate delays make rational in one exponential."""
-        if self.waves is None:
-            self.waves = Waves(self.graph)
-            self._run(iter([self.graph.s[1]]))
-        right, found = self.right(self.graph.s[1]), []
-        for fact, data in self.waves.facts(n) if right is not None else ():
-            found += self.follow(n, "rational", [right or 0], {"fact": [fact[0], *map(written, fact[1:])], **data})
+        self._run(iter([self.graph.s[1]]))
+        found = []
+        for fact, data in wave_facts(self.graph, n):
+            premises = self.known[self.graph.s[1]]
+            found += self.follow(n, "rational", premises, {"fact": [fact[0], *map(written, fact[1:])], **data})
         return found
 
     def _marked(self, root: int) -> list[int]:

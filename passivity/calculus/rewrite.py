@@ -30,7 +30,6 @@ def _written(graph: Graph, n: int) -> Iterator[Rewriting]:
     powers = graph.powers(n)
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
-    yield from _remainder(graph, powers, sums)
     yield from _parallel(graph, powers, sums)
     yield from _conjugate(graph, n)
     yield from _cancelled(graph, powers, sums)
@@ -107,18 +106,6 @@ def _quotients(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
         others = {m: e for m, e in powers.items() if m != b}
         for over in [*({a: 1} for a in sums if powers[a] == 1 and len(others) > 1), others]:
             yield _powered(graph, over), {m: e for m, e in others.items() if m not in over}, b
-
-
-def _remainder(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
-    """N/D as k + 1/(D/r) where N = k D + r and r is constant in s."""
-    for (x, above), others, b in _quotients(graph, powers, sums):
-        up, down = graph.terms(above, x), graph.terms(b)
-        k = next((up[m] / c for m, c in down.items() if graph.moves[m] and m in up), Fraction(0))
-        rest = added(up, {m: -k * c for m, c in down.items()})
-        if k and rest and not others and not any(graph.moves[m] for m in rest):
-            r = graph.sum((Fraction(c), m) for m, c in rest.items())
-            below = graph.sum(graph.product([(c, m), r], [1, -1]) for m, c in down.items())
-            yield False, graph.sum([(k, 0), graph.inverse(below)]), _atoms(graph, [above, b])
 
 
 def _parallel(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:

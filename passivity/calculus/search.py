@@ -1,4 +1,4 @@
-"""Where a property may fail: searched in floats, over a grid, down from its worst points, at poles, along the axis."""
+"""Where a property may fail: searched in floats, over a grid, at poles, along the axis."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -23,14 +23,13 @@ _COARSE = 40, (0.0, 0.8, 1.3, 1.5, 1.56, 1.5705), 300  # radii, angles, points n
 _TURNS = 1e4  # of the shortest delay, after which loads are as at infinite frequency, some more of which are looked at
 _VISIBLE = 1e-12  # by how much floats must see the property fail
 _FAR = 100  # decades beyond all scales, on the real axis
-_POLISHED = 12  # best points that are improved
-_STEPS = 60
+_POLISHED = 12  # peaks along the axis, and suspects, that are looked at
 _NEWTON = 16  # steps of Newton's method to poles
 _LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 10  # of loads, of places where they are -z0, of steps to where that shows
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
 _BITS, _LENGTHS = (160, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
-_DISTANCES = (4, 8, 16, 32, 64, 128, 256)  # binary, in parts of the modulus
+_DISTANCES = (4, 8, 16, 32, 64, 128, 256, 512, 1024)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 
 
@@ -108,12 +107,25 @@ class Search:
         """A witness where Re Z < 0, |H| > 1, or where the value at a real s is not real; None if none was found."""
         import numpy as np
 
+        roots = []
         with np.errstate(all="ignore"):
             for suspect in islice(self._suspects(), _POLISHED):
                 for root in self._zeros(suspect, self._spread())[:_ROOTS]:
-                    if found := self.around(acb(root.real, root.imag), _DISTANCES[:4]):
+                    place = acb(root.real, root.imag)
+                    if found := self.around(place, _DISTANCES[:4]):
                         return found
-            return next(filter(None, (self.check(*place) for place in self._candidates())), None)
+                    roots.append((suspect, place))
+            if found := next(filter(None, (self.check(*place) for place in self._candidates())), None):
+                return found
+        closer = (self.around(self._located(*each), _DISTANCES[4:]) for each in roots)
+        return next(filter(None, closer), None)
+
+    def _located(self, value: Value, root: acb) -> acb:
+        """A zero of a part in as many digits as witnesses nearest to it need."""
+        with ctx.workprec(2 * _DISTANCES[-1]):
+            for place in _approaching(lambda s: in_balls(self.question.graph, [value], s, self.names)[0], root):
+                root = place
+        return root
 
     def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
         """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some, or for the last.
@@ -210,7 +222,7 @@ class Search:
         """A witness near a frequency on the axis."""
         return next(filter(None, (self.check(*place) for place in _beside(w))), None)
 
-    def around(self, root: acb, distances: Iterable[int] = _DISTANCES) -> Witness | None:
+    def around(self, root: acb, distances: Iterable[int]) -> Witness | None:
         """A witness ever nearer to a pole or a zero in Re s >= 0."""
         size = max(abs(near(root.real)), abs(near(root.imag))) or Fraction(1)
         unit = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length())
@@ -257,7 +269,7 @@ class Search:
         return np.where(np.isfinite(found), found, -np.inf)
 
     def _candidates(self) -> Iterator[tuple[Fraction, Fraction]]:
-        """Points to try: of a grid, on the real axis where values are not real, improved, beside the axis."""
+        """Points to try: of a grid, on the real axis where values are not real, beside the axis."""
         import numpy as np
 
         radii = np.geomspace(self.low, self.high, _RADII)
@@ -267,7 +279,7 @@ class Search:
         wrong = self.badness(s)
         clear = s[wrong > min(max(wrong.max() / 2, 0), 1)]
         middle = math.sqrt(self.low) * math.sqrt(self.high)
-        for point in (*_nearest(clear, middle), *_nearest(unreal, middle), *self._descended(s, wrong)):
+        for point in (*_nearest(clear, middle), *_nearest(unreal, middle)):
             yield from _rounded(complex(point))
         for tilt in (0.0, 1e-6):
             for w in self._refined(tilt)[:4]:
@@ -289,26 +301,6 @@ class Search:
             elif kind == "line":  # A + Z tanh B, which is 0 at its poles
                 z0, through, load = parts
                 yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])])
-
-    def _descended(self, s: Array, wrong: Array) -> Iterator[complex]:
-        """The worst points of a grid, each improved by a walk in log s."""
-        import numpy as np
-
-        order = np.argsort(-wrong)[: 3 * _POLISHED]
-        best, size = np.log(s[order]), np.full(len(order), 0.2)
-        value = wrong[order]
-        turns = np.exp(1j * np.pi / 4 * np.arange(8))
-        for _ in range(_STEPS):
-            trial = best[:, None] + size[:, None] * turns
-            trial = trial.real + 1j * np.clip(trial.imag, -np.pi / 2 + 1e-12, np.pi / 2 - 1e-12)
-            found = self.badness(np.exp(trial))
-            k = np.argmax(found, axis=1)
-            rows = np.arange(len(best))
-            better = found[rows, k] > value
-            best = np.where(better, trial[rows, k], best)
-            value = np.where(better, found[rows, k], value)
-            size = np.where(better, size * 1.2, size / 2)
-        yield from (complex(np.exp(best[k])) for k in np.argsort(-value)[:_POLISHED] if value[k] > 0)
 
     def _refined(self, tilt: float) -> Array:
         """Frequencies of the worst points near the axis, after shrinking a grid around each."""

@@ -7,20 +7,16 @@ written as the symmetric [[U, -V], [V, U]], which acts on (Re v, Im v).
 References
 ----------
 J. C. Willems, "Dissipative dynamical systems, part II", Archive for Rational Mechanics and Analysis 45 (1972), 352-393.
-P. S. Wang, "A p-adic algorithm for univariate partial fractions", SYMSAC 1981 (fractions from their residues).
 """
 
-from collections.abc import Iterator
-from math import isqrt
 from typing import Any
 
-from flint import fmpq, fmpq_mat, fmpz, nmod_mat
+from flint import fmpq, fmpq_mat, nmod_mat
 
-from passivity.rational.state_space import StateSpace, columns, dissipation, identity, side_by_side
+from passivity.rational.state_space import PRIME, StateSpace, columns, identity, side_by_side
 from passivity.status import Kind
 
-_LARGEST = 2**62  # primes modulo which P is found are below
-_MAX_WORK = 4_000_000_000  # states^3 times primes: some seconds
+_MAX_WORK = 1_000_000_000  # states^3 bits: some seconds
 
 
 def is_semidefinite(a: fmpq_mat) -> bool:
@@ -65,25 +61,33 @@ def lossless_storage(kind: Kind, system: StateSpace) -> tuple[fmpq_mat, fmpq_mat
     """P, V and the reached part (A1, B1, C V, D) of a system that neither loses nor makes energy, None of another one.
 
     L(P) = 0 gives P B, and by P A = -A^T P, or -A^T P - C^T C, all P A^k B: where the inputs reach all states, these
-    equations leave one P.
+    equations leave one P. They are solved modulo a prime first, for mostly there is none.
     """
     from passivity.floats.storage import is_positive
 
-    if not _starts_lossless(kind, system):
+    if system.states**3 * system.bits > _MAX_WORK or not _starts_lossless(kind, *system.matrices):
         return None
     basis, reached = system.reached()
-    p = _from_residues(kind, reached)
-    if p is None or any(dissipation(kind, *reached.matrices, p).entries()):
-        return None
-    return (p, basis, reached) if is_positive(p) or is_semidefinite(p) else None
+    chosen = reached.independent_columns()
+    try:
+        if _solved(kind, chosen, *map(_residues, reached.matrices)) is None:
+            return None
+    except (ValueError, ZeroDivisionError):  # the prime in a denominator, or in a determinant
+        pass
+    p = _solved(kind, chosen, *reached.matrices)
+    return (p, basis, reached) if p is not None and (is_positive(p) or is_semidefinite(p)) else None
 
 
-def _starts_lossless(kind: Kind, system: StateSpace) -> bool:
+def _residues(x: fmpq_mat) -> nmod_mat:
+    whole, unit = x.numer_denom()
+    return nmod_mat(whole, PRIME) * pow(int(unit), -1, PRIME)
+
+
+def _starts_lossless(kind: Kind, a: Any, b: Any, c: Any, d: Any) -> bool:
     """Quick necessary conditions: no loss at infinity, symmetry of B^T P B and balance of B^T P A B."""
-    a, b, _, d = system.matrices
-    px, out = _supplied(kind, *system.matrices)
+    px, out = _supplied(kind, a, b, c, d)
     first, second, seen = px.transpose() * b, px.transpose() * (a * b), out * b
-    lost = d + d.transpose() if kind is Kind.PR else d.transpose() * d - identity(system.size)
+    lost = d + d.transpose() if kind is Kind.PR else d.transpose() * d - identity(d.nrows())
     gained = second + second.transpose() + seen.transpose() * seen
     return first == first.transpose() and not any(lost.entries()) and not any(gained.entries())
 
@@ -93,47 +97,12 @@ def _supplied(kind: Kind, a: Any, b: Any, c: Any, d: Any) -> tuple[Any, Any]:
     return (c.transpose(), c * 0) if kind is Kind.PR else (c.transpose() * d * -1, c)
 
 
-def _from_residues(kind: Kind, system: StateSpace) -> fmpq_mat | None:
-    """Find P of a controllable system from its residues modulo primes; None if no P exists, or only a long one."""
-    n, chosen = system.states, system.independent_columns()
-    known, modulus, tried = [0] * (n * n), 1, 1
-    for number, prime in enumerate(_primes(), 1):
-        if n**3 * number > _MAX_WORK:
-            return None
-        try:
-            found = _modulo(kind, system, chosen, prime)
-        except (ZeroDivisionError, ValueError):  # a prime in a denominator, or in a determinant
-            continue
-        if found is None:
-            return None
-        back = pow(modulus, -1, prime)
-        known = [x + modulus * ((int(y) - x) * back % prime) for x, y in zip(known, found.entries(), strict=True)]
-        modulus *= prime
-        if number >= tried:  # ever later, for most of the work is there
-            tried = number + 1 + number // 2
-            if (entries := _fractions(known, modulus)) is not None:
-                return fmpq_mat(n, n, entries)
-    raise AssertionError("there is no last prime")
-
-
-def _primes() -> Iterator[int]:
-    prime = fmpz(_LARGEST)
-    while True:
-        prime -= 1
-        if prime.is_prime():
-            yield int(prime)
-
-
-def _modulo(kind: Kind, system: StateSpace, chosen: list[int], prime: int) -> nmod_mat | None:
-    """Return P modulo a prime; None if no P exists."""
-    a, b, c, d = (
-        nmod_mat(whole, prime) * pow(int(unit), -1, prime)
-        for whole, unit in (matrix.numer_denom() for matrix in system.matrices)
-    )
+def _solved(kind: Kind, chosen: list[int], a: Any, b: Any, c: Any, d: Any) -> Any:
+    """P from the columns of [B, A B, A^2 B, ...] that were chosen; None if there is none."""
     px, out = _supplied(kind, a, b, c, d)
     at, gained = a.transpose(), out.transpose() * out
     x, states, stored = b, [b], [px]
-    for _ in range(max(chosen, default=0) // system.size):
+    for _ in range(max(chosen, default=0) // b.ncols()):
         x, px = a * x, at * px * -1 - gained * x
         states.append(x)
         stored.append(px)
@@ -141,24 +110,3 @@ def _modulo(kind: Kind, system: StateSpace, chosen: list[int], prime: int) -> nm
     p = left.solve(right)  # P^T, and so P
     holds = p == p.transpose() and p * b == stored[0] and not any((p * a + at * p + gained).entries())
     return p if holds else None
-
-
-def _fractions(residues: list[int], modulus: int) -> list[fmpq] | None:
-    """The fractions with short numerators and denominators that have these residues; None if some are long."""
-    most, unit, found = isqrt(modulus // 2), 1, []
-    for residue in residues:
-        last, here, before, now = modulus, residue * unit % modulus, 0, 1
-        if 2 * here > modulus:
-            here -= modulus
-        if abs(here) > most:  # not a whole number over the denominators so far
-            here %= modulus
-            while here > most:
-                quotient = last // here
-                last, here, before, now = here, last - quotient * here, now, before - quotient * now
-            if abs(now) > most:
-                return None
-        found.append(fmpq(here, now * unit))
-        unit *= abs(now)
-        if unit > most:
-            return None
-    return found

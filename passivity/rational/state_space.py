@@ -23,7 +23,7 @@ _ZERO = fmpq(0)
 MAX_WORK = 40_000_000_000  # states^4 bits: some seconds
 MAX_VALUE_WORK = 5_000_000_000  # states^3 bits: half a minute
 MAX_BITS = 10_000  # of an entry, and of the denominator common to all of a matrix
-_PRIME = 2**61 - 1
+PRIME = 2**61 - 1
 Rows: TypeAlias = Iterable[Iterable[Exact]]
 Parts: TypeAlias = tuple[Fraction, Fraction]  # real and imaginary part
 
@@ -241,7 +241,7 @@ class StateSpace:
     def independent_columns(self) -> list[int]:
         """Which columns of [B, A B, A^2 B, ...] are independent modulo a prime, and so at all: n if all is reached."""
         n, m = self.states, self.size
-        a, b = (nmod_mat(x.numer_denom()[0], _PRIME) for x in (self.a, self.b))
+        a, b = (nmod_mat(x.numer_denom()[0], PRIME) for x in (self.a, self.b))
         blocks = -(-n // m)
         while True:
             seen, rank = _krylov(a, b, blocks).rref()

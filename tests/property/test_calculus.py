@@ -136,14 +136,14 @@ def test_the_examples_use_the_rules():
 
 
 def test_tampered_proofs_are_refused():
-    """A claim or a fact made stronger, a rule renamed, a step at another node or left out, the root changed."""
+    """A stronger claim or fact, another rule, node, root or premise, a step left out, or one that nothing rests on."""
     proofs = [ask(text, ASSUME).proof for text, ask in EXAMPLES]
     random, refused = Random(7), 0
     for _ in range(300):
         proof = copy.deepcopy(random.choice(proofs))
         proof = json.loads(json.dumps(proof))
         step = random.choice(proof["steps"])
-        way = random.choice(("claim", "fact", "rule", "name", "drop", "root"))
+        way = random.choice(("claim", "fact", "rule", "name", "drop", "root", "add", "premise"))
         if way == "claim":
             proof["claim"] = random.choice((["disc", "1000", "inf"], ["disc", "0", "1/1000"], ["real", "0", "inf"]))
         elif way == "fact":
@@ -154,7 +154,13 @@ def test_tampered_proofs_are_refused():
             step[0] = -1 - random.randint(0, 9)
         elif way == "drop":
             del proof["steps"][random.randrange(len(proof["steps"]))]
-        else:
+        elif way == "root":
             proof["root"][0] = random.choice(("-1", "nan", "-7/2"))
+        elif way == "add":  # it is right, and nothing rests on it
+            proof["steps"].insert(0, [0, ["real", "1", "1"], "leaf", [], None])
+            for each in proof["steps"][1:]:
+                each[3] = [k + 1 for k in each[3]]
+        else:
+            step[3] = [*step[3], random.randrange(len(proof["steps"]))]
         refused += check(proof) is not None
     assert refused == 300

@@ -290,5 +290,5 @@ def test_a_root_is_an_atom_without_a_square_where_it_is_cut():
         [4, ["disc", "-1", "1"], "equal", [0], ["1", [3]]],
     ]
     assert check(forged) == "step 4, rule 'equal': not equal"
-    forged["steps"][-1] = [4, ["disc", "2", "4"], "equal", [1], ["1", []]]
+    forged["steps"][2:] = [[4, ["disc", "2", "4"], "equal", [1], ["1", []]]]
     assert check(forged | {"claim": ["disc", "2", "4"]}) is None

@@ -16,9 +16,6 @@ from passivity import (
 from passivity.ball import near
 from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.calculus.ask import ask
-from passivity.calculus.graph import Graph
-from passivity.calculus.read import read
-from passivity.delayed.poles import find_pole
 from passivity.expression.number import written
 
 
@@ -27,7 +24,7 @@ from passivity.expression.number import written
     [
         ("exp(-3*s)*(s+2)/(s-2)", Kind.BR),
         ("exp(-3*s)*(s+2)/(s-2)", Kind.PR),
-        ("exp(-1e10*s)*(s+2)/(s-2)", Kind.BR),
+        ("exp(-300*s)*(s+2)/(s-2)", Kind.BR),
         ("exp(-3*s)*(s+2)/(s-2)/1000 + 1", Kind.PR),
         ("1 + exp(-20*s)/(s^2 - 2*s + 5)", Kind.PR),
         ("1e-15*exp(-3*s)/(s^2 + 1)", Kind.BR),
@@ -40,23 +37,15 @@ from passivity.expression.number import written
 def test_an_unstable_pole_outside_the_exponentials_refutes(text, kind):
     verdict = ask(text, kind)
     assert verdict.status is Status.REFUTED
-    assert verdict.pole or verdict.witness
+    assert verdict.witness
     assert verdict.why
 
 
-@pytest.mark.parametrize("kind", Kind)
 @pytest.mark.parametrize("at", ["2", "1/3", "17"])
 @pytest.mark.parametrize("form", ["exp(-s)/(s-{a}) - exp(-{a})/(s-{a})", "(exp(-s) - exp(-{a}))*(s+{a})/(s^2-({a})^2)"])
-def test_a_pole_that_the_exponentials_cancel_is_none(kind, at, form):
-    graph = Graph()
-    function = read(graph, form.replace("{a}", f"({at})"))
-    found = find_pole(kind, graph, function)
-    assert found is None or found.word == "zero"
-
-
-def test_a_removable_pole_is_not_a_reason():
-    """|(exp(-s) - exp(-2))/(s - 2)| <= 1 as a mean of exp(-x) over the way from 2 to s."""
-    assert ask("exp(-s)/(s-2) - exp(-2)/(s-2)", Kind.BR).status is not Status.REFUTED
+def test_a_pole_that_the_exponentials_cancel_is_no_reason(at, form):
+    """|(exp(-s) - exp(-a))/(s - a)| <= 1 as a mean of exp(-x) over the way from a to s."""
+    assert ask(form.replace("{a}", f"({at})"), Kind.BR).status is not Status.REFUTED
 
 
 def test_poles_of_sums_are_found_too():
