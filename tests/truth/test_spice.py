@@ -114,6 +114,7 @@ def test_the_sections_of_xyces_lumped_line(tmp_path):
         (["V1 a 0 AC 1", "R1 a b 50"], [".ac dec 10 1meg 1g"]),
         (["V1 b 0 dc 0 ac 1 portnum 1 z0 50 pwr 0.001"], [".sp lin 10 1meg 1g"]),
         (["P1 b 0 port=1 z0=50 AC=1"], [".ac dec 10 1meg 1g", ".lin"]),
+        (["V1 a 0 AC 1", "R1 a b 50"], [".ac 0 1gig 1meg"]),
         (["V1 a 0 AC 1", "R1 a b 50"], [".control", "ac oct 3 1meg 1g", "plot v(c)", ".endc"]),
     ],
 )

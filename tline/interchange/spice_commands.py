@@ -63,14 +63,20 @@ def transient(cards: list[Card], frequencies: list[Card], path: str, found: Find
 
 def _without_run(card: Card, found: Findings) -> Transient:
     """A period of the lowest frequency, where only frequencies are asked for."""
-    if len(card.words) not in (4, 5) or card.words[0].lower() not in ("dec", "oct", "lin"):
-        raise card.refuse("not a range of frequencies", ".ac dec POINTS FROM TO", f"'{' '.join(card.words):.40}'")
-    points, low, high = map(card.value, card.words[1:4])
-    if not 0 <= low <= high or min(points, high) <= 0:
-        raise card.refuse(
-            "its frequencies are not in order", "FROM 0 or more, TO not below it", f"{low:g}, {high:g} Hz"
-        )
-    low = low or high / points
+    words, spread = card.words, bool(card.words) and card.words[0].lower() in ("dec", "oct", "lin")
+    if len(words) < 3 + spread:
+        expected = ".ac dec POINTS FROM TO, or FROM TO STEP"
+        raise card.refuse("not a range of frequencies", expected, f"'{' '.join(words):.40}'")
+    if spread:
+        points, low, high = map(card.value, words[1:4])
+        least = high / points if points > 0 else 0.0
+    else:  # of gnucap, whose third word may also be dec, oct, or a factor
+        low, high = map(card.value, words[:2])
+        least = card.value(words[2]) if len(words) == 3 else low
+    if not 0 <= low <= high or min(least, high) <= 0:
+        expected = "FROM 0 or more, TO not below it"
+        raise card.refuse("its frequencies are not in order", expected, f"{low:g}, {high:g} Hz")
+    low = low or least
     first, last, period = engineering(low, "Hz"), engineering(high, "Hz"), engineering(1 / low, "s")
     advice = f'tline frequency SCENE.toml --from "{first}" --to "{last}"'
     found.note(card.where, f"there is no .tran, and {period} is the end; {advice} shows it, per unit of a source")
