@@ -6,14 +6,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline import InputError, Result, Scene
 from tline.cli.report import summary
-from tline.errors import InputError
-from tline.scene.scene import Scene
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.dense_output import extremes
-from tline.solver.result.result import Result
 from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 

@@ -4,9 +4,7 @@ import re
 
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import InputError, Scene, simulate
 
 SOUND = {
     "medium": "hydraulic",

@@ -6,9 +6,8 @@ from typing import Any
 import pytest
 
 import tline as tl
-from tline.errors import InputError
+from tline import InputError, operate
 from tline.surge.event import Event, each_of
-from tline.surge.operation import operate
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
 

@@ -6,8 +6,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene
 from tline.scene.waveform import Shape
 from tline.study.baseline import BASELINES
 from tline.study.charts.scenes import chart_scene

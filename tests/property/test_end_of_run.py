@@ -9,12 +9,9 @@ from hypothesis import strategies as st
 from random_kinks import random_kinks
 from random_scenes import random_scene
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate, sweep
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.interior import inside
-from tline.solver.simulate import simulate
-from tline.sweeps.runs import sweep
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SEEDS = st.integers(0, 10_000)

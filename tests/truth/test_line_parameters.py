@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from iapws._iapws import _Liquid
 from pint import UnitRegistry
 
-from tline import ElectricalLine, HydraulicLine
-from tline.errors import InputError
+from tline import ElectricalLine, HydraulicLine, InputError
 from tline.line import electrical
 from tline.line.materials import water
 from tline.units import PLAIN, PREFIXABLE, PREFIXES, to_si

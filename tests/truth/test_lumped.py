@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from talbot import original
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 TOLERANCES = (1e-3, 1e-5, 1e-6, 1e-8)
 NS = 1e-9

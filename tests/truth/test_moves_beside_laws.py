@@ -8,9 +8,8 @@ from lossy_scenes import cable
 from random_events import ROUNDING, random_events
 from random_stores import MOST, excess, random_stores
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.study.reference.lossy import LossySolution
 
 TOLERANCES = 1e-3, 1e-4, 1e-6

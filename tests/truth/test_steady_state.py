@@ -8,11 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_scenes import random_scene
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
 ROUNDING = 1e-14  # a handful of operations, relative to the largest number of the case

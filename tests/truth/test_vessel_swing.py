@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 AIR, P0, P1, V0 = 101_325.0, 3e5, 5e5, 0.5
 INERTIA = 1000 * 400 / 0.05  # density·length/area of the column, kg/m⁴

@@ -8,8 +8,7 @@ from itertools import chain, combinations
 
 import pytest
 
-from tline import ElectricalLine, HydraulicLine
-from tline.errors import InputError
+from tline import ElectricalLine, HydraulicLine, InputError
 from tline.line.materials import HYDRAULIC_OIL, WALLS, water
 
 ROUNDING = 1e-14  # a chain of some ten operations, each to half a unit of the last place

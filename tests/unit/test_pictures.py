@@ -12,15 +12,10 @@ import pytest
 from picture_scenes import FORK, JOUKOWSKY, TANK, cables, quietly, water_hammer
 from PIL import Image
 
-from tline.errors import InputError, MissingExtraError
+from tline import InputError, MissingExtraError, Result, plot
+from tline.pictures import Route, plot_lattice, plot_space_time, route, save_figure
 from tline.pictures.along import effort_along
 from tline.pictures.animation import FRAMES, PLACES, STEPS, animated
-from tline.pictures.lattice import plot_lattice
-from tline.pictures.path import Route, route
-from tline.pictures.profile import plot_space_time
-from tline.pictures.traces import plot
-from tline.solver.result.result import Result
-from tline.style import save_figure
 from tline.units import handy
 
 
