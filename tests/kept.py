@@ -16,10 +16,7 @@ from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it
-CELLS = (
-    4,
-    1024,
-)  # times as narrow as the finest run's slabs, beside cells, and at most as the first ones
+CELLS = (4, 1024)  # times as narrow as the finest run's slabs, beside cells, and at most as the first ones
 NEAR, FOLLOWED = 12, 1e-9  # slabs of each width behind a front, and what of the largest wave is followed there
 JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 

@@ -185,10 +185,7 @@ MISTAKES = [
         "valve.toml --path tank,valve",
         "--path: nothing shows it, expected --profile, --space-time, --plot-waves or --animate",
     ),
-    (
-        "valve.toml --path tank --animate a.gif",
-        "--path: not two nodes or more, expected FROM,TO or FROM,…,TO",
-    ),
+    ("valve.toml --path tank --animate a.gif", "--path: not two nodes or more, expected FROM,TO or FROM,…,TO"),
     ("valve.toml --path tank,vale --animate a.gif", "--path: no such node, expected 'valve', got 'vale'"),
     (
         "valve.toml --path tank,tank --animate a.gif",

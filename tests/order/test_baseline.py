@@ -133,10 +133,7 @@ def test_a_grid_is_for_friction_alone():
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
-        (
-            {"probes": {"p": {"line": "line", "position": "25 %"}}},
-            "probes.p: baseline methods see nodes only",
-        ),
+        ({"probes": {"p": {"line": "line", "position": "25 %"}}}, "probes.p: baseline methods see nodes only"),
         ({"start": "steady"}, "start: baseline methods start at rest only"),
         (
             {"loads": {"v": {"at": "far", "kind": "switch", "before": 1, "after": 2, "time": 1}}},

@@ -43,11 +43,7 @@ def dense(seen, t_end: float, letter: str = "u") -> np.ndarray:
 
 @settings(max_examples=6, deadline=None)
 @given(
-    seed=SEEDS,
-    order=st.integers(1, 6),
-    slab=st.floats(0.05, 0.45),
-    t_end=st.floats(0.5, 15.0),
-    steady=st.booleans(),
+    seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.05, 0.45), t_end=st.floats(0.5, 15.0), steady=st.booleans()
 )
 def test_extremes_are_those_of_dense_samples(seed, order, slab, t_end, steady):
     start = {"start": "steady"} if steady else {}

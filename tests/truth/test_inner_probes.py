@@ -19,12 +19,7 @@ def scene(**more) -> Scene:
             "two": {"nodes": ["b", "right"], "z0": Z2, "delay": 1.3},
         },
         "sources": {
-            "s": {
-                "at": "left",
-                "kind": "voltage",
-                "value": {"shape": "step", "to": 1, "at": AT},
-                "resistance": RS,
-            }
+            "s": {"at": "left", "kind": "voltage", "value": {"shape": "step", "to": 1, "at": AT}, "resistance": RS}
         },
         "links": {
             "r": {"kind": "resistor", "nodes": ["a", "inner"], "resistance": R},

@@ -33,17 +33,7 @@ def test_units_agree_with_pint(symbol: str) -> None:
     assert to_si(f"1 {symbol}", unit) == pytest.approx(theirs.magnitude, rel=1e-14)
 
 
-COMPOUND = [
-    "bar/(m^3/s)",
-    "Pa*s/m^3",
-    "km/h",
-    "L/min",
-    "psi/ft",
-    "kg/m/s**2",
-    "uF/km",
-    "(m/s)**2/(K*mm)",
-    "ohm/m*s",
-]
+COMPOUND = ["bar/(m^3/s)", "Pa*s/m^3", "km/h", "L/min", "psi/ft", "kg/m/s**2", "uF/km", "(m/s)**2/(K*mm)", "ohm/m*s"]
 
 
 @pytest.mark.parametrize("text", COMPOUND)

@@ -72,10 +72,7 @@ def ramped_later(scene, t, rise):
         (
             {
                 "wall_thickness": "2 mm",
-                "creep": [
-                    {"compliance": "1e-10 1/Pa", "time": "50 ms"},
-                    {"compliance": "1e-11 1/Pa", "time": "5 ms"},
-                ],
+                "creep": [{"compliance": "1e-10 1/Pa", "time": "50 ms"}, {"compliance": "1e-11 1/Pa", "time": "5 ms"}],
             },
             1e-6,
         ),

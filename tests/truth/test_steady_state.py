@@ -214,12 +214,7 @@ TORN = "no steady state: lossless lines join different ideal efforts, got "
             {},
             "sources.s: no steady state: nothing takes the flow, expected a load that does, got 2 A",
         ),
-        (
-            "electrical",
-            {},
-            ACTIVE,
-            "start: no steady state: active loads cancel the inertia of lines, expected 'rest'",
-        ),
+        ("electrical", {}, ACTIVE, "start: no steady state: active loads cancel the inertia of lines, expected 'rest'"),
     ],
 )
 def test_where_there_is_none(medium, sources, loads, message):

@@ -335,7 +335,7 @@ def test_check_valves_let_nothing_back(tmp_path):
         (
             {"\n a 20 30": "\n up:valve 5 0\n a 20 30", "spare a b": "spare a up:valve", "0 Closed": "0 Open"},
             "pipe 'up': its check valve",
-        ),
+        )
     ],
 )
 def test_what_no_scene_has(tmp_path, changes, said):

@@ -58,10 +58,7 @@ def test_a_route_passes_the_nodes_listed(town: Result) -> None:
     ("nodes", "sentence"),
     [
         (("lake", "towr"), "path: no such node, expected 'tower', got 'towr'"),
-        (
-            ("suction", "lift"),
-            "path: no line lies on it, expected nodes between which there is one, got suction and",
-        ),
+        (("suction", "lift"), "path: no line lies on it, expected nodes between which there is one, got suction and"),
         (("lake", "c", "c"), "path: leads nowhere, expected two different nodes, got 'c' twice"),
     ],
 )
