@@ -117,18 +117,15 @@ def test_nothing_is_more_wrong_than_told(seed):
                 assert np.abs(found - true).max() <= 3 * min(error, tol) * amplitude + rounding
 
 
-@pytest.mark.parametrize("seed", [374, 853, 3358, 9120, 403, 4756, 0])
-def test_nothing_is_more_wrong_than_told_beside_what_has_a_state(seed):
-    """Regulators that left an end of their travel (the first four), or that were found no opening to begin with."""
-    result = simulate(random_stores(seed), tol=1e-3)
-    assert result.accuracy.met
-    assert excess(result) <= MOST
+@pytest.mark.parametrize(
+    ("seed", "tol"), [*((seed, 1e-3) for seed in (374, 853, 3358, 9120, 403, 4756, 0)), (6345, 1e-2), (9498, 1e-2)]
+)
+def test_nothing_is_more_wrong_than_told_beside_what_has_a_state(seed, tol):
+    """Regulators that left an end of their travel (the first four), or that were found no opening to begin with.
 
-
-@pytest.mark.parametrize("seed", [6345, 9498])
-def test_fronts_too_small_to_be_followed_count_as_errors(seed):
-    """Two runs that leave out the same fronts do not differ by them."""
-    result = simulate(random_stores(seed), tol=1e-2)
+    To 1e-2, two runs that leave out the same fronts do not differ by them: these count as errors.
+    """
+    result = simulate(random_stores(seed), tol=tol)
     assert result.accuracy.met
     assert excess(result) <= MOST
 
