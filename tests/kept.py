@@ -6,22 +6,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline import InputError, Result, Scene
 from tline.cli.report import summary
-from tline.errors import InputError
-from tline.scene.scene import Scene
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.dense_output import extremes
-from tline.solver.result.result import Result
 from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it
-CELLS = (
-    4,
-    1024,
-)  # times as narrow as the finest run's slabs, beside cells, and at most as the first ones
+CELLS = (4, 1024)  # times as narrow as the finest run's slabs, beside cells, and at most as the first ones
 NEAR, FOLLOWED = 12, 1e-9  # slabs of each width behind a front, and what of the largest wave is followed there
 JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 

@@ -99,10 +99,7 @@ def random_law(rng: np.random.Generator) -> tuple[dict[str, Any], Function]:
             lambda u: size * np.clip((u - at) / band, 0, 1) * np.sqrt(np.maximum(u, 0)),
         ),
         ({"kind": "leak", "flow": size, "pressure": 1.0}, lambda u: size * np.sqrt(np.maximum(u, 0))),
-        (
-            {"kind": "demand", "flow": size, "required_pressure": at},
-            lambda u: size * np.sqrt(np.clip(u / at, 0, 1)),
-        ),
+        ({"kind": "demand", "flow": size, "required_pressure": at}, lambda u: size * np.sqrt(np.clip(u / at, 0, 1))),
         (
             {"kind": "table", "points": [[-1, -size], [0, 0], [at, 0], [at + 1, size]]},
             lambda u: np.where(u < 0, size * u, size * np.maximum(u - at, 0)),

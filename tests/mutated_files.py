@@ -13,9 +13,8 @@ from pathlib import Path
 from random import Random
 
 from passivity import check_samples, fit_scattering, read_touchstone
-from tline.errors import InputError
+from tline import InputError, Scene
 from tline.interchange.spice import read_spice
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 
 FOLDER = Path(__file__).parent / "decks"

@@ -5,9 +5,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from tline import Result, Scene
 from tline.pictures.path import Route
-from tline.scene.scene import Scene
-from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning, simulate
 
 Z0, TANK, FLOW = 4.7e7, 6e5, 0.01

@@ -110,10 +110,7 @@ def sloping(seed: int, lift: float = 0.0, load: str = "closed", link: str = "", 
         links={"link": _element(LINKS.get(link) or MULTIPORTS[link], link, nodes=["b", far])} if link else {},
         loads=loads,
         sources=sources,
-        probes={
-            "near": {"at": "b", "line": "upper"},
-            "far": {"at": "d"},
-        }
+        probes={"near": {"at": "b", "line": "upper"}, "far": {"at": "d"}}
         | ({} if friction else {"middle": {"line": "upper", "position": "40 %"}}),
         rating="6 bar",
         **scene,

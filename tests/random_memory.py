@@ -194,11 +194,9 @@ def _size(rng: np.random.Generator) -> float:
 
 
 def _delays(rng: np.random.Generator, n: int) -> NDArray:
-    return (
-        rng.choice([0.5, 1.0, 1.5], n),
-        rng.uniform(0.5, 1.5, n),
-        10 ** rng.uniform(-1, 0.477, n),
-    )[int(rng.integers(3))]
+    return (rng.choice([0.5, 1.0, 1.5], n), rng.uniform(0.5, 1.5, n), 10 ** rng.uniform(-1, 0.477, n))[
+        int(rng.integers(3))
+    ]
 
 
 def _tree(rng: np.random.Generator) -> list[dict[str, Any]]:

@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.scene import Scene
-from tline.solver.result.result import Result
-from tline.solver.simulate import simulate
+from tline import Result, Scene, simulate
 
 FIXED_ORDER, SLABS = 3, (96, 192, 768, 3072)  # slabs of ever finer references in the shortest delay
 INSTANTS, FAINT, ROUNDED = 200, 1e-6, 1e-9

@@ -10,14 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_network import STILL, TRICKLE, WaterNetwork
 from tline.interchange.water_scene import water_scene
-from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated
 

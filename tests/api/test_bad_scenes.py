@@ -333,7 +333,7 @@ JUNCTION = '[lines.other]\nnodes = ["far", "x"]\nz0 = 1\ndelay = 5\n'
 
 def test_junctions(tmp_path):
     begins = [
-        "loads.end: node 'far' is a junction, and only the end of one line can be matched, expected a resistor, got 2",
+        "loads.end: node 'far' is a junction, and only the end of one line can be matched, expected a resistor, got 2"
     ]
     agree(mistakes_of(CABLE.replace(END, 'kind = "matched"') + JUNCTION, tmp_path), begins)
 

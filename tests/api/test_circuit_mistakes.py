@@ -2,9 +2,8 @@
 
 import pytest
 
-from tline.errors import SceneError
+from tline import Scene, SceneError
 from tline.scene.plausible import plausibility_notes
-from tline.scene.scene import Scene
 
 LINES = {"one": {"nodes": ["a", "b"], "z0": 50, "delay": "1 ns"}, "two": {"nodes": ["c", "d"], "z0": 50, "delay": 1e-9}}
 

@@ -55,10 +55,7 @@ def test_answers(command, words):
 @pytest.mark.parametrize(
     ("command", "sentence"),
     [
-        (
-            "bode --angle '90 deg'",
-            "--angle: not physical, expected more than 0 and less than 90",
-        ),
+        ("bode --angle '90 deg'", "--angle: not physical, expected more than 0 and less than 90"),
         ("bode --angle 45", "--angle: the unit is missing, expected a quantity such as '45 deg', got '45'"),
         ("bode --radius 0.1", "--radius: the unit is missing, expected a quantity such as '1 m', got '0.1'"),
         ("bode --radius '0 m'", "--radius: not physical, expected more than 0"),

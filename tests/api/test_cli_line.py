@@ -90,14 +90,8 @@ def test_what_is_hardly_meant_is_a_note_and_in_json() -> None:
 
 
 MISTAKES = [
-    (
-        "hydraulic",
-        "hydraulic line: z0 and wave_speed or delay cannot be found, add for example wave_speed with z0",
-    ),
-    (
-        "hydraulic --radius 1 --density 1000",
-        "hydraulic line: z0 and wave_speed or delay cannot be found, add wave_",
-    ),
+    ("hydraulic", "hydraulic line: z0 and wave_speed or delay cannot be found, add for example wave_speed with z0"),
+    ("hydraulic --radius 1 --density 1000", "hydraulic line: z0 and wave_speed or delay cannot be found, add wave_"),
     (
         "hydraulic --radius 1 --diameter 3",
         "hydraulic line: radius and diameter clash: 2*radius gives 2 m but diameter is 3 m, 33.3 % apart",
@@ -105,40 +99,19 @@ MISTAKES = [
     ("hydraulic --radius -1", "--radius: not positive, expected more than 0, got '-1'"),
     ("hydraulic --radius=-1m", "--radius: not positive, expected more than 0, got '-1m'"),
     ("hydraulic --radius 0", "--radius: not positive, expected more than 0, got '0'"),
-    (
-        "hydraulic --wave-speed nan",
-        "--wave-speed: not a finite number, expected a speed such as '1 m/s', got 'nan'",
-    ),
-    (
-        "hydraulic --wave-speed inf",
-        "--wave-speed: not a finite number, expected a speed such as '1 m/s', got 'inf'",
-    ),
-    (
-        "hydraulic --radius '10 s'",
-        "--radius: this unit measures something else, expected a length such as '1 m', got",
-    ),
+    ("hydraulic --wave-speed nan", "--wave-speed: not a finite number, expected a speed such as '1 m/s', got 'nan'"),
+    ("hydraulic --wave-speed inf", "--wave-speed: not a finite number, expected a speed such as '1 m/s', got 'inf'"),
+    ("hydraulic --radius '10 s'", "--radius: this unit measures something else, expected a length such as '1 m', got"),
     ("hydraulic --radius '10 cn'", "--radius: unknown unit 'cn', expected"),
-    (
-        "hydraulic --radius ''",
-        "--radius: there is no number in front, expected a length such as '1 m', got ''",
-    ),
-    (
-        "hydraulic --radius 1 --fluid watr",
-        "--fluid: unknown fluid, expected 'water' (known are 'water' or 'hydraulic",
-    ),
+    ("hydraulic --radius ''", "--radius: there is no number in front, expected a length such as '1 m', got ''"),
+    ("hydraulic --radius 1 --fluid watr", "--fluid: unknown fluid, expected 'water' (known are 'water' or 'hydraulic"),
     (
         "hydraulic --radius 1 --fluid water --temperature '15 C'",
         "--temperature: C is the coulomb, expected a temperature such as '20 degC' or '300 K', got '15 C'",
     ),
-    (
-        "hydraulic --radius 1 --fluid water --temperature 20",
-        "--temperature: no liquid water at 0.1 MPa, expected",
-    ),
+    ("hydraulic --radius 1 --fluid water --temperature 20", "--temperature: no liquid water at 0.1 MPa, expected"),
     ("electrical --inner-diameter 1 --spacing 2", "electrical line: not one complete geometry, expected"),
-    (
-        "electrical --wire-diameter 1 --spacing 1",
-        "--spacing: the conductors touch or overlap, expected more than 1 m",
-    ),
+    ("electrical --wire-diameter 1 --spacing 1", "--spacing: the conductors touch or overlap, expected more than 1 m"),
     (
         "electrical --wire-diameter '2 cm' --height '5 mm' --earth 100",
         "--height: the conductors touch or overlap, expected more than 0.01 m",

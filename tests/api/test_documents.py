@@ -75,11 +75,7 @@ OTHERS = {
 }  # what snippets import beside the standard library
 
 
-@pytest.mark.parametrize(
-    "page",
-    [page for page in PAGES if blocks(page, "python")],
-    ids=lambda page: page.stem,
-)
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem)
 def test_snippets_import_whole_packages(page):
     """Nobody has to know in which module a name lives."""
     for block in blocks(page, "python"):

@@ -4,9 +4,7 @@ import re
 
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import InputError, Scene, simulate
 
 SOUND = {
     "medium": "hydraulic",
@@ -35,10 +33,7 @@ def scene(load: dict | None = None, link: dict | None = None, **more) -> Scene:
         ({"kind": "orifice", "kv": 3, "cv": 4}, "loads.x: its capacity is not given once"),
         ({"kind": "orifice", "kv": -3}, "loads.x.kv: kv out of range, expected more than 0"),
         ({"kind": "orifice", "loss_coefficient": -1, "area": 1}, "loss coefficient out of range, expected more than 0"),
-        (
-            {"kind": "orifice", "loss_coefficient": 1},
-            "its capacity is not given once",
-        ),
+        ({"kind": "orifice", "loss_coefficient": 1}, "its capacity is not given once"),
         ({"kind": "orifice", "kv": 3, "opening": 1.5}, r"loads.x.opening: out of range, expected from 0 to 1, got 1.5"),
         ({"kind": "orifice", "kv": 3, "opening": "3 bar"}, "loads.x.opening: "),
         (
@@ -89,10 +84,7 @@ def test_a_load(load, message):
         ),
         ({"kind": "pump", "curve": [[0.02, 3e5]], "speed": -1}, "links.x.speed: out of range, expected zero or more"),
         ({"kind": "orifice", "kv": 1, "nodes": ["end", "end"]}, "links.x.nodes: both ends are at one node"),
-        (
-            {"kind": "orifice", "kv": 1, "nodes": ["end", "tnak"]},
-            r"nodes\[1\]: nothing else is at this node, .*'tank'",
-        ),
+        ({"kind": "orifice", "kv": 1, "nodes": ["end", "tnak"]}, r"nodes\[1\]: nothing else is at this node, .*'tank'"),
         ({"kind": "orifice", "kv": 1, "nodes": ["end"]}, "links.x.nodes: not two nodes"),
         ({"kind": "orifce", "kv": 1}, "links.x.kind: unknown, expected 'orifice'"),
         ({"kv": 1}, "links.x.kind: is missing, expected one of .*'orifice'"),

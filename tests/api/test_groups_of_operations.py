@@ -6,9 +6,8 @@ from typing import Any
 import pytest
 
 import tline as tl
-from tline.errors import InputError
+from tline import InputError, operate
 from tline.surge.event import Event, each_of
-from tline.surge.operation import operate
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
 
@@ -39,7 +38,7 @@ def test_a_list_or_a_pattern_means_what_it_fits(town, kind, name, means):
 
 
 def test_all_pumps_trip_and_their_power_returns(town):
-    given: Any = {"inertia": "1 kg m^2", "rated_speed": "1450 rpm", "t_end": "4 s", "tol": 0.05}
+    given: Any = {"inertia": "1 kg m^2", "rated_speed": "1450 rpm", "t_end": "4 s"}
     surge = operate(town, trip="*@1s", start="*uty@2s", **given)
     speeds = {trace.where: trace.values for trace in surge.result.states if trace.word == "speed"}
     assert {*speeds} == {"links.duty", "links.assist"}

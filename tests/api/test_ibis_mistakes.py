@@ -5,11 +5,9 @@ import random
 import numpy as np
 import pytest
 
-from tline.errors import InputError, SceneError
+from tline import InputError, Scene, SceneError, simulate
 from tline.scene.ibis.element import _kept
-from tline.scene.scene import Scene
 from tline.shipped import FOLDER
-from tline.solver.simulate import simulate
 
 SENDS = {"bits": "01", "bit": "1 ns"}
 TEXT = (FOLDER / "memory.ibs").read_text(encoding="utf-8")

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from tline import Scene, simulate
 from tline.scene.file import read_scene
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 from tline.study.charts.scenes import chart_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"

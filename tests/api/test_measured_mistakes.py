@@ -44,10 +44,7 @@ MISTAKES = [
     ('file = "few.s1p"', "file: 'few.s1p': too few for a model, expected at least 3, got 2"),
     ('file = "data.csv"', "file: 'data.csv': not a Touchstone file, expected .s1p to .s16p, or .ts, got .csv"),
     ('file = "two.s2p"', "file: 'two.s2p': not a reflection, expected S of one port, got S of 2 ports"),
-    (
-        'file = "active.s1p"',
-        "file: 'active.s1p': |S| = 1.2 at 4e+07 Hz: no passive one-port within the tolerance",
-    ),
+    ('file = "active.s1p"', "file: 'active.s1p': |S| = 1.2 at 4e+07 Hz: no passive one-port within the tolerance"),
     ('file = "series.s1p"', "file: 'series.s1p': the model with 2 poles is not proved passive: |S| > 1 "),
     ('file = "noise.s1p"', "tolerance: no model of up to 24 poles is that near to the samples, expected at least 0."),
     ('file = "a\\u0000b.s1p"', "file: 'a\\x00b.s1p' cannot be read"),

@@ -22,13 +22,10 @@ import drives
 import friction
 import passivity
 from passivity import RationalFunction, RationalMatrix, StateSpace
-from tline.errors import ActiveError, InputError, SceneError
-from tline.line import ElectricalLine, HydraulicLine
+from tline import ActiveError, ElectricalLine, HydraulicLine, InputError, Scene, SceneError, sweep
 from tline.scene.file import read_scene, scene_from
-from tline.scene.scene import Scene
 from tline.scene.user_defined import UserLink, UserLoad
 from tline.solver.simulate import UnresolvedWarning, simulate
-from tline.sweeps import sweep
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("*.toml"))
 LARGEST = 350_000  # bytes of a short run of a shipped scene

@@ -22,10 +22,7 @@ STUDY = {
     "run": {"t_end": "2 s", "cavities": False},
     "paths": [["lake", "tower"]],
     "variants": {"vessel": {"loads": {"vessel": VESSEL}}},
-    "events": {
-        "power failure": {"trip": "duty@0.5s"},
-        "burst": {"burst": "b*:5 L/s@0.5s", "each": "nodes"},
-    },
+    "events": {"power failure": {"trip": "duty@0.5s"}, "burst": {"burst": "b*:5 L/s@0.5s", "each": "nodes"}},
 }
 
 

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import tline as tl
-from tline.errors import InputError
+from tline import InputError, operate
 from tline.solver.result.save import save_states
-from tline.surge.operation import operate
 from tline.surge.tables import tables
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"

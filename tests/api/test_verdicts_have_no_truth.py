@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import passivity
-from passivity import RationalFunction, Status
-from passivity.sampled.model import PoleResidueModel
+from passivity import PoleResidueModel, RationalFunction, Status
 from passivity.status import Decided
 from tline.solver.description.passive import CircuitVerdict
 

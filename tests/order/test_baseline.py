@@ -6,8 +6,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene
 from tline.scene.waveform import Shape
 from tline.study.baseline import BASELINES
 from tline.study.charts.scenes import chart_scene
@@ -134,10 +133,7 @@ def test_a_grid_is_for_friction_alone():
 @pytest.mark.parametrize(
     ("changed", "sentence"),
     [
-        (
-            {"probes": {"p": {"line": "line", "position": "25 %"}}},
-            "probes.p: baseline methods see nodes only",
-        ),
+        ({"probes": {"p": {"line": "line", "position": "25 %"}}}, "probes.p: baseline methods see nodes only"),
         ({"start": "steady"}, "start: baseline methods start at rest only"),
         (
             {"loads": {"v": {"at": "far", "kind": "switch", "before": 1, "after": 2, "time": 1}}},

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from bounces import COILS, SERIES, closed_form, scene_of
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 SWING = {"shape": "sine", "amplitude": 0.2, "frequency": 0.7, "offset": 0.7, "phase": "90 deg"}
 

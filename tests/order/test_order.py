@@ -6,12 +6,11 @@ from math import exp, pi, sqrt
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.scene.waveform import Shape
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.loop.march import march
-from tline.solver.simulate import simulate
 from tline.study.reference.network import ReferenceNetwork
 from tline.study.reference.rays import Scatterer, rays
 

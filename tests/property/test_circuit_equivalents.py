@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 RAMP = {"shape": "ramp", "to": 10.0, "duration": 0.5}
 DRIVE = {"kind": "voltage", "value": RAMP}

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from random_circuits import random_circuit
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 NAMES = ["a", "b", "m1", "m2"]
 

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import InputError, Scene, simulate
 
 SEEDS = range(12)
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from circuit_twin import Twin
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 Z0, EMF, RISE, SLAB, SLABS = [50.0, 70.0], 10.0, 0.5, 0.1, 60
 NAMES = ["a", "b", "m1", "m2", "m3"]

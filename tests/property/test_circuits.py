@@ -10,13 +10,11 @@ from energy import silent
 from random_chains import fade, random_chains
 from random_circuits import Table, random_circuit
 
-from tline.errors import ActiveError, InputError
-from tline.scene.scene import Scene
+from tline import ActiveError, InputError, Scene, simulate
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.loop.march import Stepper
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 
 SLABS, SCENES = 40, 8
 AT_ONCE = 1e-13  # of the energy at the start, in one slab: roundings

@@ -6,11 +6,10 @@ from energy import InLoads, on_lines
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.loop.march import Kernel
-from tline.solver.simulate import simulate
 
 SLABS = 400
 ROUNDING = 1e-14  # of the energy at the start, in a slab

@@ -7,9 +7,8 @@ import mpmath
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from passivity import Kind, Status, verify
 from passivity.calculus.ask import ask
-from passivity.calculus.proof import verify
-from passivity.status import Kind, Status
 
 positive = st.fractions(Fraction(1, 20), 20, max_denominator=20).map(lambda x: f"({x})")
 loads = st.builds("({0} + {1}*s + 1/({2}*s))".format, positive, positive, positive) | positive

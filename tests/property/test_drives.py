@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from drives import Belt, CoupledDrives, Pulley, Spool, Torque, simulate
 from drives.energy import open_torques, powers, storage
-from passivity import StateSpace, Status, check_positive_real, verify
-from passivity.rational.function import RationalFunction
+from passivity import RationalFunction, StateSpace, Status, check_positive_real, verify
 
 sizes = st.floats(-3, 3).map(lambda x: float(f"{10**x:.6g}"))
 spools, belts = st.builds(Spool, sizes, sizes | st.just(0.0), sizes), st.builds(Belt, sizes, sizes | st.just(0.0))

@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import pytest
@@ -28,17 +29,21 @@ def test_nothing_is_said_of_what_is_right(seed):
             {"period": rng.uniform(1e-3, 0.02), "delay": rng.uniform(0.0, 0.01)} if seed % 2 else {"filter_time": 0.01}
         )
         how |= looks | ({"limit": 3.0} if seed % 4 < 2 else {})
-        run = simulate_control(design(DRIVES, 20, 20), Torque.step(0.2), Torque.step(5.0, 0.1), **how)
-        assert not [one for one in run.verdicts if "disagree" in one]
+        steered = simulate_control(design(DRIVES, 20, 20), Torque.step(0.2), Torque.step(5.0, 0.1), **how)
+        assert not [one for one in steered.verdicts if "disagree" in one]
 
 
-RUN = simulate(DRIVES, *TORQUES, t_end=2.0, step=0.02, slack=True, friction=LAWS)
+@cache
+def run() -> Any:
+    return simulate(DRIVES, *TORQUES, t_end=2.0, step=0.02, slack=True, friction=LAWS)
+
+
 TOLD: dict[str, Any] = {"parts": DRIVES, "inputs": TORQUES, "slack": True, "dry": LAWS}
 
 
 def test_the_run_that_faults_are_put_into_is_right():
-    assert sum(map(len, RUN.events.values())) > 2
-    assert doubts(run=RUN, **TOLD) == ()
+    assert sum(map(len, run().events.values())) > 2
+    assert doubts(run=run(), **TOLD) == ()
 
 
 @pytest.mark.parametrize("change", [
@@ -50,5 +55,5 @@ def test_the_run_that_faults_are_put_into_is_right():
     {"slack": False},
 ])  # fmt: skip
 def test_another_mechanism_is_found(change):
-    (verdict,) = doubts(run=RUN, **TOLD | change)
+    (verdict,) = doubts(run=run(), **TOLD | change)
     assert verdict.startswith("two methods disagree at ")

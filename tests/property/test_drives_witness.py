@@ -8,20 +8,9 @@ import pytest
 from flint import fmpq_mat
 
 import drives.simulation
-from drives import (
-    Belt,
-    CoupledDrives,
-    InputError,
-    Pulley,
-    Spool,
-    Torque,
-    design,
-    simulate,
-    simulate_control,
-)
+from drives import Belt, CoupledDrives, Energy, InputError, Pulley, Spool, Torque, design, simulate, simulate_control
 from drives.by_hand import Control
 from drives.discretise import legs
-from drives.energy import Energy
 from drives.witness import doubts
 
 SAID = "two methods disagree at "

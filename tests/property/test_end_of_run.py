@@ -9,12 +9,9 @@ from hypothesis import strategies as st
 from random_kinks import random_kinks
 from random_scenes import random_scene
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate, sweep
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.interior import inside
-from tline.solver.simulate import simulate
-from tline.sweeps.runs import sweep
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SEEDS = st.integers(0, 10_000)
@@ -46,11 +43,7 @@ def dense(seen, t_end: float, letter: str = "u") -> np.ndarray:
 
 @settings(max_examples=6, deadline=None)
 @given(
-    seed=SEEDS,
-    order=st.integers(1, 6),
-    slab=st.floats(0.05, 0.45),
-    t_end=st.floats(0.5, 15.0),
-    steady=st.booleans(),
+    seed=SEEDS, order=st.integers(1, 6), slab=st.floats(0.05, 0.45), t_end=st.floats(0.5, 15.0), steady=st.booleans()
 )
 def test_extremes_are_those_of_dense_samples(seed, order, slab, t_end, steady):
     start = {"start": "steady"} if steady else {}

@@ -9,7 +9,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from random_scenes import random_scene
 
-from tline.errors import InputError
+from tline import InputError, simulate
 from tline.scene.file import read_scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
@@ -17,7 +17,6 @@ from tline.solver.loop import march
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.result import ProbeResult
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 10**6)
 SAME = 1e-12  # roundings of another order

@@ -80,9 +80,7 @@ def test_clamps_of_any_rates_are_as_told(seed):
     """Rates over ten decades, most of them far beyond those of the slabs; to a tolerance, and fixed by hand."""
     rng = np.random.default_rng(seed)
     clamp = Clamp(
-        10.0 ** rng.uniform(-9, -2),
-        10.0 ** rng.uniform(-4, 1),
-        10.0 ** rng.uniform(-4, -1) if seed % 2 else 0.0,
+        10.0 ** rng.uniform(-9, -2), 10.0 ** rng.uniform(-4, 1), 10.0 ** rng.uniform(-4, -1) if seed % 2 else 0.0
     )
     result = simulate(clamp.scene(), tol=1e-4)
     for name, error in off(clamp, result).items():

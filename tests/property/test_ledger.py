@@ -6,16 +6,14 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 from random_scenes import random_scene
 
+from tline import InputError, Scene, simulate
 from tline.cli.report import ledger_as_table
-from tline.errors import InputError
-from tline.scene.scene import Scene
 from tline.solver import run as runs
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.loop import march
-from tline.solver.simulate import simulate
 
 ROUNDING = 1e-13  # of the turnover: sums over some thousand slabs
 JUMPS = [[0, 1], [1.37, 1], [1.37, 0], [2.11, -1], [2.9, 0.3], [5, 0]]

@@ -6,12 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_heights import LINKS, LOADS, MULTIPORTS, WEIGHT, sloping
 
-from tline.scene.scene import Scene
+from tline import Result, Scene, simulate
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
-from tline.solver.result.result import Result
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 
 LIFT = 1000.0  # m: 9.8 MPa, of which doubles keep 2e-9 Pa
 BOUND = 1e-10  # of the largest pressure; those 2e-9 Pa are 5e-15 of it, and narrow pieces at fronts magnify them

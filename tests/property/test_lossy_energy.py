@@ -7,11 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_scenes import random_scene
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
 from tline.solver.loop.march import Kernel
-from tline.solver.simulate import simulate
 
 SLABS, PART = 2_000, 50
 SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))

@@ -10,17 +10,8 @@ from hypothesis import strategies as st
 from touchstone_files import SHIPPED, frequencies, write
 
 import tline.scene.touchstone as touchstone
-from passivity import (
-    DelayedModel,
-    SampledResponse,
-    Status,
-    check_samples,
-    enforce,
-    fit,
-    fit_scattering,
-)
-from tline.errors import SceneError
-from tline.scene.scene import Scene
+from passivity import DelayedModel, SampledResponse, Status, check_samples, enforce, fit, fit_scattering
+from tline import Scene, SceneError
 from tline.solver.loop.march import Kernel
 
 ROUNDING = 1e-12  # of the energy at the start; poles of 24 hold S to some 1e-13

@@ -7,16 +7,12 @@ from flint import fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passivity import RationalFunction, Status
+from passivity import Kind, RationalFunction, RationalMatrix, StateSpace, Status, impedances, scattering
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
 from passivity.exact.positive_real import check_bounded_real, check_positive_real, refuted_or_undecided
 from passivity.floats.axis import analyse
 from passivity.floats.system import FloatSystem
-from passivity.rational.elements import impedances, scattering
-from passivity.rational.matrix import RationalMatrix
-from passivity.rational.state_space import StateSpace
-from passivity.status import Kind
 
 s = RationalFunction.from_expression("s")
 ZERO = RationalFunction.constant(Fraction(0))

@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 from random_scenes import random_scene
 
-from tline.errors import ActiveError
-from tline.scene.scene import Scene
-from tline.solver.prepared import Prepared, prepare
-from tline.solver.result.result import Result
-from tline.solver.simulate import simulate
+from tline import ActiveError, Prepared, Result, Scene, prepare, simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 TOL, CLOSE, ROUNDING = 1e-6, 1e-11, 1e-11

@@ -6,10 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_pockets import random_pockets
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
 STILL = 1e-8  # of the largest effort: roots of drops within rounding, and what pockets shift to bound a valve exactly

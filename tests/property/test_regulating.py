@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 LINE = {"diameter": 0.2, "wave_speed": 1000, "density": 1000}
 KEEPS = {"downstream": "set_pressure", "upstream": "set_pressure", "level": "set_pressure", "flow": "set_flow"}

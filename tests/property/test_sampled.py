@@ -6,12 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passivity import Status, verify
-from passivity.sampled.check import check_samples
-from passivity.sampled.enforce import enforce
-from passivity.sampled.fit import fit
-from passivity.sampled.model import PoleResidueModel
-from passivity.sampled.response import SampledResponse
+from passivity import PoleResidueModel, SampledResponse, Status, check_samples, enforce, fit, verify
 
 W = np.linspace(0.01, 4, 40)
 elements = st.floats(0.01, 100)

@@ -8,10 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tline.interchange.netlist_text import spice_text
-from tline.interchange.spice import read_spice
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
+from tline.interchange import read_spice, spice_text
 
 NS, level = 1e-9, st.floats(-3, 3)
 SURGE = {"shape": "double exponential", "rise": 0.4 * NS, "decay": 2 * NS}

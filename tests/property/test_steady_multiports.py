@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from random_elements import random_elements
 from random_pockets import random_pockets
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import above_level
 

@@ -7,11 +7,10 @@ from flint import fmpz_mpoly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passivity import ExpressionError, Kind, RationalFunction, Status, check_positive_real
+from passivity import ExpressionError, Kind, Range, RationalFunction, Status, check_positive_real, parse_assumption
 from passivity.calculus.ask import of_text as check_symbolic
 from passivity.calculus.proof import lines
 from passivity.exact.positive_real import check
-from passivity.symbolic.assumption import Range, parse_assumption
 from passivity.symbolic.domain import Domain
 
 NAMES = "ABCDEF"

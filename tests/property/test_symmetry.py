@@ -7,14 +7,13 @@ from hypothesis import strategies as st
 from random_scenes import random_scene
 from twin import efforts, efforts_in_pieces
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.assembly.assemble import assemble
 from tline.solver.assembly.workspace import SAMPLES
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.loop.march import Stepper
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 
 SEEDS = st.integers(0, 2**32 - 1)
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")

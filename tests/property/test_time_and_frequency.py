@@ -7,10 +7,9 @@ from hypothesis import strategies as st
 from random_multiports import multiport_scenes
 from random_scenes import random_scene
 
+from tline import Scene, simulate
 from tline.frequency.response import respond
-from tline.scene.scene import Scene
 from tline.solver.radau import gauss
-from tline.solver.simulate import simulate
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 DAMPING, T_END = 0.5, 60.0  # e^(-30) of what comes after the run counts

@@ -2,9 +2,8 @@
 
 import pytest
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.witness.witness import Witness
 
 PIPE = {"wave_speed": "1000 m/s", "diameter": "0.2 m", "density": "1000 kg/m^3"}

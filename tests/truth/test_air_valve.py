@@ -5,8 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 Z0, TURN, HEAD, OUTSIDE, T_END = 2e7, 0.2, 3e5, 101_325.0, 0.94
 FLOW, SHUT, EARLY = 0.04, 0.03, 1e-10  # m³/s, s, s

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.frequency.response import respond
 from tline.scene.attenuation import DECIBEL, TYPES, Attenuation
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 from tline.study.reference.lossy import Drive, lossy_response
 
 PER = {"dB/100ft": 30.48, "dB/100m": 100.0, "dB/km": 1000.0}  # m

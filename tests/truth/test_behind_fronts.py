@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 from tline.study.charts.measure import Judge
 from tline.study.charts.scenes import chart_scene
 from tline.study.charts.work_precision import simulated

@@ -5,9 +5,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.result.dense_output import curve
-from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD, FLOW, VAPOUR = 2e7, 0.1, 3e5, 0.04, 2339.0 - 101_325.0
 TURN = 2 * DELAY

@@ -7,13 +7,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BarycentricInterpolator
 
+from tline import Scene, simulate
 from tline.scene.file import read_scene
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.interior import inside
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD, FLOW = 2e7, 0.4, 3e5, 0.03
 PLACES, GAS, ABOVE_VAPOUR = 3, 3e-4, 101_325.0 - 2339.0

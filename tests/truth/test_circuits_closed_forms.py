@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 from bounces import COILS, SERIES, Z0, C, L, R, closed_form, inverse, leaving, scene_of
 
+from tline import Scene, simulate
 from tline.scene.characteristic import BOLTZMANN, CHARGE
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 
 
 @pytest.mark.parametrize("link", [SERIES, COILS], ids=["series RLC", "coupled coils"])

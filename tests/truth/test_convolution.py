@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 DELAY, PIPE = 1e-9, 36.09 / 1324
 SKIN = {"resistance": 60, "frequency": "10 GHz"}

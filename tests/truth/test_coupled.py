@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import InputError, Scene, simulate
 
 NS = 1e-9
 EVEN, ODD = (60.0, 1.1 * NS), (40.0, 0.9 * NS)

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 NS = 1e-9
 LL, LM, CC, CM = 3e-7, 1e-7, 1e-10, -2e-11

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from random_scenes import random_scene
 
-from tline.errors import InputError
+from tline import InputError, Scene
 from tline.frequency.delay_system import DelaySystem
-from tline.scene.scene import Scene
 
 T, Z0, RS, R, C = 1e-9, 50.0, 25.0, 100.0, 4e-12
 

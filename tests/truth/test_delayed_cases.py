@@ -13,12 +13,8 @@ import mpmath
 import pytest
 from rightmost_roots import rightmost_roots
 
-from passivity import verify
+from passivity import ExpressionError, Kind, RationalFunction, Status, roots_right, verify
 from passivity.calculus.ask import ask
-from passivity.delayed.roots import roots_right
-from passivity.errors import ExpressionError
-from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
 
 CASES = json.loads((Path(__file__).parent / "delayed_cases.json").read_text(encoding="utf-8"))["cases"]
 DECIDED = [case for case in CASES if case["verdict"] != "undefined"]

@@ -7,9 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from tline import Scene, simulate
 from tline.design import closure, flywheel, relief, vessel
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 
 LENGTH, DIAMETER, DENSITY, FLOW, AIR = 900.0, 0.25, 1000.0, 0.05, 101_325.0
 AREA = pi / 4 * DIAMETER**2

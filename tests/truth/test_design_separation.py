@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from tline import InputError, Scene
 from tline.cli.main import main
 from tline.design.columns import separation
-from tline.errors import InputError
 from tline.scene.file import read_scene
-from tline.scene.scene import Scene
 
 SCENE = Path(__file__).parents[2] / "scenes" / "column_separation.toml"
 Z0, HEAD, FLOW = 2e7, 50e5, 0.03

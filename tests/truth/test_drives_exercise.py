@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from drives_parts import ASSEMBLY, BELT, DRIVE, PULLEY
 
-from drives import Belt, CoupledDrives, Pulley, Spool, Torque, check_pulley, design, reach, simulate_control
-from drives.control import PI, Design
+from drives import PI, Belt, CoupledDrives, Design, Pulley, Spool, Torque, check_pulley, design, reach, simulate_control
 
 UNEQUAL = CoupledDrives(
     Spool(2e-3, 0.03, 0.07), Spool(5e-4, 0.2, 0.13), Belt(40, 0.3), Belt(90, 0.05), Pulley(150, math.radians(37))

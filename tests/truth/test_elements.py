@@ -10,10 +10,9 @@ from method_of_steps import NODES, WEIGHTS
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from tline import Scene, simulate
 from tline.scene.characteristic import BOLTZMANN, CHARGE
 from tline.scene.pump_curves import TABLES
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD, KV = 2e7, 0.1, 6e5, 120.0
 CAPACITY = KV / 3600 / 1e5**0.5

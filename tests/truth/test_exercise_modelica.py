@@ -34,10 +34,7 @@ LIBRARY = {  # connectors with their kind, and equations
     ),
     "SpringDamper": (
         {"flange_a": TRANSLATIONAL, "flange_b": TRANSLATIONAL},
-        [
-            "flange_b.f - c*(flange_b.s - flange_a.s) - d*(der(flange_b.s) - der(flange_a.s))",
-            "flange_a.f + flange_b.f",
-        ],
+        ["flange_b.f - c*(flange_b.s - flange_a.s) - d*(der(flange_b.s) - der(flange_a.s))", "flange_a.f + flange_b.f"],
     ),
     "PartialTwoFlanges": ({"flange_a": TRANSLATIONAL, "flange_b": TRANSLATIONAL}, []),
     "Gain": ({"u": (), "y": ()}, ["y - k*u"]),

@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.frequency.oscillations import resonances
-from tline.frequency.ports import impedance, scattering_parameters
-from tline.frequency.response import respond
-from tline.scene.scene import Scene
+from tline import InputError, Scene
+from tline.frequency import impedance, resonances, respond, scattering_parameters
 
 F = np.array([1e6, 3.7e7, 2.5e8, 9.1e8, 3.3e9])
 S = 2j * np.pi * F

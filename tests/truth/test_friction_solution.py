@@ -5,8 +5,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
 from tline.study.charts.scenes import chart_scene

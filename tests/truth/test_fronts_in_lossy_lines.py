@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 from tline.study.reference.lossy import LossySolution
 
 RNG = np.random.default_rng(20)

@@ -5,10 +5,8 @@ from math import log, pi, sqrt
 import numpy as np
 import pytest
 
-from tline.errors import ActiveError
-from tline.scene.scene import Scene
+from tline import ActiveError, Scene, simulate
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.stability.growth import growth
 
 

@@ -11,14 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from passivity import Status
+from passivity import Kind, StateSpace, Status
 from passivity.exact.positive_real import check_positive_real, refuted_or_undecided
 from passivity.floats.axis import analyse
 from passivity.floats.system import FloatSystem
 from passivity.polynomial.roots import violations
 from passivity.rational.polynomial_matrix import axis_sums
-from passivity.rational.state_space import StateSpace
-from passivity.status import Kind
 
 CASES = json.loads((Path(__file__).parent / "multiport_cases.json").read_text(encoding="utf-8"))["cases"]
 

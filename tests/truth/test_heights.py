@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from random_heights import LOADS, WEIGHT
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 PIPE = {"nodes": ["tank", "end"], "length": "400 m", "diameter": "20 cm", "wave_speed": 1000, "density": 1000}
 ROUNDING = 1e-12

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from tline import Scene, simulate
 from tline.scene.ibis.buffer import read_buffer
-from tline.scene.scene import Scene
 from tline.shipped import FOLDER
 from tline.signal.eye_diagram import eye
-from tline.solver.simulate import simulate
 from tline.study.programs import ngspice
 
 NS = 1e-9

@@ -5,11 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.scene.ibis.buffer import read_buffer
-from tline.scene.scene import Scene
 from tline.shipped import FOLDER
-from tline.solver.simulate import simulate
 
 HEAD = "[IBIS Ver] 5.0\n[Component] X\n[Package]\nR_pkg 0\nL_pkg 0\nC_pkg 0\n[Pin] signal model\n1 A M\n2 B M\n"
 TERMINATOR = HEAD + "[Model] M\nModel_type Terminator\nC_comp 0 NA NA\n[Voltage Range] 1.2 1.1 1.3\n"

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from tline.frequency.delay_system import DelaySystem
-from tline.frequency.response import respond
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
+from tline.frequency import DelaySystem, respond
 
 RS, R, L, Z1, Z2, DELAY, AT = 50.0, 20.0, 15.0, 50.0, 70.0, 1.0, 0.33
 
@@ -21,12 +19,7 @@ def scene(**more) -> Scene:
             "two": {"nodes": ["b", "right"], "z0": Z2, "delay": 1.3},
         },
         "sources": {
-            "s": {
-                "at": "left",
-                "kind": "voltage",
-                "value": {"shape": "step", "to": 1, "at": AT},
-                "resistance": RS,
-            }
+            "s": {"at": "left", "kind": "voltage", "value": {"shape": "step", "to": 1, "at": AT}, "resistance": RS}
         },
         "links": {
             "r": {"kind": "resistor", "nodes": ["a", "inner"], "resistance": R},

@@ -6,10 +6,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
+from tline import Result, Scene, simulate
 from tline.solver.result.interior import inside
-from tline.solver.result.result import Result
-from tline.solver.simulate import simulate
 
 Z0, DELAY, LENGTH, R, G, NEAR, FAR, RISE = 50.0, 5e-9, 1.0, 30.0, 4e-3, 20.0, 150.0, 3e-9
 

@@ -9,8 +9,7 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 grid = runpy.run_path(str(Path(__file__).parents[2] / "scenes" / "street_grid.py"))["grid"]
 SIDE, SHUT, ROUNDING = 71, 0.1, 1e-9

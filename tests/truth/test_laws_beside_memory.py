@@ -8,8 +8,7 @@ from memory_by_bdf2 import efforts_at_laws
 from random_memory import judge, random_memory
 from remembering_scenes import SCENES, two_clamps
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 SKIN, LENGTH, R0, L0, C0, THERMAL = 3e-4, 2.0, 1.0, 250e-9, 100e-12, 0.025864925786328753
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 T, Z0, V = 5e-9, 50.0, 2.0
 LINE = {"nodes": ["near", "far"], "z0": Z0, "delay": T}

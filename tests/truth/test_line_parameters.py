@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from iapws._iapws import _Liquid
 from pint import UnitRegistry
 
-from tline import ElectricalLine, HydraulicLine
-from tline.errors import InputError
+from tline import ElectricalLine, HydraulicLine, InputError
 from tline.line import electrical
 from tline.line.materials import water
 from tline.units import PLAIN, PREFIXABLE, PREFIXES, to_si
@@ -34,17 +33,7 @@ def test_units_agree_with_pint(symbol: str) -> None:
     assert to_si(f"1 {symbol}", unit) == pytest.approx(theirs.magnitude, rel=1e-14)
 
 
-COMPOUND = [
-    "bar/(m^3/s)",
-    "Pa*s/m^3",
-    "km/h",
-    "L/min",
-    "psi/ft",
-    "kg/m/s**2",
-    "uF/km",
-    "(m/s)**2/(K*mm)",
-    "ohm/m*s",
-]
+COMPOUND = ["bar/(m^3/s)", "Pa*s/m^3", "km/h", "L/min", "psi/ft", "kg/m/s**2", "uF/km", "(m/s)**2/(K*mm)", "ohm/m*s"]
 
 
 @pytest.mark.parametrize("text", COMPOUND)

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from tline import Scene, simulate
 from tline.loss import ConstantLoss, Law, LossyLine, SkinEffect
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 from tline.study.reference.lossy import lossy_response
 
 NS, LENGTH = 1e-9, 0.2

@@ -7,9 +7,8 @@ from fractions import Fraction
 import mpmath
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene
 from tline.loss import ConstantLoss, Foster, LaminarFriction, LossyLine, SkinEffect
-from tline.scene.scene import Scene
 from tline.study.reference.lossy import Drive, LossySolution, lossy_response
 
 

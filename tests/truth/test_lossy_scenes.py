@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
 
+from tline import Scene, simulate
 from tline.frequency.response import respond
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 from tline.study.reference.lossy import Drive, lossy_response
 
 T = 36.09 / 1324
@@ -73,10 +72,7 @@ def ramped_later(scene, t, rise):
         (
             {
                 "wall_thickness": "2 mm",
-                "creep": [
-                    {"compliance": "1e-10 1/Pa", "time": "50 ms"},
-                    {"compliance": "1e-11 1/Pa", "time": "5 ms"},
-                ],
+                "creep": [{"compliance": "1e-10 1/Pa", "time": "50 ms"}, {"compliance": "1e-11 1/Pa", "time": "5 ms"}],
             },
             1e-6,
         ),

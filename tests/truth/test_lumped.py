@@ -4,21 +4,14 @@ import numpy as np
 import pytest
 from talbot import original
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 TOLERANCES = (1e-3, 1e-5, 1e-6, 1e-8)
 NS = 1e-9
 # what drives the scene, and its transform with time in ns
 SOURCES = {
-    "smooth": (
-        {"shape": "exponential", "to": 1, "time_constant": "0.4 ns"},
-        [(0.0, lambda s: 1 / s - 1 / (s + 2.5))],
-    ),
-    "ramp": (
-        {"shape": "ramp", "to": 1, "duration": "0.5 ns"},
-        [(0.0, lambda s: 2 / s**2), (0.5, lambda s: -2 / s**2)],
-    ),
+    "smooth": ({"shape": "exponential", "to": 1, "time_constant": "0.4 ns"}, [(0.0, lambda s: 1 / s - 1 / (s + 2.5))]),
+    "ramp": ({"shape": "ramp", "to": 1, "duration": "0.5 ns"}, [(0.0, lambda s: 2 / s**2), (0.5, lambda s: -2 / s**2)]),
     "step": ({"shape": "step", "to": 1}, [(0.0, lambda s: 1 / s)]),
 }
 

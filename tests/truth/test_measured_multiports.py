@@ -16,8 +16,7 @@ from touchstone_files import (
     write_ports,
 )
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 LINES = {
     "a": {"nodes": ["in", "p"], "z0": 50, "delay": "1 ns"},

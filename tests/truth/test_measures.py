@@ -7,10 +7,8 @@ import subprocess
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.interchange.spice import read_spice
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 
 SINE = {"shape": "sine", "amplitude": 2, "frequency": "100 MHz"}  # 1 V behind a matched line of 1.5 ns
 RAMP = {"shape": "ramp", "from": 0, "to": 2, "at": 0, "duration": "4 ns"}

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate
 from tline.scene.stretches import expanded
-from tline.solver.simulate import simulate
 
 NS, RISE, T_END, SAMPLES = 1e-9, 0.3e-9, 5e-9, 1 << 16
 NODES, TERMINATIONS = ("a1", "a2", "b1", "b2"), (50.0, 60.0, 75.0, 40.0)

@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from tline.errors import ActiveError, InputError, SceneError
+from tline import ActiveError, InputError, Scene, SceneError, simulate
 from tline.frequency.ports import impedance
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 
 NS = 1e-9
 RAMP = {"shape": "ramp", "to": 1, "duration": "0.25 ns"}

@@ -5,10 +5,8 @@ import shutil
 import numpy as np
 import pytest
 
+from tline import Result, Scene, simulate
 from tline.interchange.spice import read_spice
-from tline.scene.scene import Scene
-from tline.solver.result.result import Result
-from tline.solver.simulate import simulate
 from tline.study.charts.measure import Judge
 from tline.study.charts.scenes import chart_scene
 from tline.study.charts.work_precision import simulated

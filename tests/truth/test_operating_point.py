@@ -6,11 +6,9 @@ import subprocess
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.interchange.spice import read_spice
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
 SOURCE = {"s": {"at": "in", "kind": "voltage", "value": 2.0, "resistance": 50}}

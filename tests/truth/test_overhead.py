@@ -8,10 +8,9 @@ import pytest
 from scipy.special import ive
 from talbot import original
 
+from tline import Scene, simulate
 from tline.line.electrical import LIGHT, MU0
 from tline.loss import ConstantLoss, EarthReturn, RoundWire, realise
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
 
 HEIGHT, RADIUS, RESISTIVITY, RESISTANCE, LENGTH = 10.0, 0.01, 100.0, 1e-4, 10e3
 INDUCTANCE = MU0 / (2 * math.pi) * math.acosh(HEIGHT / RADIUS)

@@ -18,13 +18,7 @@ def between(links, loads=None, sources=None) -> Scene:
     }
     probes = {"p": {"at": "left"}}
     return Scene(
-        medium="electrical",
-        t_end=1,
-        lines=lines,
-        links=links,
-        loads=loads or {},
-        sources=sources or {},
-        probes=probes,
+        medium="electrical", t_end=1, lines=lines, links=links, loads=loads or {}, sources=sources or {}, probes=probes
     )
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 from tline.study.reference.friction import FrictionSolution
 from tline.study.reference.lossy import Drive, lossy_response
 

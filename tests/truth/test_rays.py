@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 from lossy_scenes import cable
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.simulate import simulate
 
 DELAY, LENGTH, SURFACE = 1e-9, mp.mpf("0.2"), mp.mpf(60) / mp.sqrt(mp.pi * 10**10)
 SKIN = {"skin": {"resistance": 60, "frequency": "10 GHz"}}

@@ -6,8 +6,7 @@ from math import comb, factorial
 import mpmath
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene
 from tline.study.reference import exact, lattice
 
 STEP = {"shape": "step", "to": 1}

@@ -7,9 +7,7 @@ import pytest
 from hydraulic_by_hand import pipe
 from method_of_steps import ByHand, Motion, integrate
 
-from tline.errors import SceneError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, SceneError, simulate
 
 LINE = {"length": 500, "diameter": 0.2, "wave_speed": 1000, "density": 1000}
 Z0 = pipe(500, 0.2, 1000).z0

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
+from tline import Scene, simulate
 from tline.loss import LossyLine
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.run import run
-from tline.solver.simulate import simulate
 from tline.study.reference.lossy import lossy_response
 
 T, LENGTH, SOURCE, LOAD = 1e-9, 0.2, 25.0, 75.0

@@ -6,14 +6,12 @@ import pytest
 from random_waterworks import waterworks
 from settling import ACCURATE, WALLS, good, measured
 
+from tline import Scene, operate, simulate
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import water_scene
-from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated
-from tline.surge.operation import operate
 
 pytest.importorskip("wntr")
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # of corners of ramps

@@ -5,13 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from tline import Scene, sweep
 from tline.compiled.structure import pack
-from tline.scene.scene import Scene
 from tline.solver.kernel.peaks import extremes, find_extremes
 from tline.solver.many.period import slab_edges
 from tline.solver.radau import basis
 from tline.study.reference import Solution
-from tline.sweeps import sweep
 
 TOL, BOUND = 1e-8, 1e-8  # asked of the estimate, and held to on copies that were not in the sample
 COPIES, SHOWN, INSTANTS = 300, 3, 25

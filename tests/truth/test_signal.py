@@ -5,13 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.scene.file import read_scene
-from tline.scene.scene import Scene
-from tline.signal.eye_diagram import eye, prbs7
-from tline.signal.load_line import bergeron
-from tline.signal.tdr import reflectometry
-from tline.solver.simulate import simulate
+from tline.signal import bergeron, eye, prbs7, reflectometry
 
 NS = 1e-9
 

@@ -5,13 +5,11 @@ import shutil
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.scene.file import read_scene
-from tline.scene.scene import Scene
 from tline.shipped import FOLDER
 from tline.signal.crosstalk import crosstalk
 from tline.signal.tdr import reflectometry
-from tline.solver.simulate import simulate
 from tline.study.programs import ngspice
 
 COUNT = 2**19

@@ -5,9 +5,7 @@ import pytest
 from hydraulic_by_hand import pipe
 from method_of_steps import Motion, integrate
 
-from tline.errors import SceneError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, SceneError, simulate
 
 DIAMETER, K = 0.2, 50.0
 BORE = np.pi / 4 * DIAMETER**2

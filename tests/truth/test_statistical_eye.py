@@ -9,11 +9,9 @@ from rc_channel import LATE, RC, T, exact_pulse
 from scipy.integrate import solve_ivp
 from scipy.stats import binom, norm
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.signal.all_patterns import best_ffe, statistical_eye
+from tline import InputError, Scene
+from tline.signal import Mask, best_ffe, mask_margin, statistical_eye
 from tline.signal.eye_diagram import FEEDBACK, prbs
-from tline.signal.eye_statistics import Mask, mask_margin
 from tline.signal.pulse import FINE, PulseResponse, pulse_response
 
 

@@ -8,11 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_scenes import random_scene
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
 ROUNDING = 1e-14  # a handful of operations, relative to the largest number of the case
@@ -216,12 +214,7 @@ TORN = "no steady state: lossless lines join different ideal efforts, got "
             {},
             "sources.s: no steady state: nothing takes the flow, expected a load that does, got 2 A",
         ),
-        (
-            "electrical",
-            {},
-            ACTIVE,
-            "start: no steady state: active loads cancel the inertia of lines, expected 'rest'",
-        ),
+        ("electrical", {}, ACTIVE, "start: no steady state: active loads cancel the inertia of lines, expected 'rest'"),
     ],
 )
 def test_where_there_is_none(medium, sources, loads, message):

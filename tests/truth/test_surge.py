@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, operate, simulate
 from tline.scene.site import GRAVITY
-from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated, usual_inertia
-from tline.surge.operation import operate
 from tline.surge.worst import RISES, SEPARATES, STOOD, worst
 
 SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01

@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 
-from tline.errors import SceneError
-from tline.frequency.ports import scattering_parameters
-from tline.frequency.response import respond
+from tline import Scene, SceneError
+from tline.frequency import respond, scattering_parameters
 from tline.loss import ConstantLoss, DielectricLoss, LossyLine, RoundWire
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.run import run
-from tline.study.reference.lossy import lossy_response
+from tline.study import lossy_response
 
 SERIES = RoundWire(0.1e-3, 5.8e7) + ConstantLoss(0, 250e-9)
 SHUNT = ConstantLoss(1e-3) + DielectricLoss(100e-12, 0.02, 1e8, (1e5, 1e11))

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from tline.errors import SceneError
+from tline import Scene, SceneError, simulate
 from tline.interchange.water_scene import read_inp
-from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
-from tline.solver.simulate import simulate
 
 PIPE = {"length": 200, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
 AREA, LEVEL, DRAWN = 2.0, 5.0, 0.02

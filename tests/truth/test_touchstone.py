@@ -5,11 +5,8 @@ import pytest
 from touchstone_files import ANTENNA, SHIPPED, behind_cable, frequencies, write, write_antenna
 
 from passivity import RationalFunction
-from tline.frequency.delay_system import DelaySystem
-from tline.frequency.oscillations import resonances
-from tline.frequency.response import respond
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
+from tline.frequency import DelaySystem, resonances, respond
 
 R1, R2, C, T, TF = 20.0, 200.0, 4e-12, 1e-9, 0.31e-9
 

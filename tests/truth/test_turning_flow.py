@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 T_END, EVERY = 4.0, 128  # s, which is so many delays; instants in a delay that are looked at
 RADIUS, DENSITY, SPEED, FACTOR = 0.025, 900.0, 1e3, 0.03

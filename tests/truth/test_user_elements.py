@@ -8,11 +8,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.scene.file import scene_from, scene_text
-from tline.scene.scene import Scene
 from tline.scene.user_defined import UserLink, UserLoad
-from tline.solver.simulate import simulate
 
 Z0, DELAY, HEAD = 2e7, 0.1, 6e5
 RAMP = {"shape": "ramp", "from": 1, "to": 0, "at": 0.05, "duration": 0.73}

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 
 AIR, P0, P1, V0 = 101_325.0, 3e5, 5e5, 0.5
 INERTIA = 1000 * 400 / 0.05  # density·length/area of the column, kg/m⁴
@@ -21,9 +20,7 @@ def test_a_polytropic_swing_has_the_extreme_and_the_period_of_its_energy(n):
         lines={"aside": {"nodes": ["lake", "dead"], "z0": 1e9, "delay": 0.05}},
         links={"column": {"nodes": ["lake", "vessel"], "kind": "inductor", "inductance": INERTIA}},
         sources={"lake": {"at": "lake", "kind": "pressure", "value": {"shape": "step", "from": P0, "to": P1}}},
-        loads={
-            "vessel": {"at": "vessel", "kind": "air vessel", "gas_volume": V0, "gas_pressure": P0, "exponent": n},
-        },
+        loads={"vessel": {"at": "vessel", "kind": "air vessel", "gas_volume": V0, "gas_pressure": P0, "exponent": n}},
         probes={"vessel": {"at": "vessel"}},
     )
 

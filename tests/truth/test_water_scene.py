@@ -8,16 +8,14 @@ import pytest
 from networks import ring
 from random_inp import random_inp
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_network import Valve
 from tline.interchange.water_scene import differences, read_inp, water_scene
 from tline.interchange.water_valves import valve_link
-from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
 wntr = pytest.importorskip("wntr")
@@ -337,7 +335,7 @@ def test_check_valves_let_nothing_back(tmp_path):
         (
             {"\n a 20 30": "\n up:valve 5 0\n a 20 30", "spare a b": "spare a up:valve", "0 Closed": "0 Open"},
             "pipe 'up': its check valve",
-        ),
+        )
     ],
 )
 def test_what_no_scene_has(tmp_path, changes, said):

@@ -6,8 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import Scene, simulate
 from tline.study.reference import lattice
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")  # fronts inside slabs

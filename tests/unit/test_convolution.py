@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.result.interior import inside
-from tline.solver.simulate import simulate
 from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.ladder import Budget, Search
 from tline.study.reference.lossy import lossy_response

@@ -3,16 +3,14 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError, SceneError
+from tline import InputError, Scene, SceneError, simulate
 from tline.interchange.netlist_text import spice_text
 from tline.line.modes import even_and_odd, modes
 from tline.pictures.lattice import only_line
 from tline.pictures.path import route
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.stability.scattering import Scattering
 from tline.study.reference.network import ReferenceNetwork
 

@@ -11,6 +11,7 @@ import pytest
 from flint import acb, arb
 from rightmost_roots import rightmost_roots
 
+from passivity import ExpressionError, Kind, RationalFunction, Status, roots_right
 from passivity.ball import of_point
 from passivity.calculus.ask import ask
 from passivity.calculus.expand import Expansion
@@ -22,11 +23,7 @@ from passivity.calculus.read import read
 from passivity.calculus.values import in_ball, in_floats
 from passivity.delayed import boxes
 from passivity.delayed.boxes import UnresolvedError, prove_in_balls, rule_balls
-from passivity.delayed.roots import roots_right
-from passivity.errors import ExpressionError
 from passivity.polynomial.sign import UndecidedError
-from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
 from passivity.verifier import check, implies, inverted, is_nonnegative, scaled
 
 INF = math.inf

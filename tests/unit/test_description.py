@@ -7,10 +7,8 @@ import pytest
 from random_elements import random_elements
 
 import tline as tl
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate
 from tline.solver.description.description import Description, describe
-from tline.solver.simulate import simulate
 from tline.solver.tolerance import search
 
 PAIR = {

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from tline.errors import SceneError
+from tline import SceneError
+from tline.scene import Pump, Ramp, Sine
 from tline.scene.factor import Characterised
 from tline.scene.law import KINDS
-from tline.scene.pump import Pump
 from tline.scene.pump_curves import RADIAL
-from tline.scene.waveform import Ramp, Sine
 from tline.solver.description.laws import laws_of
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.stores.gas import expanded

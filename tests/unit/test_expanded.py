@@ -6,14 +6,12 @@ import tomllib
 import numpy as np
 import pytest
 
-from tline.errors import InputError, SceneError
-from tline.frequency.response import respond
+from tline import InputError, Scene, SceneError
+from tline.frequency import respond
+from tline.pictures import route, surges
 from tline.pictures.along import effort_along, extremes_along, start_effort
 from tline.pictures.lattice import only_line
-from tline.pictures.map import surges
-from tline.pictures.path import route
 from tline.scene.file import scene_from, scene_text
-from tline.scene.scene import Scene
 from tline.scene.stretches import expanded
 from tline.solver.description.description import describe
 from tline.solver.many import many_runs

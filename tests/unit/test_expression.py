@@ -204,12 +204,7 @@ def test_symbols():
 def test_error_names_its_parts():
     error = ExpressionError("column 3", "something is wrong", "this", "that")
     assert isinstance(error, ValueError)
-    assert (error.where, error.problem, error.expected, error.got) == (
-        "column 3",
-        "something is wrong",
-        "this",
-        "that",
-    )
+    assert (error.where, error.problem, error.expected, error.got) == ("column 3", "something is wrong", "this", "that")
     assert str(error) == "column 3: something is wrong, expected this, got that"
     assert str(ExpressionError("", "wrong")) == "wrong"
     again = pickle.loads(pickle.dumps(error))  # as when it comes back from a worker process

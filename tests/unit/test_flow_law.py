@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, SwameeJain, quadratic, side_by_side
 from tline.scene.file import read_scene
 from tline.scene.line import Pipe
-from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.assembly.diamonds import _power_table
 from tline.solver.description.description import describe

@@ -7,16 +7,11 @@ import numpy as np
 import pytest
 from random_heights import WEIGHT, sloping
 
+from tline import Result, Scene, plot, simulate, sweep
 from tline.cli.report import as_table, judgement, summary
-from tline.pictures.path import route
-from tline.pictures.profile import plot_space_time
+from tline.pictures import plot_space_time, route
 from tline.pictures.sweep import plot_sweep
-from tline.pictures.traces import plot
-from tline.scene.scene import Scene
-from tline.solver.result.result import Result
 from tline.solver.result.save import save_csv, save_envelope, save_npz
-from tline.solver.simulate import simulate
-from tline.sweeps import sweep
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 

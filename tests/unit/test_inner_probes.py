@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
+from tline import Scene, plot, simulate
 from tline.cli.report import as_table, summary
 from tline.frequency.response import respond
-from tline.pictures.traces import plot
-from tline.scene.scene import Scene
 from tline.solver.result.save import save_csv, save_npz
-from tline.solver.simulate import simulate
 
 
 def result_of(*probes):

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from random_scenes import random_scene
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
+from tline import InputError, Scene, simulate
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.arithmetic import LOOKS, TINY, after
@@ -18,7 +17,6 @@ from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import advance
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.envelope import watch
-from tline.solver.simulate import simulate
 
 SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))
 

@@ -2,12 +2,10 @@
 
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene, simulate
 from tline.scene.heights import weight_at
-from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.result.surge import beyond_limits
-from tline.solver.simulate import simulate
 
 PIPE = {"nodes": ["a", "b"], "length": "300 m", "diameter": "200 mm", "wave_speed": 1200, "density": 1000}
 

@@ -8,8 +8,7 @@ from itertools import chain, combinations
 
 import pytest
 
-from tline import ElectricalLine, HydraulicLine
-from tline.errors import InputError
+from tline import ElectricalLine, HydraulicLine, InputError
 from tline.line.materials import HYDRAULIC_OIL, WALLS, water
 
 ROUNDING = 1e-14  # a chain of some ten operations, each to half a unit of the last place
@@ -164,10 +163,7 @@ def test_a_value_given_beside_a_named_one_counts_and_is_told() -> None:
 @pytest.mark.parametrize(
     ("temperature", "remark"),
     [
-        (
-            "110 degC",
-            "temperature: water of 383.15 K (110 degC) boils at 0.1 MPa; density and bulk modulus",
-        ),
+        ("110 degC", "temperature: water of 383.15 K (110 degC) boils at 0.1 MPa; density and bulk modulus"),
         (372.77, "temperature: water of 372.77 K (99.62 degC) boils"),
         ("-5 degC", "temperature: water of 268.15 K (-5 degC) freezes at 0.1 MPa; density"),
     ],
@@ -335,10 +331,7 @@ ELECTRICAL_MISTAKES = [
     ),
     ({"z0": 50, "permittivity": 0.9}, "permittivity: the wave would be faster than light"),
     ({"inductance": 1e-9, "capacitance": 1e-12}, "the wave would be faster than light"),
-    (
-        {"z0": "50 V"},
-        "z0: this unit measures something else, expected a resistance such as '1 ohm', got '50 V'",
-    ),
+    ({"z0": "50 V"}, "z0: this unit measures something else, expected a resistance such as '1 ohm', got '50 V'"),
 ]
 
 

@@ -5,11 +5,10 @@ from math import sqrt
 import numpy as np
 import pytest
 
+from tline import Scene
+from tline.scene import Capacitor, Impedance, Inductor, Parallel, Resistor, Series, Source
 from tline.scene.heights import taken_as_zero
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Ports, Transformer
-from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
-from tline.scene.scene import Scene
-from tline.scene.source import Source
 from tline.solver.description.passive import active_impedances
 
 R, L, C, BETWEEN = 50.0, 2e-9, 3e-12, ("a", "b")

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
 
-from tline.errors import InputError, SceneError
-from tline.frequency.oscillations import resonances
-from tline.frequency.response import respond
+from tline import InputError, Scene, SceneError, simulate
+from tline.frequency import resonances, respond
 from tline.loss import Foster
-from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.circuits import one_step
 from tline.solver.description.description import describe
@@ -20,7 +18,6 @@ from tline.solver.kernel.diamonds.cells import pass_cells
 from tline.solver.kernel.scatter import NEAR
 from tline.solver.loop.march import Kernel
 from tline.solver.radau import basis
-from tline.solver.simulate import simulate
 
 VISCOUS = {"viscosity": "0.0347 Pa s"}
 

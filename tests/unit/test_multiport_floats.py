@@ -7,15 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from passivity import Status
+from passivity import Kind, Margins, RationalMatrix, StateSpace, Status, Verdict, Witness
 from passivity.exact.positive_real import check_positive_real, refuted_or_undecided
 from passivity.floats.axis import AxisAnalysis, analyse, crossings
 from passivity.floats.system import FloatSystem
-from passivity.rational.matrix import RationalMatrix
-from passivity.rational.state_space import StateSpace
 from passivity.report import as_dict
-from passivity.status import Kind
-from passivity.verdict import Margins, Verdict, Witness
 
 TRIANGLE = ([[0, -1, 0], [1, 0, 2], [0, -2, -1]], [[1], [0], [1]], [[1, 0, 1]], [[0]])
 ONE = (Fraction(1), Fraction(0))

@@ -9,21 +9,15 @@ import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from tline.errors import InputError
+from tline import InputError, Result, Scene, simulate
+from tline.pictures import Route, animated, lines_to_map, plot_map, plot_profile, route, surges
 from tline.pictures import layout as laying
 from tline.pictures.along import extremes_along
-from tline.pictures.animation import animated
 from tline.pictures.bounds import bounds
 from tline.pictures.layout import course, layout
-from tline.pictures.map import lines_to_map, plot_map, surges
-from tline.pictures.path import Route, route
-from tline.pictures.profile import plot_profile
 from tline.scene.file import read_scene, scene_from
-from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
 from tline.solver.result.interior import inside
-from tline.solver.result.result import Result
-from tline.solver.simulate import simulate
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
 METRE = 1000 * GRAVITY  # Pa of a metre of head in the town
@@ -64,10 +58,7 @@ def test_a_route_passes_the_nodes_listed(town: Result) -> None:
     ("nodes", "sentence"),
     [
         (("lake", "towr"), "path: no such node, expected 'tower', got 'towr'"),
-        (
-            ("suction", "lift"),
-            "path: no line lies on it, expected nodes between which there is one, got suction and",
-        ),
+        (("suction", "lift"), "path: no line lies on it, expected nodes between which there is one, got suction and"),
         (("lake", "c", "c"), "path: leads nowhere, expected two different nodes, got 'c' twice"),
     ],
 )

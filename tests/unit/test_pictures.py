@@ -12,15 +12,10 @@ import pytest
 from picture_scenes import FORK, JOUKOWSKY, TANK, cables, quietly, water_hammer
 from PIL import Image
 
-from tline.errors import InputError, MissingExtraError
+from tline import InputError, MissingExtraError, Result, plot
+from tline.pictures import Route, plot_lattice, plot_space_time, route, save_figure
 from tline.pictures.along import effort_along
 from tline.pictures.animation import FRAMES, PLACES, STEPS, animated
-from tline.pictures.lattice import plot_lattice
-from tline.pictures.path import Route, route
-from tline.pictures.profile import plot_space_time
-from tline.pictures.traces import plot
-from tline.solver.result.result import Result
-from tline.style import save_figure
 from tline.units import handy
 
 
@@ -262,13 +257,20 @@ def test_names_cannot_break_out_of_the_page(tmp_path: Path) -> None:
     assert data["marks"][1][1] == "<far>"
 
 
-def test_gif_plays_all_frames(surge: Result, tmp_path: Path) -> None:
+@pytest.fixture
+def few_frames(monkeypatch: pytest.MonkeyPatch) -> int:
+    """Instead of 180, each of which is drawn."""
+    monkeypatch.setattr("tline.pictures.animation.FRAMES", 9)
+    return 9
+
+
+def test_gif_plays_all_frames(surge: Result, few_frames: int, tmp_path: Path) -> None:
     animated(surge, route(surge.scene)).save(tmp_path / "surge.gif")
     with Image.open(tmp_path / "surge.gif") as movie:
-        assert getattr(movie, "n_frames", 1) == FRAMES
+        assert getattr(movie, "n_frames", 1) == few_frames
         assert movie.info["loop"] == 0
         first = np.asarray(movie.convert("RGB"))
-        movie.seek(FRAMES // 2)
+        movie.seek(few_frames // 2)
         assert np.any(np.asarray(movie.convert("RGB")) != first)
 
 
@@ -278,13 +280,13 @@ def test_unknown_animations_are_refused(surge: Result, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_film_has_all_frames_and_the_size_of_the_picture(surge: Result, tmp_path: Path) -> None:
+def test_a_film_has_all_frames_and_the_size_of_the_picture(surge: Result, few_frames: int, tmp_path: Path) -> None:
     import imageio_ffmpeg
 
     animated(surge, route(surge.scene)).save(tmp_path / "surge.mp4")
     film = imageio_ffmpeg.read_frames(str(tmp_path / "surge.mp4"))
     assert next(film)["size"] == (800, 420)
-    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "surge.mp4"))[0] == FRAMES
+    assert imageio_ffmpeg.count_frames_and_secs(str(tmp_path / "surge.mp4"))[0] == few_frames
     film.close()
 
 

@@ -2,10 +2,9 @@
 
 import pytest
 
-from tline.errors import InputError
+from tline import InputError, Scene
 from tline.scene.load import Parallel
 from tline.scene.plausible import plausibility_notes
-from tline.scene.scene import Scene
 
 PIPE = {"nodes": ["tank", "valve"], "length": "300 m", "radius": "10 cm", "fluid": "water"}
 

@@ -353,10 +353,7 @@ def test_the_exception_is_in_the_box_and_not_positive_real():
     exception = robustness(check_positive_real(TOUCHING), eps).exception
     assert check_positive_real(exception).status is Status.REFUTED
     scale = exception.numerator[0] / TOUCHING.numerator[0]
-    for given, found in (
-        (TOUCHING.numerator, exception.numerator),
-        (TOUCHING.denominator, exception.denominator),
-    ):
+    for given, found in ((TOUCHING.numerator, exception.numerator), (TOUCHING.denominator, exception.denominator)):
         ratios = [b / a / scale for a, b in zip(given, found, strict=True)]
         assert max(ratios) / min(ratios) <= (1 + eps) / (1 - eps)
 

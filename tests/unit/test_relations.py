@@ -12,8 +12,7 @@ from tline.line.parameters import choose
 from tline.line.relations import Given, Relation, Relations, determine, listed, solve
 
 CIRCLE = Relations(
-    ({"diameter": 1, "2": -1, "radius": -1}, {"area": 1, "pi": -1, "radius": -2}),
-    {"2": 2.0, "pi": math.pi},
+    ({"diameter": 1, "2": -1, "radius": -1}, {"area": 1, "pi": -1, "radius": -2}), {"2": 2.0, "pi": math.pi}
 )
 
 
@@ -158,23 +157,13 @@ def test_choose_knows_names_and_says_which() -> None:
 
 
 CHAIN = Relations(
-    (
-        {"b": 1, "a": -2, "k": -1},
-        {"c": 2, "a": -1, "b": -3},
-        {"d": 3, "c": -1, "e": 2},
-        {"e": 1, "f": -1, "a": 1},
-    ),
+    ({"b": 1, "a": -2, "k": -1}, {"c": 2, "a": -1, "b": -3}, {"d": 3, "c": -1, "e": 2}, {"e": 1, "f": -1, "a": 1}),
     {"k": 1.7},
 )
 
 
 @settings(deadline=None)
-@given(
-    st.floats(0.01, 100),
-    st.floats(0.01, 100),
-    st.permutations(["a", "b", "c", "d", "e", "f"]),
-    st.integers(1, 6),
-)
+@given(st.floats(0.01, 100), st.floats(0.01, 100), st.permutations(["a", "b", "c", "d", "e", "f"]), st.integers(1, 6))
 def test_any_part_of_a_consistent_whole_gives_it_back(a: float, e: float, order: list[str], size: int) -> None:
     b = 1.7 * a**2
     c = math.sqrt(a * b**3)

@@ -8,14 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tline import InputError, Result, Scene, simulate
 from tline.atomic import check_writable, replacing
-from tline.errors import InputError
 from tline.scene.file import scene_from
-from tline.scene.scene import Scene
 from tline.solver.result import save
-from tline.solver.result.result import Result
 from tline.solver.result.save import save_csv, save_npz
-from tline.solver.simulate import simulate
 
 FAR = 'far, "open"\u00e9'  # a name that a careless table would break
 

@@ -13,17 +13,10 @@ import tomli_w
 from random_scenes import random_scene
 
 from passivity import RationalFunction
-from tline.errors import InputError
+from tline import InputError, Scene
+from tline.scene import Cable, Impedance, Parallel, Pipe, Probe, Ramp, Resistor, Series, Source, Step
 from tline.scene.file import read_scene, schema
-from tline.scene.line import Cable, Pipe
-from tline.scene.load import Resistor
-from tline.scene.measure import Probe
 from tline.scene.quantity import Quantity
-from tline.scene.rational import Impedance, Parallel, Series
-from tline.scene.scene import Scene
-from tline.scene.shape import Step
-from tline.scene.source import Source
-from tline.scene.waveform import Ramp
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import resolution
 from tline.solver.description.slab import CHEAP, MOST_KEPT

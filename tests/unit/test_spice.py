@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from tline.errors import InputError
-from tline.interchange.netlist_text import spice_text
-from tline.interchange.spice import read_spice
+from tline import InputError, Scene
+from tline.interchange import read_spice, spice_text
 from tline.interchange.spice_expression import number, parse_value
-from tline.scene.scene import Scene
 
 CABLE = ["a cable", "V1 s 0 1", "R1 s a 25", "T1 a 0 b 0 Z0=50 TD=1n", "R2 b 0 100", ".tran 1p 9n uic", ".end"]
 

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from tline.errors import SceneError
+from tline import Scene, SceneError
 from tline.interchange.spice import read_spice
-from tline.scene.scene import Scene
 
 CABLE = ["a cable", "V1 s 0 1", "R1 s a 25", "T1 a 0 b 0 Z0=50 TD=1n", "R2 b 0 100"]
 RUN = ".tran 1p 9n uic"

@@ -2,9 +2,7 @@
 
 import pytest
 
-from tline.errors import InputError
-from tline.scene.scene import Scene
-from tline.solver.simulate import simulate
+from tline import InputError, Scene, simulate
 from tline.surge.event import read_event
 
 

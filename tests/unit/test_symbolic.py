@@ -6,18 +6,11 @@ from fractions import Fraction
 import mpmath
 import pytest
 
-from passivity import (
-    ExpressionError,
-    Kind,
-    Status,
-    admittance_identity,
-    reflection_identity,
-)
+from passivity import ExpressionError, Kind, Range, Status, admittance_identity, parse_assumption, reflection_identity
 from passivity.calculus.ask import of_text as check_symbolic
 from passivity.calculus.proof import check_evidence, lines
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
-from passivity.symbolic.assumption import Range, parse_assumption
 from passivity.symbolic.domain import ALL, Domain
 
 RLC = ["R > 0", "L > 0", "C > 0"]

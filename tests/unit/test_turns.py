@@ -2,9 +2,8 @@
 
 import pytest
 
-from tline.scene.scene import Scene
+from tline import Scene, simulate
 from tline.solver.description.description import describe
-from tline.solver.simulate import simulate
 from tline.solver.tolerance.kinks import Cuts, Halved
 
 FREQUENCY = 0.6  # Hz

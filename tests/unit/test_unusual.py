@@ -6,15 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tline import ElectricalLine, HydraulicLine, Scene
 from tline.interchange.water_scene import read_inp
-from tline.line import ElectricalLine, HydraulicLine
 from tline.line.electrical import QUANTITIES as ELECTRICAL
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.plausible import CABLES, PIPES, unusual
 from tline.line.relations import Given
 from tline.scene.file import read_scene
 from tline.scene.plausible import plausibility_notes
-from tline.scene.scene import Scene
 from tline.units import to_si
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("**/*.toml"))

@@ -3,9 +3,8 @@
 import pytest
 
 from passivity import RationalFunction
-from tline.errors import InputError
+from tline import InputError, Scene
 from tline.interchange.netlist_text import as_load, spice_text
-from tline.scene.scene import Scene
 
 
 def test_loads_are_recognised():
