@@ -131,14 +131,14 @@ class Assembly:
         self, t: NDArray, inputs: Sequence[Torque]
     ) -> "tuple[NDArray, list[NDArray], dict[str, NDArray], dict[str, list[Event]]]":
         """Run; return states, shape (n, states); heat and work; other recorded signals; events of the spools."""
-        from friction.kernel.diagram import Inputs
         from friction.kernel.law import BUDGET, DONE
+        from friction.kernel.signals import Inputs
         from friction.result import events_of
 
         corners = np.array(sorted({time for one in inputs for time in one.times}))
         values, slopes = (np.column_stack(each) for each in zip(*(one.pieces(corners) for one in inputs), strict=True))
         signals = {**self.states, "heat": self.energies[0], "work": self.energies[1], **self.shown}
-        given = Inputs(corners, values, slopes, 0.0, 0.0, 0.0)
+        given = Inputs(corners, np.stack([values, slopes], axis=-1), 0.0, 0.0, 0.0)
         status, found, changes = self.mechanism.run(t, signals, given, places=self.places, events=MOST_EVENTS)
         if status != DONE:
             last = t[np.isfinite(found["heat"])].max(initial=0.0)

@@ -10,13 +10,16 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.kernel import diagram as d
+from friction.kernel import signals as d
 from friction.kernel.automaton import automaton
 from friction.models import Model
+from friction.sprung import Sprung
 from tline.compiled.structure import pack
 
 Signal = int
 MOST_LEGS = 10_000_000
+MOST_PAST = 4096  # legs within a lag
+CONTACTS = d.FRICTION, d.MAXWELL, d.ARMSTRONG
 
 
 class Mechanism:
@@ -41,8 +44,10 @@ class Mechanism:
         self.sources: list[list[int]] = []
         self.sums: list[tuple[Mapping[Signal, float], float]] = []
         self.start: dict[Signal, float] = {}
-        self.laws: list[Model] = []
+        self.laws: list[tuple[float, ...]] = []
+        self.owners: list[int] = []  # contact that each law is a part of
         self.watched: list[Signal] = []
+        self.springs: list[Signal] = []  # their forces
         self.registers: list[float] = []
         self.sampled = d.unsampled()
 
@@ -97,11 +102,29 @@ class Mechanism:
             return u
         return self.smaller(self.larger(u, self.add({}, -limit)), self.add({}, limit))
 
-    def contact(self, law: Model, v: Signal, applied: Signal) -> tuple[Signal, Signal]:
-        """Add dry friction on a state v; return it and the applied force less it, which has to accelerate v."""
+    def contact(self, law: Model | Sprung, v: Signal, applied: Signal | None = None) -> tuple[Signal, Signal]:
+        """Add a contact that moves with v; return its friction, and the applied force less it.
+
+        Dry friction acts on a state v, which the second of these has to accelerate. A sprung law takes any velocity.
+        """
+        owner = self.owners[-1] + 1 if self.owners else 0
+        if isinstance(law, Sprung):
+            self.watched.append(v)
+            parts = [self._part(law.signal, owner, row, v, v) for row in law.elements]
+            self.watched += parts
+            self.springs += parts
+            friction = self.add(dict.fromkeys(parts, 1.0) | {v: law.viscous})
+            return friction, self.add({friction: -1.0} | ({} if applied is None else {applied: 1.0}))
+        if applied is None:
+            raise ValueError("dry friction needs the applied force")
         self.watched.append(applied)
-        self.laws.append(law)
-        return self._new(d.FRICTION, v, applied, len(self.laws) - 1), self._new(d.NET)
+        f = law.law
+        return self._part(d.FRICTION, owner, (f.f_c, f.f_s, f.f_v, f.v_s, f.delta), v, applied), self._new(d.NET)
+
+    def _part(self, kind: int, owner: int, row: tuple[float, ...], v: Signal, applied: Signal) -> Signal:
+        self.owners.append(owner)
+        self.laws.append((*row, 0.0, 0.0, 0.0)[:8])
+        return self._new(kind, v, applied, len(self.laws) - 1)
 
     def register(self, start: float) -> Signal:
         """Add a value that a sampled controller holds from one sample to the next; `sample` names its signal."""
@@ -117,7 +140,7 @@ class Mechanism:
 
     def diagram(self) -> d.Diagram:
         """The signals as the kernel reads them."""
-        sizes, laws = [len(terms) for terms, _ in self.sums], [one.law for one in self.laws]
+        sizes = [len(terms) for terms, _ in self.sums]
         return d.Diagram(
             np.array(self.kinds, np.int64),
             np.array(self.sources, np.int64).reshape(-1, 3),
@@ -125,8 +148,8 @@ class Mechanism:
             np.array([signal for terms, _ in self.sums for signal in terms], np.int64),
             np.array([factor for terms, _ in self.sums for factor in terms.values()], float),
             np.array([constant for _, constant in self.sums], float),
-            np.array([(one.f_c, one.f_s, one.f_v, one.v_s, one.delta) for one in laws], float).reshape(-1, 5),
-            np.array([i for i, kind in enumerate(self.kinds) if kind == d.FRICTION], np.int64),
+            np.array(self.laws, float).reshape(-1, 8),
+            np.array([i for i, kind in enumerate(self.kinds) if kind in CONTACTS], np.int64),
             np.array(list(dict.fromkeys(self.watched)), np.int64),
         )
 
@@ -136,17 +159,35 @@ class Mechanism:
     ) -> d.HybridRun:  # fmt: skip
         """Make a run with samples at `times` and room for `events` events, recorded with the signals `places`."""
         at, n, contacts = np.array(times, float), len(self.kinds), len(self.laws)
-        state = np.zeros(n)
+        state, rows = np.zeros(n), d.N + 1
         state[list(self.start)] = list(self.start.values())
-        inputs = inputs or d.Inputs(np.zeros(1), np.zeros((1, 1)), np.zeros((1, 1)), 0.0, 0.0, 0.0)
-        record, series = np.full((at.size, 1 + len(shown) + contacts), nan), np.zeros((n, d.N + 1))
-        whole, row = np.zeros((2, n), np.int64), np.zeros((2, d.N + 1))
+        inputs = inputs or d.Inputs(np.zeros(1), np.zeros((1, 1, 1)), 0.0, 0.0, 0.0)
+        memory, most = np.zeros((contacts, 6)), MOST_PAST if any(law[d.LAG] for law in self.laws) else 0
+        memory[:, d.SINCE], memory[:, d.UNTIL] = -inf, inf
+        whole, row = np.zeros((2, n), np.int64), np.zeros((2, rows))
+        where = np.array([places[owner] for owner in self.owners] if places else [0] * contacts, np.int64)
         return d.HybridRun(
             self.diagram(), inputs, self.sampled, float(at[-1] if t_end is None else t_end), at,
-            np.array(shown, np.int64), np.array(places, np.int64), record, np.empty((events, 5)),
-            np.zeros(4, np.int64), state, np.zeros(contacts, np.int64), whole[0], np.full(n, nan), np.zeros(3),
-            series, np.zeros((2 * contacts, d.N + 1)), row[0], row[1],
+            np.array(shown, np.int64), where, np.full((at.size, 1 + len(shown) + contacts), nan), np.empty((events, 5)),
+            np.zeros(4, np.int64), state, np.zeros(contacts, np.int64), whole[0], np.full(n, nan), np.zeros(4),
+            np.zeros((n, rows)), np.zeros((2 * contacts, rows)), np.zeros((contacts, rows)), np.zeros((contacts, rows)),
+            memory, np.zeros((most, contacts, rows)), np.zeros(most), row[0], row[1],
         )  # fmt: skip
+
+    def changes(self, run: d.HybridRun) -> NDArray:
+        """Changes of contacts; one with several elements slides while all of them do."""
+        found, slides, parts = run.events[: run.counts[2]], np.zeros(len(self.owners)), np.array(self.owners)
+        if parts.size == len(set(self.owners)):
+            return found
+        whole, rows = np.zeros(parts.size), [found[:0]]
+        for _, after, t, x, j in found.tolist():
+            slides[int(j)], owner = after, parts[int(j)]
+            ways = set(slides[parts == owner])
+            now = ways.pop() if len(ways) == 1 else 0.0
+            if now != whole[owner]:
+                rows.append(np.array([[whole[owner], now, t, x, owner]]))
+            whole[owner] = now
+        return np.concatenate(rows)
 
     def run(
         self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "d.Inputs | None" = None, *,
@@ -155,4 +196,4 @@ class Mechanism:
         """Run; return status, signals at `times` by name, and changes of contacts with the signals `places`."""
         run = self.prepared(times, list(shown.values()), inputs, places=places, events=events)
         status = automaton(pack(run), budget)
-        return status, dict(zip(shown, run.record[:, 1:].T, strict=False)), run.events[: run.counts[2]]
+        return status, dict(zip(shown, run.record[:, 1:].T, strict=False)), self.changes(run)

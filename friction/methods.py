@@ -2,11 +2,14 @@
 
 from typing import NamedTuple
 
+from friction.armstrong import Armstrong
+from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
+from friction.sprung import Sprung
 from tline.errors import InputError
 
 STATIC, SMOOTH, BRISTLES = (Coulomb, Karnopp), (LuGre, Dahl, ElastoPlastic, Tanh), (LuGre, Dahl, ElastoPlastic)
-ALL = STATIC + SMOOTH
+ALL, SPRUNG = STATIC + SMOOTH, (MaxwellSlip, Armstrong)
 
 
 class Method(NamedTuple):
@@ -28,7 +31,7 @@ class Method(NamedTuple):
 
     name: str
     order: int
-    models: tuple[type[Model], ...]
+    models: tuple[type[Model | Sprung], ...]
     step: str  # "fixed", "adaptive" or "events"
     failure: str
 
@@ -36,7 +39,9 @@ class Method(NamedTuple):
 METHODS = {
     method.name: method
     for method in (
-        Method("events", 20, STATIC, "events", "none known; a force that only touches F_s may be taken either way"),
+        Method(
+            "events", 20, STATIC + SPRUNG, "events", "none known; a force that only touches F_s may be taken either way"
+        ),
         Method("rosenbrock", 5, SMOOTH, "adaptive", "says so where rounding keeps it from its tolerance"),
         Method("taylor", 16, (LuGre, Dahl), "adaptive", "as rosenbrock, which takes over where the contact is stiff"),
         Method("moreau", 1, STATIC, "fixed", "first order: break-away and stop are up to one step late"),
@@ -51,7 +56,7 @@ METHODS = {
 }
 
 
-def method_for(model: Model, name: str | None) -> Method:
+def method_for(model: Model | Sprung, name: str | None) -> Method:
     """The method of that name, or the model's default."""
     if name is None:
         name = next(each for each in ("events", "taylor", "rosenbrock") if isinstance(model, METHODS[each].models))

@@ -107,18 +107,6 @@ def _power(coefficients: NDArray, t: NDArray) -> NDArray:
     return total
 
 
-def first_above(function: Callable[[NDArray], NDArray], grid: NDArray) -> float:
-    """When a function is above 0 for the first time, as far as instants of a grid show it; inf if it never is."""
-    from scipy.optimize import brentq
-
-    beyond = np.flatnonzero(function(grid) > 0.0)
-    if not beyond.size or beyond[0] == 0:
-        return float(grid[0]) if beyond.size else np.inf
-    low, high = grid[beyond[0] - 1 : beyond[0] + 1]
-    found: Any = brentq(lambda t: float(function(np.array([t]))[0]), low, high, xtol=1e-16 * max(grid[-1], 1e-290))
-    return float(found)
-
-
 def moved_with(velocity: Force) -> Motion:
     """A velocity [m/s] over time, from x = 0 on."""
     start, value, slope = velocity.pieces()

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.armstrong import Armstrong
-from friction.maxwell import MaxwellSlip
-from friction.methods import STATIC
+from friction.methods import SPRUNG, STATIC
 from friction.models import MODELS, Karnopp, Model
 from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
 from friction.simulation import checked_times
+from friction.sprung import Sprung
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
@@ -26,8 +25,7 @@ if TYPE_CHECKING:
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 TIME_ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
-PLACED = Armstrong, MaxwellSlip  # laws of prescribed motions alone
-PRESCRIBED: dict[str, type[Any]] = MODELS | {law.name: law for law in PLACED}
+LAWS: dict[str, type[Any]] = MODELS | {law.name: law for law in SPRUNG}
 UNITS = {"t": "s", "x": "m", "v": "m/s", "z": "m", "F_f": "N", "F_low": "N", "F_high": "N"}
 
 
@@ -55,7 +53,7 @@ class Prescribed(History):
         Steps of the integration.
     """
 
-    model: Model | Armstrong | MaxwellSlip
+    model: Model | Sprung
     t: NDArray
     x: NDArray
     v: NDArray
@@ -95,7 +93,7 @@ class Prescribed(History):
 
 
 def prescribe(
-    model: Model | Armstrong | MaxwellSlip,
+    model: Model | Sprung,
     *,
     velocity: Force | Callable[[NDArray], ArrayLike] | None = None,
     position: Force | Callable[[NDArray], ArrayLike] | None = None,
@@ -152,9 +150,9 @@ def prescribe(
         motion, rougher, errors["v"] = moved_by(given, t_end, where)
     else:
         motion = rougher = (moved_with if where == "velocity" else moved_along)(given)  # type: ignore[arg-type]
-    if isinstance(model, (*STATIC, *PLACED)) and z0:
+    if isinstance(model, (*STATIC, *SPRUNG)) and z0:
         raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
-    if isinstance(model, PLACED):
+    if isinstance(model, Sprung):
         force, zeros = model.moved(motion, at, t_end), np.zeros(at.size)
         return Prescribed(model, at, motion.place(at), motion.velocity(at), zeros, force, force, force, errors, 0)
     if isinstance(model, STATIC):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from friction.methods import Method
 from friction.models import Model
+from friction.sprung import Sprung
 from friction.testbench import Testbench
 from tline.history import History
 from tline.presentation import plain
@@ -106,19 +107,20 @@ class Result(History):
 
     Attributes
     ----------
-    model, bench, method : Model, Testbench, Method
+    model, bench, method : Model or law with springs, Testbench, Method
         As they were given.
     t, x, v : ndarray
         Time [s], place [m], velocity [m/s].
     z : ndarray
-        Deflection of the bristles [m], 0 for the static laws.
+        Deflection of the bristles [m], mean one of springs, 0 for the static laws.
     F_a, F_f : ndarray
         Applied force and friction [N].
     W_a, W_f : ndarray
         Work of the applied force, and work that friction took [J].
     mode : ndarray of int
-        0 stuck, ±1 sliding, ±2 pushed through a dead zone. In a smooth law, sliding begins when friction without its
-        viscous part comes within 1 % of its steady value, in the direction of the motion, and ends when v vanishes.
+        0 stuck, ±1 sliding, ±2 pushed through a dead zone. Springs slide if all do. In a smooth law, sliding begins
+        when friction without its viscous part comes within 1 % of its steady value, in the direction of the motion, and
+        ends when v vanishes.
     events : list of Event
         Where the mode changes, between 0 and t_end, the first million. From `events` exact, from `rosenbrock`, `taylor`
         and SciPy's with events at their instants, from all others as the steps show them. None depends on `times`.
@@ -136,9 +138,11 @@ class Result(History):
         runs that are compared. Empty for other methods: `events` is exact to rounding, the rest have none.
     doubt : str or None
         Where and how a run by one of these or `events` misses Newton's law or the law of friction, if it does.
+    stored : ndarray or None
+        Energy in the springs of `MaxwellSlip` or `Armstrong` [J].
     """
 
-    model: Model
+    model: Model | Sprung
     bench: Testbench
     method: Method
     status: Status
@@ -158,6 +162,7 @@ class Result(History):
     tol: float | None
     errors: dict[str, float]
     doubt: str | None = None
+    stored: NDArray | None = None
     picture, units = "friction.pictures:draw_run", UNITS
 
     @property
@@ -177,15 +182,19 @@ class Result(History):
 
     @property
     def bristle(self) -> NDArray:
-        """Energy in the bristles, σ0·z²/2 [J]."""
-        return 0.5 * self.model.law.sigma0 * self.z**2
+        """Energy in the bristles, σ0·z²/2, or in springs [J]."""
+        return 0.5 * self._stiffness * self.z**2 if self.stored is None else self.stored
+
+    @property
+    def _stiffness(self) -> float:
+        return 0.0 if isinstance(self.model, Sprung) else self.model.law.sigma0
 
     @property
     def ledger(self) -> Ledger:
         """Energy balance of the run."""
         bench = self.bench
         kinetic = self.kinetic[-1] - 0.5 * bench.mass * bench.v0**2
-        bristle = self.bristle[-1] - 0.5 * self.model.law.sigma0 * bench.z0**2
+        bristle = self.bristle[-1] - 0.5 * self._stiffness * bench.z0**2
         applied, friction = float(self.W_a[-1]), float(self.W_f[-1])
         size = max(np.max(np.abs(self.W_a) + np.abs(self.W_f) + self.kinetic), np.finfo(float).tiny)
         residual = (applied - friction - kinetic) / size

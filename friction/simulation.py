@@ -4,7 +4,7 @@ from collections.abc import Callable, Sized
 from dataclasses import replace
 from functools import partial
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,13 +14,15 @@ from friction.methods import Method, method_for
 from friction.models import Model
 from friction.parameters import check_number
 from friction.result import COLUMNS, Result, Status, events_of
+from friction.sprung import Sprung
 from friction.testbench import Testbench
 from tline.compiled.structure import pack
 from tline.errors import InputError
 
 if TYPE_CHECKING:
-    from friction.kernel.diagram import HybridRun
     from friction.kernel.law import Drive, Law
+    from friction.kernel.signals import HybridRun
+    from friction.mechanism import Mechanism
 
 MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
 MOST_BUDGET = 1_000_000_000
@@ -29,7 +31,7 @@ OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with error estimates; tolerance 
 
 
 def simulate(
-    model: Model,
+    model: Model | Sprung,
     bench: Testbench,
     t_end: float = 10.0,
     method: str | None = None,
@@ -43,15 +45,16 @@ def simulate(
 
     Parameters
     ----------
-    model : Model
-        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic` or `Tanh`.
+    model : Model, MaxwellSlip or Armstrong
+        `Coulomb`, `Karnopp`, `LuGre`, `Dahl`, `ElastoPlastic`, `Tanh`, `MaxwellSlip` or `Armstrong`.
     bench : Testbench
         Mass, force, spring.
     t_end : float, optional
         End [s], positive.
     method : str, optional
-        A name of `METHODS`, such as euler or bdf-events; if not given, `events` for the static laws, `taylor` for LuGre
-        and Dahl, which is explicit where the contact is soft, and `rosenbrock` for the others.
+        A name of `METHODS`, such as euler or bdf-events; if not given, `events` for the static laws, Maxwell slip and
+        Armstrong's law, `taylor` for LuGre and Dahl, which is explicit where the contact is soft, and `rosenbrock` for
+        the others.
     h : float
         Step [s] of a fixed-step method; t_end is rounded to whole steps.
     tol : float, optional
@@ -83,17 +86,18 @@ def simulate(
     (16.0, [Event(kind=<Kind.BREAK_AWAY: 'break-away'>, t=2.0, x=0.0)])
     """
     check_number("t_end", t_end, above=0.0)
+    law: Any = model
     chosen = method_for(model, method)
     unknown = "controller" if bench.controller else "play" if bench.spring and bench.spring.play else None
     if unknown and chosen.step != "events":
-        raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp")
-    if bench.z0 and not model.law.sigma0:
+        raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp or springs")
+    if bench.z0 and (isinstance(model, Sprung) or not law.law.sigma0):
         raise InputError("bench.z0", f"the {model.name} model has no bristles", "0", f"{bench.z0:g}")
     if chosen.step == "fixed":
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
             if given is not None:
                 raise InputError(option, f"'{chosen.name}' has fixed steps", "h")
-        return _fixed(model, bench, t_end, chosen, h)
+        return _fixed(law, bench, t_end, chosen, h)
     if h is not None:
         raise InputError("h", f"'{chosen.name}' chooses its own steps", "tol or nothing", f"{h!r}")
     if chosen.step == "events" and tol is not None:
@@ -112,8 +116,8 @@ def simulate(
         if tol > 0.1:
             raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
     if chosen.name in OWN:
-        return _heard(model, bench, t_end, at, partial(_smooth, model, bench, t_end, chosen, tol, steps))
-    return _scipy(model, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
+        return _heard(model, bench, t_end, at, partial(_smooth, law, bench, t_end, chosen, tol, steps))
+    return _scipy(law, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
 
 
 def checked_times(times: ArrayLike, t_end: float) -> NDArray:
@@ -164,7 +168,7 @@ def _scipy(
 
 
 def _heard(
-    model: Model, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
+    model: Model | Sprung, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
 ) -> Result:
     """Run with samples at `times`, checked by the witness at other instants too.
 
@@ -180,7 +184,10 @@ def _heard(
         heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
         doubt = witness.doubt(model, bench, columns, heard, result.errors, events)
     asked = np.searchsorted(all_times, times)
-    kept = {name: column[asked[asked < column.size]] for name, column in columns.items()}
+    asked = asked[asked < result.t.size]
+    kept = {name: column[asked] for name, column in columns.items()}
+    if result.stored is not None:
+        kept["stored"] = result.stored[asked]
     return replace(result, **kept, doubt=doubt, status=Status.DOUBTED if doubt else result.status)
 
 
@@ -212,20 +219,33 @@ def _smooth(
 
 
 def _events(
-    model: Model, bench: Testbench, t_end: float, method: Method, budget: int, times: NDArray, room: int
+    model: Model | Sprung, bench: Testbench, t_end: float, method: Method, budget: int, times: NDArray, room: int
 ) -> Result:
     from friction.kernel.automaton import automaton
-    from friction.kernel.law import Z
+    from friction.kernel.law import V, Z
+    from friction.kernel.structures import EVENTS, STEPS
 
-    run = on_testbench(model, bench, float(t_end), times, room + 1)
-    status = automaton(pack(run), budget)
-    record = np.insert(run.record, Z, 0.0, axis=1)
-    return _packed(model, bench, method, status, run.counts, record, run.events)
+    mechanism, run = on_testbench(model, bench, float(t_end), times, room + 1)
+    status, record, met = automaton(pack(run), budget), run.record, int(run.counts[EVENTS])
+    changes, z, stored = run.events[: min(met, MOST_EVENTS)], np.zeros(times.size), None
+    if isinstance(model, Sprung):
+        n = len(model.elements)
+        record, springs, modes = record[:, : -2 * n], record[:, -2 * n : -n], record[:, -n:]
+        z, stored = model.bent(springs, modes, record[:, V])
+        mode, changes = np.where(np.ptp(modes, axis=1) == 0.0, modes[:, 0], 0.0), mechanism.changes(run)
+        record, met = np.column_stack([record, mode]), len(changes) if met <= room else met
+    counts = np.array([run.counts[STEPS], 0, met])
+    return _packed(model, bench, method, status, counts, np.insert(record, Z, z, axis=1), changes, stored=stored)
 
 
-def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, events: int) -> "HybridRun":
-    """Make a mechanism of the mass with its contact, the applied force, and the spring or controller."""
-    from friction.kernel.diagram import Inputs
+def on_testbench(
+    model: Model | Sprung, bench: Testbench, t_end: float, times: NDArray, events: int
+) -> "tuple[Mechanism, HybridRun]":
+    """Make a mechanism of the mass with its contact, the applied force, and the spring or controller.
+
+    It shows x, v, F_a, F_f and both works, then the forces of the springs of a law that has some.
+    """
+    from friction.kernel.signals import Inputs
     from friction.mechanism import Mechanism
 
     m, drive, pid, play = Mechanism(), bench.drive, bench.controller, bench.spring and bench.spring.play
@@ -255,13 +275,14 @@ def on_testbench(model: Model, bench: Testbench, t_end: float, times: NDArray, e
     m.integrate(x, v)
     for work, force in zip(works, (f_a, f_f), strict=True):
         m.integrate(work, m.multiply(force, v))
-    inputs = Inputs(drive.start, drive.value[:, None], drive.slope[:, None], drive.amplitude, drive.omega, drive.phase)
-    shown = [x, v, f_a, f_f, *works]
-    return m.prepared(times, shown, inputs, t_end=t_end, places=[x], events=events)
+    power = np.stack([drive.value, drive.slope], axis=-1)[:, None]
+    inputs = Inputs(drive.start, power, drive.amplitude, drive.omega, drive.phase)
+    shown = [x, v, f_a, f_f, *works, *(m.springs if isinstance(model, Sprung) else [])]
+    return m, m.prepared(times, shown, inputs, t_end=t_end, places=[x], events=events)
 
 
 def _packed(
-    model: Model,
+    model: Model | Sprung,
     bench: Testbench,
     method: Method,
     status: int,
@@ -270,10 +291,11 @@ def _packed(
     events: NDArray,
     tol: float | None = None,
     errors: dict[str, float] | None = None,
+    stored: NDArray | None = None,
 ) -> Result:
     t, x, v, z, f_a, f_f, w_a, w_f, mode = record[np.isfinite(record[:, 0])].T
     made, refused, met = counts.tolist()[:3]
     return Result(
         model, bench, method, list(Status)[status], made, refused, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int),
-        events_of(events[: min(met, MOST_EVENTS)]), met, tol, errors or {},
+        events_of(events[: min(met, MOST_EVENTS)]), met, tol, errors or {}, stored=stored,
     )  # fmt: skip

@@ -11,7 +11,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, ElastoPlastic, Karnopp, Model, Tanh
+from friction.sprung import Sprung
 from friction.testbench import Force, Ramp, Sine, Steps, Table, Testbench
 
 WINDOWS, SEED = 32, 5
@@ -32,18 +34,20 @@ FINE, ROUGH = _weights(9), _weights(5)
 RANDOM = np.random.default_rng(SEED)
 STARTS, WIDTHS = np.sort(RANDOM.random(WINDOWS)), RANDOM.uniform(0.3, 1.0, WINDOWS)
 Columns = Mapping[str, NDArray]
+Rubbing: TypeAlias = Model | Sprung
 Held: TypeAlias = tuple[
     list[str], NDArray, NDArray, NDArray
 ]  # names; given, by the laws, and how far these may be apart
 
 
-def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
+def windows(model: Rubbing, bench: Testbench, t_end: float) -> NDArray:
     """Instants [s] at which a run is checked, shape (WINDOWS, 9), in windows no wider than its time scales."""
     widest = 0.01 * t_end
     if isinstance(model, Tanh):
         widest = min(widest, bench.mass * model.epsilon / model.F_c)
     elif not isinstance(model, Coulomb | Karnopp):
-        widest = min(widest, float(np.sqrt(bench.mass / _of(model, "sigma0"))))
+        stiffness = sum(model.stiffness) if isinstance(model, MaxwellSlip) else _of(model, "sigma0")
+        widest = min(widest, float(np.sqrt(bench.mass / stiffness)))
     pull = bench.spring.stiffness if bench.spring else bench.controller.proportional if bench.controller else 0.0
     if pull:
         widest = min(widest, float(np.sqrt(bench.mass / pull)))
@@ -53,13 +57,18 @@ def windows(model: Model, bench: Testbench, t_end: float) -> NDArray:
 
 
 def doubt(
-    model: Model, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: Sequence[float]
+    model: Rubbing,
+    bench: Testbench,
+    run: Columns,
+    heard: NDArray,
+    told: Mapping[str, float],
+    events: Sequence[float],
 ) -> str | None:
     """A sentence, if this is not a run of this model on this bench.
 
     Parameters
     ----------
-    model : Model
+    model : Model or Sprung
     bench : Testbench
     run : mapping of str to ndarray
         Columns of the result, by name.
@@ -84,7 +93,7 @@ def doubt(
     return None
 
 
-def _of(model: Model, name: str) -> float:
+def _of(model: Rubbing, name: str) -> float:
     return float(getattr(model, name, 0.0))
 
 
@@ -103,12 +112,12 @@ def _applied(force: Force, t: NDArray) -> NDArray:
     return np.full(t.size, np.nan)  # another one; not judged
 
 
-def _steady(model: Model, v: NDArray) -> NDArray:
+def _steady(model: Rubbing, v: NDArray) -> NDArray:
     """Stribeck curve [N]."""
     return model.sliding + (model.stiction - model.sliding) * np.exp(-((v / (_of(model, "v_s") or 1.0)) ** 2))
 
 
-def _slip(model: Model, v: NDArray, z: NDArray) -> NDArray:
+def _slip(model: Rubbing, v: NDArray, z: NDArray) -> NDArray:
     """ż [m/s] of laws with bristles."""
     limit = _steady(model, v) / _of(model, "sigma0")
     share = 1.0
@@ -118,7 +127,7 @@ def _slip(model: Model, v: NDArray, z: NDArray) -> NDArray:
     return v - share * np.abs(v) * z / limit
 
 
-def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[Held]:
+def _of_forces(model: Rubbing, bench: Testbench, run: Columns) -> Iterator[Held]:
     """Applied force and friction at each sample."""
     t, x, v, z, mode, f_a = (run[name] for name in ("t", "x", "v", "z", "mode", "F_a"))
     pull = 0.0 * t
@@ -156,6 +165,14 @@ def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[Held]:
             np.array([still, moving, other]),
             np.array([[speed], [speed], [grain + DIGITS * size]]),
         )
+    elif isinstance(model, Sprung):
+        peak = _steady(model, v) if isinstance(model, MaxwellSlip) else np.full(v.size, model.stiction)
+        least = peak if isinstance(model, MaxwellSlip) else np.full(v.size, model.sliding)
+        way, free = np.sign(mode), run["F_f"] - _of(model, "F_v") * v * (mode != 0)
+        f_f = np.where(
+            mode == 0, np.clip(free, -model.stiction, model.stiction), way * np.clip(way * free, least, peak)
+        )
+        f_f += run["F_f"] - free
     else:
         rate = _slip(model, v, z)
         size += _of(model, "sigma1") * np.abs(rate).max() + _of(model, "sigma0") * np.abs(z).max()
@@ -164,7 +181,12 @@ def _of_forces(model: Model, bench: Testbench, run: Columns) -> Iterator[Held]:
 
 
 def _of_motion(
-    model: Model, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: Sequence[float]
+    model: Rubbing,
+    bench: Testbench,
+    run: Columns,
+    heard: NDArray,
+    told: Mapping[str, float],
+    events: Sequence[float],
 ) -> Iterator[Held]:
     """Energy at each sample, and changes over windows against integrals."""
     m, v = bench.mass, run["v"]
@@ -193,7 +215,7 @@ def _of_motion(
             at[name] = at["F_a"] - _applied(bench.force, at["t"])
             rate = np.zeros_like(rate)
         rates.append((name, rate, pid.proportional * off["v"] + pid.integral * off["x"]))
-    stiffness = _of(model, "sigma0")
+    stiffness = 0.0 if isinstance(model, Sprung) else _of(model, "sigma0")
     if stiffness:
         slip = _slip(model, at["v"], at["z"])
         soft = 1.0 + stiffness * peak["z"] / _of(model, "F_c")
@@ -211,7 +233,7 @@ def _of_motion(
     yield named, given, np.where(even, change, given), bar
 
 
-def _undisturbed(model: Model, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
+def _undisturbed(model: Rubbing, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
     """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none.
 
     Nor does the speed pass the Stribeck peak between two nodes, which neither rule would resolve.

@@ -11,25 +11,11 @@ from math import copysign, floor, inf, nan, pi
 
 import numpy as np
 
-from friction.kernel.diagram import (
-    CLOCK,
-    DELTA,
-    F_S,
-    FRICTION,
-    LOST,
-    PUSHED,
-    SLIDING,
-    STATE,
-    STUCK,
-    TURN,
-    HybridRun,
-    N,
-    expand,
-    first_guard,
-    trusted_step,
-)
+from friction.kernel import signals as sig
+from friction.kernel.diagram import expand, first_guard, trusted_step
 from friction.kernel.law import BLOWN_UP, BUDGET, DONE, STALLED, put, row_of
 from friction.kernel.roots import value
+from friction.kernel.signals import HybridRun, N
 from friction.kernel.structures import EVENTS, STEPS
 from tline.compiled.unit import function, unit
 
@@ -43,12 +29,13 @@ MOST_IDLE = 10  # changes at one instant, for each signal
 def automaton(run: HybridRun, budget: int) -> int:
     """Run a diagram in at most `budget` legs; return the status."""
     d, inputs, sampled, clock, counts = run.diagram, run.inputs, run.sampled, run.clock, run.counts
-    clock[TURN], number, t, row, idle, taken, given = inputs.phase / (2.0 * pi), 0, 0.0, 0, 0, 0, 0
+    clock[sig.TURN], number, t, row, idle, taken, given = inputs.phase / (2.0 * pi), 0, 0.0, 0, 0, 0, 0
     for j in range(d.contact.size):
         v = run.state[d.source[d.contact[j], 0]]
-        run.mode[j] = int(copysign(SLIDING, v)) if abs(v) > d.law[j, DELTA] else STUCK
+        slides = d.kind[d.contact[j]] == sig.FRICTION and abs(v) > d.law[j, sig.DELTA]
+        run.mode[j] = int(copysign(sig.SLIDING, v)) if slides else sig.STUCK
     for leg in range(budget):
-        counts[STEPS] = leg + 1
+        counts[STEPS], clock[sig.NOW] = leg + 1, t
         expand(run, number)
         if not is_finite(run.series):
             return BLOWN_UP
@@ -68,12 +55,14 @@ def automaton(run: HybridRun, budget: int) -> int:
         until = end
         if sampled.held.size > 0:
             until = min(end, taken * sampled.period, given * sampled.period + sampled.delay)
-        left = ((until - start) - clock[CLOCK]) + clock[LOST]
+        left = ((until - start) - clock[sig.CLOCK]) + clock[sig.LOST]
         h = trusted_step(run, min(left, FOREVER))
+        if h < 0.0:
+            return STALLED
         root, which, border = first_guard(run, h)
         h = min(h, root)
         ends = h >= left and root == inf
-        t = until if ends else max(t, start + (clock[CLOCK] + (h - clock[LOST])))
+        t = until if ends else max(t, start + (clock[sig.CLOCK] + (h - clock[sig.LOST])))
         if h > 0.0:
             row = sample(run, row, t, ends, start, h)
         if t > run.t_end:
@@ -87,9 +76,11 @@ def automaton(run: HybridRun, budget: int) -> int:
             run.known[i] = nan
         if ends:
             number += until == end
-            clock[CLOCK], clock[LOST] = (0.0 if until == end else until - start), 0.0
-        elif root < inf and d.kind[which] == FRICTION:
+            clock[sig.CLOCK], clock[sig.LOST] = (0.0 if until == end else until - start), 0.0
+        elif root < inf and d.kind[which] == sig.FRICTION:
             change(run, which, border, root > 0.0, t, h)
+        elif root < inf and d.kind[which] >= sig.MAXWELL:
+            let_go(run, which, border, t, h)
         elif root < inf:
             run.known[d.source[which, 0]] = 0.0
     return BUDGET
@@ -122,17 +113,35 @@ def change(run, i, border, later, t, h):
     d, j = run.diagram, run.diagram.source[i, 2]
     v, f_a, law, mode, held = d.source[i, 0], d.source[i, 1], d.law[j], run.mode[j], nan
     s = copysign(1.0, mode)
-    if mode == STUCK:
+    if mode == sig.STUCK:
         way = 2.0 * border - 1.0
-        reached = law[DELTA] == 0.0 or run.state[v] == way * law[DELTA]
-        new, held = int(way * (SLIDING if reached else PUSHED)), way * law[F_S]
-    elif abs(mode) == PUSHED and border == 1:
-        new, held = STUCK, s * law[F_S]
+        reached = law[sig.DELTA] == 0.0 or run.state[v] == way * law[sig.DELTA]
+        new, held = int(way * (sig.SLIDING if reached else sig.PUSHED)), way * law[sig.F_S]
+    elif abs(mode) == sig.PUSHED and border == 1:
+        new, held = sig.STUCK, s * law[sig.F_S]
     else:
-        run.state[v] = s * law[DELTA]
-        new = int(s * SLIDING) if abs(mode) == PUSHED else STUCK
+        run.state[v] = s * law[sig.DELTA]
+        new = int(s * sig.SLIDING) if abs(mode) == sig.PUSHED else sig.STUCK
     if later:
         run.known[f_a] = held
+    run.mode[j] = new
+    run.counts[EVENTS] = tell(run.events, run.counts[EVENTS], mode, new, t, value(run.series[run.place[j]], h), j)
+
+
+@function
+def let_go(run, i, border, t, h):
+    """A spring that reaches its limit, or whose velocity vanishes; with that, others of the same velocity follow."""
+    d, v, j, mode = run.diagram, run.diagram.source[i, 0], run.diagram.source[i, 2], run.mode[run.diagram.source[i, 2]]
+    memory, new = run.memory[j], sig.STUCK
+    if mode == sig.STUCK and border == 0:
+        new = run.side[i] * sig.SLIDING
+        memory[sig.PEAK] = value(run.limit[j], h) - d.law[j, sig.F_C]
+    elif h > 0.0:
+        run.known[v] = 0.0
+        if d.kind[v] == sig.STATE:
+            run.state[v] = 0.0
+    if mode != sig.STUCK:
+        memory[sig.SINCE], memory[sig.REST], memory[sig.UNTIL] = t, memory[sig.LEFT], inf
     run.mode[j] = new
     run.counts[EVENTS] = tell(run.events, run.counts[EVENTS], mode, new, t, value(run.series[run.place[j]], h), j)
 
@@ -166,7 +175,7 @@ def sample(run, row, t, ends, start, h):
     """Keep the samples of a leg that ends at t, where inputs may jump: their values there are those of the next leg."""
     times, record, shown, clock = run.times, run.record, run.shown, run.clock
     while row < times.size and (times[row] < t or (times[row] == t and not ends)):
-        at = min(max(((times[row] - start) - clock[CLOCK]) + clock[LOST], 0.0), h)
+        at = min(max(((times[row] - start) - clock[sig.CLOCK]) + clock[sig.LOST], 0.0), h)
         record[row, 0] = times[row]
         for column in range(shown.size):
             record[row, 1 + column] = value(run.series[shown[column]], at)
@@ -181,14 +190,33 @@ def advance(run, h):
     """The state at the end of a leg; the clock is a compensated sum."""
     d, clock, state, omega = run.diagram, run.clock, run.state, run.inputs.omega
     for i in range(d.kind.size):
-        if d.kind[i] == STATE:
+        if d.kind[i] == sig.STATE:
             state[i] = value(run.series[i], h)
+    if h > 0.0:
+        keep_springs(run, h)
     for w in range(d.watched.size):
         if abs(state[d.watched[w]]) < STILL:
             state[d.watched[w]] = 0.0
     if run.inputs.amplitude != 0.0:
-        turn = clock[TURN] + h * (omega / (2.0 * pi))
-        clock[TURN] = turn - floor(turn)
-    step = h - clock[LOST]
-    total = clock[CLOCK] + step
-    clock[LOST], clock[CLOCK] = (total - clock[CLOCK]) - step, total
+        turn = clock[sig.TURN] + h * (omega / (2.0 * pi))
+        clock[sig.TURN] = turn - floor(turn)
+    step = h - clock[sig.LOST]
+    total = clock[sig.CLOCK] + step
+    clock[sig.LOST], clock[sig.CLOCK] = (total - clock[sig.CLOCK]) - step, total
+
+
+@function
+def keep_springs(run, h):
+    """Forces of springs at the end of a leg, without viscous parts, and the velocities in it, for the lags."""
+    d, most = run.diagram, run.past_start.size
+    for j in range(d.contact.size):
+        i, mode = d.contact[j], run.mode[j]
+        if d.kind[i] >= sig.MAXWELL:
+            held = value(run.limit[j], h)
+            run.state[i] = value(run.series[i], h) if mode == sig.STUCK else copysign(held, mode)
+            run.memory[j, sig.LEFT] = held - d.law[j, sig.F_C]
+        for k in range(N + 1 if most > 0 else 0):
+            run.past[run.counts[sig.LEGS] % most, j, k] = run.series[d.source[i, 0], k]
+    if most > 0:
+        run.past_start[run.counts[sig.LEGS] % most] = run.clock[sig.NOW]
+        run.counts[sig.LEGS] += 1

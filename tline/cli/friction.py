@@ -24,7 +24,8 @@ Examples:
   tline friction run karnopp --pid "100 N/m, 200 N/(m s), 5 N s/m" --target "1 cm" --t-end "1 min"
   tline friction run karnopp --pid "100 N/m, 200 N/(m s), 5 N s/m" --target "1 cm" --period "10 ms" --delay "4 ms"
   tline friction run elasto-plastic lugre --sine "0.6 N" --frequency "1 Hz" --plot both.png
-Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh.
+  tline friction run maxwell-slip --set stiffness=1000,500 --set limits=0.4,0.6 --spring "20 N/m" --pull "5 cm/s"
+Models: coulomb, karnopp, lugre, dahl, elasto-plastic, tanh, maxwell-slip, armstrong.
 """
 GAINS = ("proportional", "integral", "derivative")
 PARTNERS = {  # options, and the one that each requires
@@ -77,7 +78,8 @@ def run(
     Parameters
     ----------
     parameters : NAME=VALUE
-        A parameter, such as F_s='1.2 N', for the models that have it.
+        A parameter, such as F_s='1.2 N', for the models that have it; of maxwell-slip stiffness and limits, with
+        commas between elements.
     table : FILE.csv
         Force over time: columns t and F, with units in the heading or in s and N, joined by straight lines.
     hold
@@ -89,7 +91,8 @@ def run(
     """
     import numpy as np
 
-    from friction import MODELS, Result, Status, Testbench, simulate
+    from friction import Result, Status, Testbench, simulate
+    from friction.prescribed import LAWS
 
     if "spring" in given and pid is not None:
         raise InputError("--pid", "beside a spring", "one of both")
@@ -97,7 +100,7 @@ def run(
     si = run.in_si(given)
     tol = None if given.get("tol") is None else to_si(given["tol"], None, "--tol")
     steps: dict[str, Any] = {key: si[key] for key in ("t_end", "h") if key in si}
-    laws = models_of(models, parameters, MODELS)
+    laws = models_of(models, parameters, LAWS)
     runs: dict[str, Result] = {}
     flags = {NAMES.get(str(each.name), str(each.name)): each.opts[-1] for each in run.params}
     with run.named(times="--samples", **{f"{place}.{name}": flag for place in PLACES for name, flag in flags.items()}):

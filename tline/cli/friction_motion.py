@@ -80,12 +80,12 @@ def motion(
     import numpy as np
 
     from friction import prescribe
-    from friction.prescribed import PRESCRIBED
+    from friction.prescribed import LAWS
 
     if (velocity is None) == (position is None):
         raise InputError("--velocity", "not one motion", "--velocity or --position")
     check_partners(given | {"offset": offset}, dict.fromkeys(SWUNG, "frequency"))
-    chosen = models_of(models, parameters, PRESCRIBED)
+    chosen = models_of(models, parameters, LAWS)
     si = motion.in_si(given | {"t_end": t_end})
     kind, text = ("velocity", velocity) if velocity is not None else ("position", position)
     if offset is not None:
