@@ -56,8 +56,10 @@ def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
     if not above or not below or sum(len(graph.terms(b)) * abs(powers[b]) for b in sums) > MAX_TERMS:
         return
     inside, atoms, known = {m for b in sums for m in graph.terms(b)}, [], list(sums)
+    bases = {b for m in inside for b in graph.powers(m) if graph.nodes[b][0] == "sqrt"}
+    squares = {b: graph.powers(m) for b in bases for c, m in graph.nodes[b][1] if c == 1 and m}
     for b in known:
-        for base, e in [each for m in graph.terms(b) for each in graph.powers(m).items()]:
+        for base, e in [each for m in graph.terms(b) for each in _rooted(graph.powers(m), squares).items()]:
             if e > 0 and graph.nodes[base][0] == "sum" and inside.issuperset(graph.terms(base)):
                 known += [base] * (base not in known)
             elif (base, e > 0) not in atoms:
@@ -68,10 +70,8 @@ def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
     def polynomial(b: int, power: int) -> fmpq_mpoly:
         if power < 0 or b not in known:
             return of_atom[b, power > 0] ** abs(power)
-        terms = (
-            prod((polynomial(*each) for each in graph.powers(m).items()), start=ring.constant(to_fmpq(Fraction(c))))
-            for m, c in graph.terms(b).items()
-        )
+        products = ((c, _rooted(graph.powers(m), squares)) for m, c in graph.terms(b).items())
+        terms = (prod((polynomial(*each) for each in x.items()), start=ring.constant(to_fmpq(c))) for c, x in products)
         return sum(terms, ring.constant(0)) ** power
 
     def value(f: fmpq_mpoly) -> Value:
@@ -85,6 +85,15 @@ def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
         rest = _powered(graph, {b: e for b, e in powers.items() if b not in sums})
         cut = [b for b in _atoms(graph, sums) if b not in known]
         yield False, graph.product([value(p / common), value(q / common), rest], [1, -1, 1]), cut
+
+
+def _rooted(powers: dict[int, int], squares: dict[int, dict[int, int]]) -> dict[int, int]:
+    """The powers with squares of roots in place of what is under these."""
+    for root, inside in squares.items():
+        for sign in (1, -1):
+            while all(sign * powers.get(b, 0) * e >= e * e for b, e in inside.items()):
+                powers = added(powers, {b: -sign * e for b, e in inside.items()} | {root: 2 * sign})
+    return powers
 
 
 def _cayley(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:

@@ -25,9 +25,11 @@ _VISIBLE = 1e-12  # by how much floats must see the property fail
 _FAR = 100  # decades beyond all scales, on the real axis
 _POLISHED = 12  # peaks along the axis, and suspects, that are looked at
 _NEWTON = 16  # steps of Newton's method to poles
-_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 10  # of loads, of places where they are -z0, of steps to where that shows
+_LINES, _KEPT, _ROOTS, _AIMS = 2, 8, 3, 18  # of loads, of places where they are -z0, of steps to where that shows
 _TURNS_UP = 48  # quarters of a turn of a delay up to which such places are looked for
-_BITS, _LENGTHS = (160, 1024), (24, 53, 120, 240, 480)  # of precision, of a witness
+_BITS = 160, 1024, 4096, 16384  # of precision
+_LENGTHS = 24, 53, 120, 240, 480, 960, 1920, 3840, 7680, 15360  # of a witness, in bits
+_SURE = 1.5  # bits of precision for each neper that is lost on the way of a wave to the input and back
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES = (4, 8, 16, 32, 64, 128, 256, 512, 1024)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
@@ -145,7 +147,10 @@ class Search:
                 places = self._zeros(graph.sum([line[2], line[0]]), places)
                 if not len(places):
                     break
-                for root in places[:_ROOTS] if k < _LINES or k == len(lines) - 1 else ():
+                if _LINES <= k < len(lines) - 1:
+                    continue
+                lost = self.values(places, graph.sum(along for _, _, (_, along, _) in lines[k:])).real
+                for root in places[_SURE * 2 * lost < bits][:_ROOTS]:
                     if found := self._aimed(n, parts[n], sign, line, root, bits):
                         return found
         return None

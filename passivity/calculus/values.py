@@ -7,7 +7,7 @@ from typing import Any
 from flint import acb, ctx
 
 from passivity.ball import of_fraction, of_point
-from passivity.budget import spend
+from passivity.budget import bits_of, spend
 from passivity.calculus.graph import Graph, Value
 from passivity.expression.number import double
 
@@ -55,14 +55,14 @@ def in_balls(
 
 
 def at_point(graph: Graph, value: Value, re: Fraction, im: Fraction, names: Names | None = None) -> acb:
-    """Value at a rational point, to 60 certain bits where some thousand bits of precision give them."""
-    bits, size = 128, len(needed(graph, value[1]))
+    """Value at a rational point, to 60 certain bits where some thousand bits, or four times its own, give them."""
+    bits, size, most = 128, len(needed(graph, value[1])), max(_MOST_BITS, 4 * bits_of(re), 4 * bits_of(im))
     while True:
         # the precision is global to the process: the accuracy found counts, not the one asked for
         spend(size * (4_000 + bits * 40), "a value")
         with ctx.workprec(bits):
             found = in_ball(graph, value, of_point(re, im), names)
-        if bits >= _MOST_BITS or all(x.rel_accuracy_bits() >= 60 or x == 0 for x in (found.real, found.imag)):
+        if bits >= most or all(x.rel_accuracy_bits() >= 60 or x == 0 for x in (found.real, found.imag)):
             return found
         bits *= 2
 
