@@ -9,6 +9,10 @@ from random_memory import judge, random_memory
 from remembering_scenes import SCENES, two_clamps
 
 from tline import Scene, simulate
+from tline.scene.file import as_scene
+from tline.solver.convolution.run import Convolved
+from tline.solver.description.description import describe
+from tline.solver.description.resolution import Resolution
 
 SKIN, LENGTH, R0, L0, C0, THERMAL = 3e-4, 2.0, 1.0, 250e-9, 100e-12, 0.025864925786328753
 
@@ -144,3 +148,16 @@ def test_laws_in_silence_find_their_flow():
     scene = random_memory(11).scene
     result = simulate(Scene.model_validate(scene.table() | {"t_end": 1.0}), tol=1e-2)
     assert result.accuracy.met
+
+
+def test_nothing_is_there_before_it_arrives_on_slabs_at_whose_edges_switches_do_not_move():
+    table = cable(t_end="3.2 ns", skin={"resistance": 60, "frequency": "10 GHz"}).table()
+    table["sources"] = {"s": {"at": "s", "kind": "voltage", "value": 1}}
+    table["links"] = {"w": {"kind": "switch", "nodes": ["s", "a"], "before": "inf", "after": 25, "time": "0.33371 ns"}}
+    table["loads"]["w"] = {"at": "b", "kind": "switch", "before": 50, "after": "inf", "time": "0.17171 ns"}
+    scene = Convolved(describe(as_scene(table)), [])
+    h = 2.68e-12
+    assert not scene.follows(h)
+    seen = scene.run(Resolution(5, h)).probes["far"].at(np.array([0.9e-9, 1.1e-9, 1.3e-9, 1.5e-9])).u
+    assert np.abs(seen[:3]).max() < 1e-6
+    assert seen[3] > 0.5

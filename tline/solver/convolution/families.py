@@ -5,6 +5,7 @@ of fronts each; and on a clock that began earlier these lie on the edges of slab
 """
 
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from tline.solver.radau import Basis
 
 MOST_FAMILIES = 128  # families that are worth a run each
 SAME_FAMILY = EDGE / 2  # slabs; fronts whose places differ by less are of one family
+ROUNDED = 1e-14  # of the largest wave of a record
 SMALLEST_CORNER = 1e-14  # relative to the waveform's amplitude; smaller jumps and bends are rounding
 SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with the value before
 
@@ -125,39 +127,61 @@ class Late(NamedTuple):
         return self.waveform.fastest()
 
 
-def summed(records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis) -> tuple[NDArray, Noted]:
+def summed(
+    records: Iterable[NDArray], ahead: NDArray, n: int, order: Basis, least: float = 0.0
+) -> tuple[NDArray, Noted]:
     """Sum records, on slabs that begin `ahead` slabs earlier each, on n slabs from t = 0 on.
 
-    Records have the shape (rows, 2, slabs * s), one for each of `ahead`; the sum has whole slabs, and pieces between
-    the places at which slabs begin.
+    Records have the shape (rows, 2, slabs * s), one for each of `ahead`. Where one polynomial a slab misses a record by
+    `least` at most it is added as that; elsewhere the sum has pieces between the places at which slabs begin.
     """
     edges = np.append(np.unique([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
-    values = np.zeros((1, 1, 1, 1, 1))
+    whole, kept = np.zeros((1, 1, n, order.s)), []
     for record, slabs in zip(records, ahead.tolist(), strict=True):
-        values = values + _pieces(record, slabs, edges, n, order)
+        waves = record.reshape(len(record), 2, -1, order.s)
+        if not slabs:
+            whole = whole + waves[:, :, :n]
+            continue
+        mean, off = _projected(waves, slabs, n, order)
+        bent = np.flatnonzero(off > max(least, ROUNDED * float(np.abs(record).max())))
+        kept.append((bent, _pieces(waves, bent, slabs, edges, order)))
+        mean[:, :, bent] = 0.0
+        whole = whole + mean
+    slab = np.unique(np.concatenate([np.empty(0, int), *(bent for bent, _ in kept)]))
+    spans = list(pairwise(edges.tolist()))
+    values = np.stack([whole[:, :, slab] @ order.restriction(*span).T for span in spans], axis=3)
+    for bent, pieces in kept:
+        values[:, :, np.searchsorted(slab, bent)] += pieces
     rows, _, _, m, s = values.shape
     places = np.minimum(np.searchsorted(edges[1:], order.c), m - 1)
     local = (order.c - edges[places]) / np.diff(edges)[places]
-    whole = np.einsum("rdnis,is->rdni", values[:, :, :, places], order.evaluation(local))
-    row, slab, span = np.arange(rows), np.arange(n), np.column_stack([edges[:-1], edges[1:]])
+    whole[:, :, slab] = np.einsum("rdnis,is->rdni", values[:, :, :, places], order.evaluation(local))
     pieces = Noted(
-        np.repeat(row, n * m),
+        np.repeat(np.arange(rows), len(slab) * m),
         np.tile(np.repeat(slab, m), rows),
-        np.tile(span, (rows * n, 1)),
-        values.transpose(0, 2, 3, 1, 4).reshape(rows * n * m, 2, s),
+        np.tile(np.array(spans), (rows * len(slab), 1)),
+        values.transpose(0, 2, 3, 1, 4).reshape(-1, 2, s),
     )
-    return np.ascontiguousarray(whole).reshape(rows, 2, n * s), pieces
+    return whole.reshape(rows, 2, n * s), pieces
 
 
-def _pieces(record: NDArray, ahead: float, edges: NDArray, n: int, order: Basis) -> NDArray:
-    """Cut a record, on slabs that begin `ahead` earlier, into pieces of the scene's; (rows, 2, n, pieces, s)."""
-    rows, s = len(record), order.s
-    waves = record.reshape(rows, 2, -1, s)
+def _projected(waves: NDArray, ahead: float, n: int, order: Basis) -> tuple[NDArray, NDArray]:
+    """Waves projected on n slabs of the scene, (rows, 2, n, s), and the largest that this misses in each, (n,)."""
+    later, sooner = order.shift(1.0 - ahead)
+    first, second = order.restriction(0.0, 1.0 - ahead), order.restriction(1.0 - ahead, 1.0)
+    before = np.concatenate([sooner, first @ sooner - order.restriction(ahead, 1.0), second @ sooner])
+    behind = np.concatenate([later, first @ later, second @ later - order.restriction(0.0, ahead)])
+    found = waves[:, :, :n] @ before.T + waves[:, :, 1 : n + 1] @ behind.T
+    return found[..., : order.s].copy(), np.abs(found[..., order.s :]).max(axis=(0, 1, 3))
+
+
+def _pieces(waves: NDArray, slab: NDArray, ahead: float, edges: NDArray, order: Basis) -> NDArray:
+    """Waves, on slabs that begin `ahead` earlier, in pieces of some of the scene's; (rows, 2, slabs, pieces, s)."""
     start, stop = edges[:-1] + ahead, edges[1:] + ahead
     later = ((start + stop) / 2 >= 1.0).astype(int)
     return np.stack(
         [
-            waves[:, :, k : k + n] @ order.restriction(a - k, b - k).T
+            waves[:, :, slab + k] @ order.restriction(a - k, b - k).T
             for a, b, k in zip(start, stop, later.tolist(), strict=True)
         ],
         axis=3,

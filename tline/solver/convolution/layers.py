@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.convolution.corners import Corners, corners_of
 from tline.solver.convolution.families import Changes, Straight
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
@@ -55,7 +56,7 @@ class Layers:
 
     Rows of the record are pairs of a node and a line end, or -1; `slabs` are whole ones by which lines move waves.
     Behind `near` slabs of each width those of twice the width follow a front; slabs are halved `halvings` times at
-    most, and transforms are `padded` times as long as the slabs.
+    most, and transforms are `padded` times as long as the slabs. Where laws have `kinks`, waves may have corners.
     """
 
     def __init__(
@@ -69,10 +70,11 @@ class Layers:
         near: int,
         padded: int,
         halvings: int = LEVELS,
+        kinks: bool = False,
     ):
         self.sources = [source for source in sources if len(source.changes.at)]
         self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4, padded)
-        self.near, self.halvings = near, halvings
+        self.near, self.halvings, self.kinks = near, halvings, kinks
         self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
         points = 2.0 ** np.arange(self.halvings + 1)[:, None] * self.rule.points
         self.rays = Rays(network, points.ravel(), h, slabs, rows)
@@ -93,7 +95,12 @@ class Layers:
                 rays[tuple(ray.rows)].append(ray)
             for rows, found in rays.items():
                 layers[rows] += self._layers(left, source, found, t_end, least)
-        pieces = [self._pieces(left, rows, found) for rows, found in layers.items() if found]
+        kinks = least if self.kinks else np.inf
+        pieces = [
+            self._pieces(left, rows, layers[rows], corners_of(left[list(rows)], kinks, self.order))
+            for rows in (tuple(row for row, *_ in each) for each in self.rays.rows if each)
+            if self.kinks or layers[rows]
+        ]
         return left.reshape(record.shape), concatenated(pieces, s)
 
     def _layers(self, left: NDArray, source: Source, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
@@ -154,21 +161,35 @@ class Layers:
         last = self.halvings - np.argmax(late[:, ::-1], axis=1)
         return np.where(late.any(axis=1), last, begins - 1)
 
-    def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer]) -> Noted:
-        """Pieces of slabs at one group of nodes: the remaining record, plus all layers there."""
+    def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer], corners: Corners) -> Noted:
+        """Pieces of slabs at one group of nodes: the remaining record with its corners, plus all layers there."""
         order, n = self.order, left.shape[2]
         touched = np.zeros(n, bool)
+        touched[corners.slab] = True
         for layer in layers:
             touched[int(layer.edges[0] + EDGE) : int(layer.end)] = True
         slabs = np.flatnonzero(touched)
-        cuts = np.concatenate([slabs, slabs + 1.0, *(layer.edges[layer.edges < layer.end] for layer in layers)])
+        if not len(slabs):
+            return concatenated([], order.s)
+        cuts = np.concatenate(
+            [slabs, slabs + 1.0, corners.slab + corners.at, *(layer.edges[layer.edges < layer.end] for layer in layers)]
+        )
         cuts = np.unique(np.where(np.abs(cuts - np.round(cuts)) < EDGE, np.round(cuts), cuts))
         cuts = cuts[(np.diff(cuts, prepend=-1.0) > NARROWEST_PIECE * cuts) & (cuts <= n)]
         start, stop = cuts[:-1], cuts[1:]
         slab = np.floor((start + stop) / 2).astype(int)
         start, stop, slab = (x[touched[slab]] for x in (start, stop, slab))
         x = start[:, None] + (stop - start)[:, None] * order.c  # (pieces, s), in slabs
-        values = np.einsum("pji,rdpi->pjrd", _values(order, x - slab[:, None]), left[list(rows)][:, :, slab])
+        known = left[list(rows)][:, :, slab]
+        for k, at, *both in zip(
+            corners.slab, corners.at, *(np.moveaxis(each, 2, 0) for each in corners[2:]), strict=True
+        ):
+            here = np.flatnonzero(slab == k)
+            for side, polynomial in zip((0, 1), both, strict=True):
+                known[:, :, here[(start[here] + stop[here] > 2 * (k + at)) == side]] = polynomial[:, :, None]
+        values = np.einsum("pji,rdpi->pjrd", _values(order, x - slab[:, None]), known)
+        if not layers:
+            return self._noted(rows, slab, start, stop, values)
         spans = [np.searchsorted(start, (layer.edges[0] - EDGE, layer.end - EDGE)) for layer in layers]
         middles = [(start[low:high] + stop[low:high]) / 2 for low, high in spans]
         which = [np.searchsorted(layer.edges, middle) - 1 for layer, middle in zip(layers, middles, strict=True)]
@@ -184,10 +205,13 @@ class Layers:
         for low, high in spans:
             values[low:high] += added[place : place + high - low]
             place += high - low
+        return self._noted(rows, slab, start, stop, values)
+
+    def _noted(self, rows: tuple[int, ...], slab: NDArray, start: NDArray, stop: NDArray, values: NDArray) -> Noted:
         count, span = len(slab), np.column_stack([start, stop]) - slab[:, None]
         return Noted(
             np.repeat(np.array(rows), count), np.tile(slab, len(rows)), np.tile(span, (len(rows), 1)),
-            values.transpose(2, 0, 3, 1).reshape(-1, 2, order.s),
+            values.transpose(2, 0, 3, 1).reshape(-1, 2, self.order.s),
         )  # fmt: skip
 
     def _edges(self, levels: int, at: float, end: float) -> NDArray:

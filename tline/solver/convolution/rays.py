@@ -35,7 +35,7 @@ class Ray(NamedTuple):
 
 
 class Rays:
-    """Paths through a linear rest without coupled conductors that mix.
+    """Paths through a linear rest without coupled conductors that mix, along lines that move waves by whole slabs.
 
     Points are 1/s; `slabs` are whole ones, of width h, by which lines move waves; rows are pairs of a node and a line
     end, or -1.
@@ -86,7 +86,7 @@ class Rays:
                 for end in self.network.ends[at].tolist():
                     more, whole, part = self.ways[end // 2]
                     wave = (u[:, at] - into.get(end, 0.0)) * self.passed[:, end // 2]
-                    if delay + more >= t_end or np.abs(wave[self.fast]).max() <= least:
+                    if part > 1 or delay + more >= t_end or np.abs(wave[self.fast]).max() <= least:
                         continue
                     there = int(self.group_of[self.network.node_of[end ^ 1]])
                     later = delay + more, rest + part, moved + whole, there

@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.convolution.families import MOST_FAMILIES, Changes, changes_of, family_of, leads, summed
+from tline.solver.convolution.families import (
+    MOST_FAMILIES,
+    SAME_FAMILY,
+    Changes,
+    changes_of,
+    family_of,
+    leads,
+    summed,
+)
 from tline.solver.convolution.laws import LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
 from tline.solver.convolution.nodal import LinearRest
@@ -76,6 +84,7 @@ class Convolved:
     ):
         self.description, self.padded, self.envelope = description, padded, envelope
         self.clocked, self.slow = clocked, slow
+        self.largest = 0.0  # wave of the last run
         self.kept = {*record, *description.probed}
         self.lines = [name for name in description.lines if envelope or name in self.kept]
         self.before: Before = above_level(description) if description.steady else rest(description)
@@ -97,10 +106,22 @@ class Convolved:
 
     @cached_property
     def layered(self) -> bool:
-        """Whether the response beside fronts is followed on narrower slabs there, along rays."""
+        """Whether the response beside fronts may be followed on narrower slabs there, along rays."""
         straight = not any(changes.curved for changes in self.changes)
-        alone = self.laws is None and not self.network.bundles and not self.clock and not self.slow
+        alone = not self.network.bundles and not self.clock and not self.slow
         return alone and straight and affordable(self.network)
+
+    def follows(self, h: float) -> bool:
+        """Whether it is, on slabs of width h: laws move at edges of slabs, and not all else does."""
+        at = self.instants if self.aligned(h) else self.moves
+        return self.layered and not leads(at / h).any()
+
+    def aligned(self, h: float) -> bool:
+        """Whether laws meet every front at an edge of slabs of width h, for delays are whole slabs, too."""
+        if self.laws is None:
+            return False
+        slabs = self.network.delays * self.network.second / h
+        return bool(np.abs(slabs - np.round(slabs)).max() <= SAME_FAMILY) and len(leads(self.instants / h)) < 2
 
     @cached_property
     def clock(self) -> float:
@@ -132,7 +153,10 @@ class Convolved:
         """Leads by which slabs of width h begin earlier, in slabs; with one of them each front is at an edge.
 
         Laws respond to all fronts at once, on slabs at whose edges they move. Fronts of sources elsewhere come before.
+        Where narrower slabs follow fronts there is no need for any.
         """
+        if self.follows(h):
+            return np.zeros(1)
         found = leads(self.instants / h)
         if self.laws is None or len(found) < 2:
             return found if len(found) else np.zeros(1)
@@ -149,27 +173,29 @@ class Convolved:
         """The result on slabs of a given order and width."""
         started = time.perf_counter()
         description, order, h = self.description, basis(chosen.s), chosen.h
-        slabs, ahead = Slabs.until(description.t_end, h), np.zeros(1) if self.layered else self.leads(h)
+        slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
         n = slabs.number
         whole = self._whole(order, h)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n, self.padded)
         lines = self.network.admittances(rule.points * self.network.second, np.outer(rule.late, whole))
         records = self._records(rule, order, lines, ahead)
-        if self.layered:
+        follows = self.follows(h)
+        if follows:
             waves, noted = self._layers(order, h, whole, chosen.near).corrected(
                 next(records), n, description.t_end, chosen.layers
             )
-        elif ahead.any():
-            waves, noted = summed(records, ahead, n, order)
+        elif len(ahead) > 1 or ahead.any():
+            waves, noted = summed(records, ahead, n, order, chosen.layers * self.largest)
         else:
             waves, noted = next(records), concatenated([], order.s)
+        self.largest = float(np.abs(waves).max(initial=0.0))
         seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
         at_nodes = {
             node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
             for k, node in enumerate(description.probed_nodes)
         }
         probes = probed(description, seen, at_nodes, slabs)
-        narrow = noted.values[:, 0].size if self.layered else 0
+        narrow = noted.values[:, 0].size if follows else 0
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.perf_counter() - started
         start = {name: self._start(line) for line, name in enumerate(description.lines)}
@@ -191,7 +217,8 @@ class Convolved:
             for node, parts in enumerate(each)
             for changes, share in parts
         ]
-        return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings)
+        kinks = any([*element.kind.bends(element.constants, 1.0)] for element in self.description.elements)
+        return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings, kinks)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> list[list[Excitation]]:
         """Efforts held and flows at nodes due to one family of fronts, or to all for laws; slabs begin earlier."""
@@ -316,7 +343,7 @@ def _stays(description: Description) -> bool:
 
 def is_affordable(scene: Convolved, s: int, h: float) -> bool:
     """Whether a scene is convolved on slabs of an order and a width within some seconds."""
-    leads = np.zeros(1) if scene.layered else scene.leads(h)
+    leads = scene.leads(h)
     points, ends = scene.description.t_end / h * s * max(len(leads) / SHARED, 1.0), scene.network.size
     if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
         return False

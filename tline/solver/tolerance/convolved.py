@@ -28,6 +28,7 @@ ROUNDED = 1e-12  # slabs; the end of a slab is taken this far inside it
 LEAST_SHARE = 0.1  # smallest share of a difference that a step is assumed to leave
 FIRST = 8  # fewest slabs in the shortest delay
 SETTLED, FINER = 0.02, 0.1  # of the tolerance: least change for which slabs beside fronts are halved; factor per run
+LEAST_LAYERS, MOST_NEAR = 1e-6, 20  # of the tolerance: least such change; most slabs of a width behind a front
 ALIKE = 2  # largest ratio of errors to differences of two runs so near to a jump that neither follows it
 BLURRED = 0.01  # of the shortest delay of a lossy line: nearer to a jump the tolerance does not apply
 MOST_BLURRED = 0.25  # largest share of a run that may be blurred
@@ -89,13 +90,14 @@ class Convolutions(Grids):
     def first(self) -> Result:
         """The run on the widest slabs."""
         tol = self.search.tol
-        layers, near = (SETTLED * tol, max(round(-1.5 * log10(tol)) - 2, 4)) if self.scene.layered else (0.0, 0)
-        return self.scene.run(Resolution(self.order, self.h, settle=self.settle, layers=layers, near=near))
+        near = max(round(-1.5 * log10(tol)) - 2, 4) if self.scene.layered else 0
+        return self.scene.run(Resolution(self.order, self.h, settle=self.settle, layers=SETTLED * tol, near=near))
 
     def next(self, ladder: Ladder) -> Result:
         """The run on slabs half as wide; each more that follows a front makes it two or three times as exact."""
         last = ladder.last.resolution
-        return self.scene.run(last._replace(h=last.h / 2, near=last.near + 2, layers=FINER * last.layers))
+        layers = max(FINER * last.layers, LEAST_LAYERS * self.search.tol)
+        return self.scene.run(last._replace(h=last.h / 2, near=min(last.near + 2, MOST_NEAR), layers=layers))
 
     def step(self, ladder: Ladder, finer: Result) -> Step:
         """Estimate the error of a run, if the next steps leave as large a share of the difference as the last two."""
@@ -137,7 +139,7 @@ class Convolutions(Grids):
         That is where sources or laws do, or where a line that carries corners has no whole number of slabs.
         """
         scene, network = self.scene, self.scene.network
-        if scene.layered:
+        if scene.layered and not scene.laws:
             return False
         if scene.laws and (len(leads(scene.instants / h)) > 1 or kinking(self.search.description)):
             return True
@@ -158,19 +160,25 @@ class Convolutions(Grids):
         shortest = min(min(line.delay for line in description.lines.values()), description.t_end)
         if scene.clock:
             return scene.clock / ceil(scene.clock * FIRST / shortest)
-        if not scene.layered:
-            h = resolution(description, s).h
-            h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
-            for instants in (scene.instants, scene.moves) if scene.laws else ():
-                if len(leads(instants / h)) < 2:
-                    return h
-                apart = float(np.diff(instants).min())
-                apart /= ceil(apart / h)
-                if apart > h / 2 and len(leads(instants / apart)) == 1:
-                    return apart
-            return h
+        at_edges = self._aligned(resolution(description, s).h, shortest) if scene.laws or not scene.layered else 0.0
+        if scene.aligned(at_edges) or not scene.layered:
+            return at_edges
         h, ringing = shortest / FIRST, min((period for _, period in description.time_scales.values()), default=inf)
-        return h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
+        h = h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
+        h = float(scene.moves[0]) / ceil(scene.moves[0] / h) if len(scene.moves) else h
+        return h if scene.follows(h) else at_edges
+
+    def _aligned(self, h: float, shortest: float) -> float:
+        """Divide a slab width until the shortest delay has enough slabs, and try to put fronts beside laws at edges."""
+        h /= 2 ** max(ceil(log2(h * FIRST / shortest)), 0)
+        for instants in (self.scene.instants, self.scene.moves) if self.scene.laws else ():
+            if len(leads(instants / h)) < 2:
+                return h
+            apart = float(np.diff(instants).min())
+            apart /= ceil(apart / h)
+            if apart > h / 2 and len(leads(instants / apart)) == 1:
+                return apart
+        return h
 
 
 def _torn(wave: Wave) -> float:
