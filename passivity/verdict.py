@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from flint import acb, arb, fmpq_mat, fmpz_poly
 
 from passivity.ball import of_point
-from passivity.budget import ASIDE, if_affordable
+from passivity.budget import ASIDE, VERDICT, if_affordable
 from passivity.expression.number import digits, double, written
 from passivity.polynomial.sign import SignProof
 from passivity.rational.function import RationalFunction
@@ -314,12 +314,17 @@ class Verdict(Decided):
     def evidence(self) -> dict[str, Any] | None:
         """Proof or witness as the content of a file, for rational functions too."""
         from passivity.calculus.proof import prove
+        from passivity.calculus.prove import Prover
 
         if self.proof or not self.asked[0]:
             return self.proof
         if point := self.witness:
             return self.question.file(point)
-        return prove(self.question, self.statement) if self.proved else None
+        question = self.question
+        prover = Prover(question.graph)
+        if self.steps:
+            if_affordable(VERDICT, prover.for_all, self.kind, question.value)
+        return prove(question, self.statement, prover) if self.proved else None
 
     def text_lines(self) -> list[str]:
         """The verdict, its reason, the witness, the margins where they are affordable, and the steps of the proof."""

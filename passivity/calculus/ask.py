@@ -12,7 +12,7 @@ from passivity.ball import of_fraction, of_point
 from passivity.budget import VERDICT, UndecidedError, budget, granted, if_affordable
 from passivity.calculus.fact import CLAIMS, POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
-from passivity.calculus.graph import Graph, Value
+from passivity.calculus.graph import ONE, Graph, Value
 from passivity.calculus.leaf import function_of, in_waves
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
@@ -292,6 +292,8 @@ def _with_names(made: partial, question: Question, ranges: list[Range], structur
         limit = "no rule applies and no counterexample was found"
     except UndecidedError as error:
         limit = str(error)
+    if found := _by_polynomials(made, question, prover):
+        return found[0]
     if parameters:
         from passivity.symbolic.check import decide
 
@@ -303,6 +305,23 @@ def _with_names(made: partial, question: Question, ranges: list[Range], structur
             return verdict
     helps = settling(question.graph, question.value, question.claim)
     return made(Status.UNDECIDED, reason=f"{limit}; it would be settled by {' or '.join(helps)}" if helps else limit)
+
+
+def _by_polynomials(made: partial, question: Question, prover: Prover) -> list[Verdict]:
+    """By rules, from what polynomials prove of the largest parts that are rational in s and parameters."""
+    graph, inside, found = question.graph, set(), False
+    order = needed(graph, question.value[1])
+    plain = {0}
+    for n in order:
+        kind, parts = graph.nodes[n]
+        real = kind in ("s", "sum", "mul") or (kind == "name" and graph.names[parts[0]][0] == "real")
+        plain |= {n} if real and plain.issuperset(graph.inner(n)) else set()
+    for n in reversed(order):
+        if n in plain:
+            if n not in inside and graph.moves[n] and not graph.is_rational[n] and n != question.value[1]:
+                found |= bool(if_affordable(_EACH // 4, prover.for_all, Kind.PR, (ONE, n)))
+            inside |= {*graph.inner(n)}
+    return _at_once(made, question, prover) if found else []
 
 
 def _glanced(made: partial, question: Question, ranges: list[Range]) -> list[Verdict]:

@@ -45,6 +45,14 @@ class Graph(Nodes):
         self._fractions: tuple[Iterable[int], dict[int, Any]] = [], {}  # known quotients, for the nodes that were cut
         self.marks: list[int] = []  # nodes to be proved one after the other: the ends of a chain
 
+    @classmethod
+    def of(cls, nodes: Nodes) -> "Graph":
+        """The graph of the nodes of a file, with their numbers; ValueError if one of them is there twice."""
+        graph = nodes if isinstance(nodes, Graph) else cls(nodes.names)
+        if any(graph.node(*node) != k for k, node in enumerate(nodes.nodes) if graph is not nodes):
+            raise ValueError("a node that is there twice")
+        return graph
+
     def node(self, kind: str, parts: tuple) -> int:
         """The number of a node, which is made if it is new."""
         found = self._number.setdefault((kind, parts), len(self.nodes))  # fractions are slow to hash

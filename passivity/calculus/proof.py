@@ -9,11 +9,10 @@ from typing import Any
 from passivity.ball import near
 from passivity.calculus.fact import Fact, in_texts, in_words
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.prove import DEPTHS, Prover, Step
+from passivity.calculus.prove import ALL_RULES, DEPTHS, Prover, Step
 from passivity.calculus.question import Question, check_file
 from passivity.calculus.search import Search
 from passivity.calculus.values import at_point, needed
-from passivity.delayed.boxes import ALL_RULES
 from passivity.errors import shorten
 from passivity.exact.certificate import verify as holds
 from passivity.expression.number import written

@@ -23,11 +23,12 @@ from passivity.calculus.graph import ZERO, Graph, Value
 from passivity.calculus.leaf import rational_facts, wave_facts
 from passivity.calculus.rewrite import Line, absorbing, lines, merged, pieces_of, rewritings
 from passivity.calculus.values import needed
-from passivity.delayed.boxes import ALL_RULES, prove_in_balls
+from passivity.delayed.boxes import prove_in_balls, rule_balls
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.status import Kind
-from passivity.verifier import disc, implies, scaled, turn
+from passivity.symbolic.question import rule_parameters
+from passivity.verifier import RULES, disc, implies, scaled, turn
 
 # of rewritings within rewritings, tried in turn; at first rational parts are not looked at closely
 DEPTHS = (0, 2, 4, 6)
@@ -36,6 +37,7 @@ _COST = 60_000
 _EQUALITY = VERDICT // 10
 _SMALL = 150  # nodes of a graph in which equalities are also multiplied out in full
 
+ALL_RULES = RULES | {"balls": rule_balls, "parameters": rule_parameters}  # those that the verifier does not know, too
 Step = tuple[int, Fact, str, list[int], Any]  # node, fact, rule, the steps it rests on, data
 Task: TypeAlias = Iterator[int]  # asks for facts about nodes, which are there when it goes on
 
@@ -77,6 +79,10 @@ class Prover:
     def strictly(self, kind: Kind, value: Value) -> bool:
         """Whether balls prove a value without names strictly positive or bounded real."""
         return bool(self.follow(value[1], "balls", [], prove_in_balls(kind, self.graph, value)))
+
+    def for_all(self, kind: Kind, value: Value) -> bool:
+        """Whether polynomials prove a value of s and parameters positive or bounded real for all of these."""
+        return bool(self.follow(value[1], "parameters", [], [kind.name, written(value[0])]))
 
     def _run(self, task: Task) -> None:
         """Work through a task and those that it waits for, however deep, without recursion."""

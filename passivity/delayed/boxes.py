@@ -40,8 +40,8 @@ from passivity.delayed.roots import (
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.status import Kind
-from passivity.verifier import RULES, scaled
 from passivity.verifier import Graph as Nodes
+from passivity.verifier import scaled
 
 _PLACES = ((Fraction(37, 29), Fraction(17, 23)), (Fraction(5, 3), Fraction(0)), (Fraction(1, 7), Fraction(9, 11)))
 _DIGITS = 4096  # binary, of the comparison: enough for a term of 1e-400 and its square
@@ -92,17 +92,12 @@ def holds(kind: Kind, graph: Graph, value: Value, radius: Fraction, cuts: list[F
 
 def rule_balls(nodes: Nodes, n: int, known: list[Any], data: dict[str, Any]) -> list[Fact]:
     """c times a node without names is positive or bounded real: the radius and the cuts make a proof in balls."""
-    graph = nodes if isinstance(nodes, Graph) else Graph(nodes.names)
-    if any(graph.node(*node) != k for k, node in enumerate(nodes.nodes) if graph is not nodes):
-        raise ValueError("a node that is there twice")
+    graph = Graph.of(nodes)
     if any(graph.nodes[m][0] == "name" for m in needed(graph, n)):
         raise ValueError("a function with names")
     kind, c, cuts = Kind[data["kind"]], Fraction(data["factor"]), [Fraction(x) for x in data["cuts"]]
     fact = scaled(CLAIMS[kind], 1 / c) if holds(kind, graph, (c, n), Fraction(data["radius"]), cuts) else None
     return [fact] if fact else []
-
-
-ALL_RULES = RULES | {"balls": rule_balls}
 
 
 def _is_small_far_out(n: QuasiPolynomial, d: QuasiPolynomial, radius: Fraction, room: arb | None) -> bool:

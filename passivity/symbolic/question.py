@@ -9,12 +9,16 @@ unless H2 = 0.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import inf
+from typing import Any
 
 from flint import arb, fmpq
 
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
+from passivity.calculus.fact import CLAIMS, Fact
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.question import Question as Asked
+from passivity.calculus.values import needed
 from passivity.errors import ExpressionError, shorten
 from passivity.exact.positive_real import check
 from passivity.exact.witness import from_axis, from_root, of_one_port
@@ -27,6 +31,8 @@ from passivity.symbolic.conditions import allowance, as_impedance, low_degree_co
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, claim, join, polynomial_text, quotient_text, value
 from passivity.verdict import Verdict, Witness
+from passivity.verifier import Graph as Nodes
+from passivity.verifier import scaled
 
 _SHOWN = 400  # characters of a line
 _E = 1  # the generator exp(-tau s)
@@ -120,6 +126,18 @@ class Question:
         told.append(f"Re p(jw) conj q(jw) = {a} >= 0, x = w^2")
         told.append(f"p + q = {polynomial_text(z.p + z.q)} has no root in Re s > 0 that p and q do not have in common")
         return [shorten(line, _SHOWN) for line in told]
+
+
+def rule_parameters(nodes: Nodes, n: int, known: list[Any], data: list[str]) -> list[Fact]:
+    """c times a node of s and parameters is positive or bounded real for all of these, by signs of polynomials."""
+    graph, kind, c, ranges = Graph.of(nodes), Kind[data[0]], Fraction(data[1]), []
+    for name in {graph.nodes[m][1][0] for m in needed(graph, n) if graph.nodes[m][0] == "name"}:
+        _, low, high = graph.names[name]
+        ranges.append(Range(name, None if low == -inf else low, None if high == inf else high))
+    if known or any(r.is_point or graph.names[r.name][0] != "real" for r in ranges):
+        raise ValueError("not of parameters alone")
+    fact = scaled(CLAIMS[kind], 1 / c) if Question.of(kind, graph, (c, n), ranges).formula() is True else None
+    return [fact] if fact else []
 
 
 def _as_reflection(kind: Kind, function: Pair, tau: Pair, expansion: Expansion) -> tuple[Pair, Pair]:

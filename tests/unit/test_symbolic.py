@@ -12,6 +12,7 @@ from passivity.calculus.proof import check_evidence, lines
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.symbolic.domain import ALL, Domain
+from passivity.verifier import check
 
 RLC = ["R > 0", "L > 0", "C > 0"]
 
@@ -280,6 +281,24 @@ def test_hostile_questions_end_soon(text):
     verdict = check_symbolic(text, Kind.PR, [f"{name} > 0" for name in names])
     assert verdict.status is not Status.PROVED
     assert time.process_time() - start < 5  # one second on a quiet machine
+
+
+PARTS = ("exp(-x)", "tanh(x)", "x + Z2", "line(R, T*s, x)", "sqrt(x)", "x")
+
+
+@pytest.mark.parametrize("whole", PARTS)
+def test_what_polynomials_prove_of_a_part_goes_into_the_whole(whole):
+    """Re 1/x = R - R/(1 + R^2 w^2), which the terms of 1/x do not show."""
+    text = f"let x = 1/(1/(R*s + 1)/s + R); {whole}"
+    assume = ["R > 0", *(x for x in ("T > 0", "Z2 positive real") if x.split()[0] in whole)]
+    found = check_symbolic(text, Kind.BR if "exp" in whole else Kind.PR, assume)
+    assert found.proved
+    evidence = found.evidence
+    assert check_evidence(evidence) is None
+    assert "'parameters'" in check(evidence)
+    for step in evidence["steps"]:
+        step[4] = ["BR", "1000"] if step[2] == "parameters" else step[4]
+    assert "does not follow" in check_evidence(evidence)
 
 
 # ---- identities and text
