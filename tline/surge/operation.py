@@ -26,7 +26,7 @@ from tline.surge.operate import Network, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import as_dataset, save_tables
 from tline.surge.unsteady import with_unsteady
-from tline.surge.worst import ALONE, Extreme, Worst, extremes, is_decided, worst
+from tline.surge.worst import ALONE, Extreme, Worst, behind_outlets, extremes, is_decided, worst
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -208,7 +208,7 @@ def operate(
     open : str, "LINK@TIME+DURATION"
         Valves to open.
     burst : str, "NODE:FLOW@TIME"
-        Holes, with their flow at the pressure before.
+        Holes, or drains that open, with their flow at the pressure before.
     demand : str, "NODE:±FLOW@TIME"
         Nodes that draw more, or less; twice for a pulse.
     when : str, "NODE>PRESSURE:close LINK+DURATION"
@@ -344,7 +344,9 @@ def plan(
         done = list(done)
         probes = {node: {"at": node} for node in probed_nodes(scene, done, wanted)}
         changed, notes = operated(scene, done, **rotor, more=more | ({"probes": probes} if probes else {}))
-        return changed, tuple(notes)
+        shut_in = set() if wanted else behind_outlets(changed)
+        known = {node: probe for node, probe in probes.items() if node not in shut_in}
+        return changed if known in ({}, probes) else changed.with_changes(probes=known), tuple(notes)
 
     if waiting:
         left = budget or Budget(SECONDS)
