@@ -104,9 +104,9 @@ def drained(result: Result) -> dict[str, tuple[float, float]]:
     """
     volumes = defaultdict[str, float](float)
     for line in result.scene.lines.values():
-        size = getattr(line.parameters, "area", None), getattr(line.parameters, "length", None)
+        area, length = (getattr(line.parameters, key, None) for key in ("area", "length"))
         for node in line.nodes:
-            volumes[node] += inf if None in size else float(size[0] * size[1])
+            volumes[node] += inf if area is None or length is None else float(area * length)
     valves = ((place(*at), x) for at, x in result.scene.placed if isinstance(x, AirValve))
     return _beyond(result, AIR_VOLUME, {where: NEARLY_FULL * volumes[x.at] for where, x in valves if volumes[x.at]})
 
