@@ -155,3 +155,24 @@ def test_no_class_is_named_where_water_would_boil_beyond_the_pipes():
     assert found.worst.needed is None
     assert "'crest'" in found.worst.untold
     assert found.result.envelope.alone["crest"][1] == pytest.approx(0, abs=10)
+
+
+def test_no_probe_is_where_an_outlet_behind_a_gate_leaves_any_pressure():
+    """What is shut in before an outlet that lets nothing in has no least pressure, and does not hold up the search."""
+    pipe = {"nodes": ["lake", "b"], "length": 500, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    scene = tl.Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines={"pipe": pipe},
+        links={"valve": {"kind": "orifice", "nodes": ["b", "c"], "kv": 200}},
+        loads={
+            "lake": {"kind": "reservoir", "at": "lake", "pressure": "6 bar"},
+            "tap": {"kind": "check valve", "at": "c", "flow": "20 L/s", "pressure_drop": "4 bar"},
+        },
+        probes={"b": {"at": "b"}},
+    )
+    surge = tl.operate(scene, close="pipe@1s+0.5s", t_end="20 s")
+    assert [*surge.result.probes] == ["pipe:gate"]
+    assert surge.worst.needed
+    assert len(surge.result.accuracy.attempts) < 5

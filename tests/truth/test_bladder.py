@@ -1,4 +1,4 @@
-"""A vessel whose bladder shuts it once it fills it, at the end of a lossless line, against DOP853 with events.
+"""A vessel whose bladder shuts it once it fills it, or that empties, at a lossless line, against DOP853 with events.
 
 The other end is matched, so what arrives is what the source sent a delay ago: V' = -(w - p(V))/z0 with p absolute and
 p V^n constant, up to the vessel's volume; there nothing flows until the wave exceeds the pressure of the gas.
@@ -13,6 +13,7 @@ from matched_sine import MatchedSine
 from scipy.integrate import solve_ivp
 
 import tline as tl
+from tline.solver.result.states import emptied
 from tline.surge.worst import EMPTIES, worst
 
 Z0, DELAY, HEAD, SWING, RATE, T_END = 2e7, 0.1, 3e5, 2e5, 0.5, 4.0
@@ -68,6 +69,21 @@ def test_it_is_its_differential_equation():
     assert worst(result).untold != EMPTIES
 
 
+def test_without_a_bladder_it_is_told_when_it_is_empty():
+    """Until then the equation is the same; gas would enter the pipe from there on, and no class is named."""
+    exact, met = by_hand()
+    result = tl.simulate(scene(bladder=False), envelope=True)
+    t = result.t[result.t < met[0]][1:]
+    (gas,) = (trace for trace in result.states if trace.word == "gas volume")
+    assert gas.values[1 : len(t) + 1] == pytest.approx([exact(s) for s in t], abs=1e-6 * GAS)
+    assert emptied(result)["loads.vessel"] == (pytest.approx(met[0], abs=1e-6 * T_END), TOTAL)
+    assert any(f"it is empty after {met[0]:.4g} s: its {TOTAL} m^3 are gas" in note for note in result.notes)
+    assert worst(result).untold == EMPTIES
+    larger = tl.simulate(scene(bladder=False, total_volume=1.0), envelope=True)
+    assert not emptied(larger)
+    assert worst(larger).untold != EMPTIES
+
+
 @pytest.mark.parametrize("order", [1, 2, 3, 5])
 @pytest.mark.parametrize("exponent", [1.0, 1.4])
 def test_stored_energy_never_grows(order, exponent):
@@ -91,6 +107,8 @@ def test_stored_energy_never_grows(order, exponent):
         never_grows(one, seed, held, 2e-14)
 
 
-def test_a_bladder_needs_a_volume():
+def test_volumes_that_a_vessel_does_not_have():
+    with pytest.raises(tl.SceneError, match=r"total_volume: no room for liquid, expected more than the gas, 0\.02 m"):
+        scene(total_volume=0.01)
     with pytest.raises(tl.SceneError, match="total_volume: is missing, expected the volume that the bladder may fill"):
         scene(total_volume=None)

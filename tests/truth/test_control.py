@@ -30,6 +30,11 @@ def scene() -> Scene:
     )
 
 
+def build(done, watched) -> Scene:
+    assert {*watched} <= {"b"}  # where the scene has a probe
+    return operated(scene(), done)[0]
+
+
 def pressure(t: float) -> float:
     """At the valve: u + z0·q is what arrives, q = C·sqrt(u)."""
     capacity = 0.01 / np.sqrt(P0)
@@ -40,9 +45,8 @@ def pressure(t: float) -> float:
 @pytest.mark.parametrize("at", [1.7, 2.345678])
 def test_a_valve_shuts_when_the_pressure_is_reached(at):
     control = read_control(f"b>{float(pressure(at))!r} Pa: close v+0.5s")
-    events, (note,) = triggered(
-        [control], [], lambda done: operated(scene(), done)[0], lambda each: simulate(each, tol=1e-9)
-    )
+    events, waiting, (note,) = triggered([control], [], build, lambda each: simulate(each, tol=1e-9))
+    assert not waiting
     assert events[0].at == pytest.approx(at, abs=1e-9)
     assert f"after {at:.6g} s" in note
     assert (events[0].kind, events[0].name, events[0].duration) == ("close", "v", 0.5)
@@ -50,9 +54,10 @@ def test_a_valve_shuts_when_the_pressure_is_reached(at):
 
 def test_what_is_never_reached_and_what_holds_at_the_start():
     def found(text: str):
-        return triggered([read_control(text)], [], lambda done: operated(scene(), done)[0], lambda each: simulate(each))
+        return triggered([read_control(text)], [], build, lambda each: simulate(each))
 
-    events, (note,) = found("b > 90 bar: close v")
+    events, (waiting,), (note,) = found("b > 90 bar: close v")
+    assert waiting.pressure == 9e6
     assert (events, note) == ([], "'b > 90 bar: close v': not before the end")
     assert found("b < 90 bar: close v")[0][0].at == 0.0
 
@@ -60,7 +65,7 @@ def test_what_is_never_reached_and_what_holds_at_the_start():
 def test_names_are_looked_up_before_anything_runs():
     for text, said in (("c > 1 bar: close v", "when: no such node"), ("b > 1 bar: close w", "close: not a valve")):
         with pytest.raises(InputError, match=said):
-            triggered([read_control(text)], [], lambda done: operated(scene(), done)[0], simulate)
+            triggered([read_control(text)], [], build, simulate)
 
 
 def test_a_level_counts_metres_of_water():

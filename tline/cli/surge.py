@@ -85,9 +85,10 @@ def surge(
     """Operate a network, and print its extremes.
 
     NETWORK is a file of EPANET (.inp) or a scene (.toml, or the name of one that comes with tline) of pipes that starts
-    in the steady state. Times and durations have units, and an operation without a duration is done at once. The exit
-    status is 1 if the tolerance is not met, or no pressure class can be determined: columns separate, or the highest
-    pressure comes at the end of the run.
+    in the steady state. Times and durations have units, and an operation without a duration is done at once. Pipes are
+    full: they drain until air valves have let a tenth of their volume in, and an empty one cannot be filled. The exit
+    status is 1 if the tolerance is not met, or no pressure class can be determined: columns separate, pipes drain, or
+    the highest pressure comes at the end of the run.
 
     Parameters
     ----------

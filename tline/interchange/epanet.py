@@ -1,6 +1,5 @@
 """Water networks from EPANET files, at the operating point that EPANET itself finds."""
 
-from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from math import inf, nan
 from pathlib import Path
@@ -26,6 +25,7 @@ from tline.interchange.water_network import (
     listed,
     pump_curve,
 )
+from tline.scene.connected import connected
 from tline.scene.site import GRAVITY as STANDARD
 from tline.units import to_si
 from tline.words.wording import shown
@@ -106,7 +106,7 @@ def _network(
     lost = sum(nodes[name]["demand"] for name in cut_off) * units.flow
     torn = _unbalanced(nodes, links, units.flow, cut_off)
     piped = {end for name in kept if links[name]["type"] in (ONE_WAY, PIPE) for end in links[name]["ends"]}
-    dry = reached - _spread(piped, links, kept)
+    dry = reached - connected(piped, (links[name]["ends"] for name in kept))
     reached -= dry
     used = {name: links[name] for name in links if name in kept and not {*links[name]["ends"]} & dry}
     return WaterNetwork(
@@ -192,25 +192,11 @@ def _is_left_out(link: Mapping[str, Any], closed: bool) -> bool:
     )
 
 
-def _spread(begin: set[str], links: Mapping[str, Any], through: set[str], within: set[str] | None = None) -> set[str]:
-    """Nodes that links join with the first ones, these among them."""
-    beside = defaultdict(list)
-    for name in through:
-        one, two = links[name]["ends"]
-        beside[one].append(two)
-        beside[two].append(one)
-    found, new = set(begin), list(begin)
-    while new:
-        new = [*{other for node in new for other in beside[node] if within is None or other in within} - found]
-        found |= {*new}
-    return found
-
-
 def _reached(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str]) -> set[str]:
     """Nodes that open links join with a reservoir or a tank."""
-    ends = {end for name in links.keys() - closed for end in links[name]["ends"]}
+    open_ = [links[name]["ends"] for name in links.keys() - closed]
     basins = {name for name, node in nodes.items() if node["type"] != JUNCTION}
-    return _spread(basins & ends, links, links.keys() - closed)
+    return connected(basins & {end for ends in open_ for end in ends}, open_)
 
 
 def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str], reached: set[str]) -> set[str]:
@@ -222,9 +208,10 @@ def _pockets(nodes: Mapping[str, Any], links: Mapping[str, Any], closed: set[str
         if name not in reached and node["type"] == JUNCTION and not node["demand"] and not node["emitter"]
     }
     loud = set(nodes) - reached - quiet
-    quiet -= _spread(loud, links, set(links) - closed)
-    shut = {name for name in closed if not _is_left_out(links[name], True)}
-    return _spread(reached, links, shut | (set(links) - closed), quiet | basins) - reached
+    open_ = [links[name]["ends"] for name in links.keys() - closed]
+    quiet -= connected(loud, open_)
+    shut = [links[name]["ends"] for name in closed if not _is_left_out(links[name], True)]
+    return connected(reached, open_ + shut, quiet | basins) - reached
 
 
 def _pipe(link: Mapping[str, Any], units: FileUnits, formula: str, vertices: list) -> Pipe:

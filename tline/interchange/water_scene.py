@@ -23,6 +23,7 @@ from tline.interchange.water_network import (
     listed,
 )
 from tline.interchange.water_valves import guesses, is_shut, put_gate, regulators, valve_link, with_bores
+from tline.scene.connected import connected
 from tline.scene.file import scene_from
 from tline.scene.scene import Scene
 from tline.scene.site import GRAVITY
@@ -231,19 +232,10 @@ def _close_ends(tables: dict[str, Any]) -> None:
 
 def _pockets(network: WaterNetwork, shut: set[str]) -> list[str]:
     """Nodes that nothing joins with a basin but shut valves, and check valves through which nothing flows."""
-    beside: dict[str, list[str]] = {name: [] for name in network.nodes}
     still = {name for name, pipe in network.pipes.items() if pipe.one_way and abs(pipe.flow) <= TRICKLE}
     still |= {name for name, pump in network.pumps.items() if abs(pump.flow) <= TRICKLE}
     links = {**network.pipes, **network.pumps, **network.valves}
-    for name in links.keys() - shut - still:
-        one, two = links[name].nodes
-        beside[one].append(two)
-        beside[two].append(one)
-    new = list(network.basins)
-    found = set(new)
-    while new:
-        new = [other for node in new for other in beside[node] if other not in found]
-        found |= {*new}
+    found = connected(network.basins, (links[name].nodes for name in links.keys() - shut - still))
     return [name for name in network.nodes if name not in found]
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.errors import InputError
+from tline.scene.connected import connected
 from tline.scene.load import linked_pairs
 from tline.scene.medium import readable
 from tline.scene.refuse import refuse_coupled
@@ -131,11 +132,8 @@ def _steps(pairs: Iterable[tuple[str, tuple[str, str]]]) -> Steps:
 def _chain_ends(steps: Steps) -> tuple[str, ...]:
     """Ends of a chain; empty if the steps are not a chain."""
     outer = [node for node, here in steps.items() if len(here) == 1]
-    connected, grown = set(outer[:1]), set(outer[:1])
-    while grown:
-        grown = {step.node for node in grown for step in steps[node]} - connected
-        connected |= grown
-    chain = len(outer) == 2 and len(connected) == len(steps) and max(map(len, steps.values())) <= 2
+    whole = connected(outer[:1], ((node, step.node) for node, here in steps.items() for step in here))
+    chain = len(outer) == 2 and len(whole) == len(steps) and max(map(len, steps.values())) <= 2
     return (outer[0], outer[1]) if chain else ()
 
 

@@ -13,6 +13,7 @@ from tline.scene.quantity import ZERO, Pressure, Quantity, Role
 from tline.scene.rating import WATER
 from tline.scene.vessel import ATMOSPHERE, Absolute
 
+AIR_VOLUME = "air volume"
 GAS_CONSTANT = 287.05  # of air, J/(kg K)
 Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
 
@@ -70,7 +71,7 @@ class AirValve(AtNode, OfLiquids):
     back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
 
     shows = (
-        Shown("air volume", "m^3", lambda valve, y, i: y),
+        Shown(AIR_VOLUME, "m^3", lambda valve, y, i: y),
         Shown("opening", "", lambda valve, y, i: valve.closing_time and np.minimum(y, 1.0), last=True),
     )
 

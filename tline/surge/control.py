@@ -64,23 +64,23 @@ def read_control(text: str) -> Control:
 def triggered(
     controls: Sequence[Control],
     events: Sequence[Event],
-    build: Callable[[Sequence[Event]], Scene],
+    build: Callable[[tuple[Event, ...], tuple[str, ...]], Scene],
     run: Callable[[Scene], Result],
-) -> tuple[list[Event], list[str]]:
-    """Return all events, with those triggered by controls at their instants, and notes on these.
+) -> tuple[list[Event], list[Control], list[str]]:
+    """Return all events, with those triggered by controls at their instants, controls that wait still, and notes.
 
-    Nothing before an instant depends on later events: the run is made again with each event that was found, and the
-    next is sought behind it. An instant is found to rounding on the curves of its run.
+    `build` makes a scene of events, with probes at some nodes. Nothing before an instant depends on later events: the
+    run is made again with each event that was found, and the next is sought behind it. An instant is found to rounding
+    on the curves of its run.
     """
     waiting, done, notes, since = list(controls), list(events), list[str](), 0.0
-    whole = build([*events, *(control.event for control in controls)])
+    whole = build((*events, *(control.event for control in controls)), ())
     nodes = {node for line in whole.lines.values() for node in line.nodes}
     for control in controls:
         if control.node not in nodes:
             raise InputError("when", "no such node", nearest(control.node, sorted(nodes)), f"'{control.node}'")
     while waiting:
-        probes = {control.node: {"at": control.node} for control in waiting}
-        result = run(build(done).with_changes(probes=probes, measures={}))
+        result = run(build(tuple(done), tuple(control.node for control in waiting)))
         instants = [_instant(control, result.probes[control.node], since) for control in waiting]
         first = int(np.argmin(instants))
         if instants[first] == np.inf:
@@ -88,7 +88,7 @@ def triggered(
         control, since = waiting.pop(first), instants[first]
         done.append(control.event._replace(at=since))
         notes.append(f"'{control.text}': after {since:.6g} s")
-    return done, [*notes, *(f"'{control.text}': not before the end" for control in waiting)]
+    return done, waiting, [*notes, *(f"'{control.text}': not before the end" for control in waiting)]
 
 
 def _instant(control: Control, probe: ProbeResult, since: float) -> float:

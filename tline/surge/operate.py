@@ -188,11 +188,11 @@ class _Operated:
         """A gate valve at the second end of a pipe."""
         pipe, end = self.scene.lines[name], self.scene.lines[name].nodes[1]
         diameter, density = (getattr(pipe.parameters, key, None) for key in ("diameter", "density"))
-        if diameter is None or density is None or gate_of(name) in self.tables["nodes"]:
+        if diameter is None or density is None or gate_of(name) in self._description.nodes:
             raise InputError(f"line '{name}'", "no valve fits it", "its diameter and density, and no node of its name")
         node = put_gate(self.tables, name, end, {"diameter": diameter, "density": density, "opening": opening})
         self.tables["lines"][name] = pipe.table() | {"nodes": [pipe.nodes[0], node]}
-        for probe in self.tables["probes"].values():
+        for probe in self.tables.get("probes", {}).values():
             if probe.get("line") == name and probe["at"] == end:
                 del probe["line"]  # the line ends at the valve now
         if end in self.tables.get("nodes", {}):

@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import count
 from math import inf
 from pathlib import Path
@@ -26,7 +26,7 @@ from tline.surge.operate import Network, operated, read_network
 from tline.surge.report import as_dict, as_text
 from tline.surge.tables import as_dataset, save_tables
 from tline.surge.unsteady import with_unsteady
-from tline.surge.worst import ALONE, Extreme, Worst, extremes, is_decided, worst
+from tline.surge.worst import ALONE, Extreme, Worst, behind_outlets, extremes, is_decided, worst
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -208,7 +208,7 @@ def operate(
     open : str, "LINK@TIME+DURATION"
         Valves to open.
     burst : str, "NODE:FLOW@TIME"
-        Holes, with their flow at the pressure before.
+        Holes, or drains that open, with their flow at the pressure before.
     demand : str, "NODE:±FLOW@TIME"
         Nodes that draw more, or less; twice for a pulse.
     when : str, "NODE>PRESSURE:close LINK+DURATION"
@@ -340,18 +340,22 @@ def plan(
     begun, waits, notes = acting(scene, controls, taken, Quantity(t_end, "s", "t_end"))
     events, waiting = [*events, *begun], [*waiting, *waits]
 
-    def build(done: Iterable[Event]) -> Planned:
-        done = list(done)
-        probes = {node: {"at": node} for node in probed_nodes(scene, done, wanted)}
-        changed, notes = operated(scene, done, **rotor, more=more | ({"probes": probes} if probes else {}))
-        return changed, tuple(notes)
+    @lru_cache(1)
+    def build(done: tuple[Event, ...], watched: tuple[str, ...]) -> Planned:
+        probes = {node: {"at": node} for node in (*probed_nodes(scene, done, wanted), *watched)}
+        seen = {"probes": probes, "measures": {}} if probes else {}
+        changed, notes = operated(scene, done, **rotor, more=more | seen)
+        shut_in = set() if wanted else behind_outlets(changed)
+        known = {node: probe for node, probe in probes.items() if node not in shut_in}
+        return changed if known in ({}, probes) else changed.with_changes(probes=known), tuple(notes)
 
     if waiting:
         left = budget or Budget(SECONDS)
         found = {"run": lambda each: run(each, (), progress, Budget(WAITING_SHARE * max(left.left, 0.0)))}
-        events, instants = triggered(waiting, events, lambda done: build(done)[0], **found)
+        events, waiting, instants = triggered(waiting, events, lambda *each: build(*each)[0], **found)
         notes += instants
-    planned, guesses = build(events)
+    watched = () if wanted else tuple(one.node for one in waiting)  # as in the run that found no instants
+    planned, guesses = build(tuple(events), watched)
     return planned, (*told, *notes, *guesses)
 
 

@@ -8,9 +8,12 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.interchange.water_network import listed
+from tline.scene.connected import connected
 from tline.scene.heights import weight_at
+from tline.scene.load import linked_pairs
+from tline.scene.scene import Scene
 from tline.solver.result.result import Result
-from tline.solver.result.states import emptied
+from tline.solver.result.states import drained, emptied
 
 CLASSES = (6e5, 1e6, 1.6e6, 2e6, 2.5e6, 4e6, 6.3e6, 1e7)  # Pa, of EN 1333
 BOILS = 2339.0 - 101_325.0  # Pa gauge, of water at 20 °C
@@ -22,8 +25,9 @@ CAVITIES = {"cavity", "vapour cavity"}  # kinds of loads that follow a column th
 
 SEPARATES = "water boils, and what the columns do that separate there is not computed"
 STOOD = "water boils in the network itself, before anything is operated"
-DRAINED = "water would boil where no pipe ends"
+BEYOND = "water would boil where no pipe ends"
 EMPTIES = "a vessel runs empty, and gas in the pipe is not computed"
+DRAINS = "pipes drain through an air valve, and are computed as full"
 ALONE = "there was time for one number of places for cavities alone"
 RISES = "the highest pressure comes at the end of the run and may be higher later"
 
@@ -88,18 +92,14 @@ def _alone(result: Result) -> Iterator[Extreme]:
         yield Extreme(node, start - known, low - known, low_at, nan, high - known, high_at, nan)
 
 
-def _behind_outlets(result: Result) -> set[str]:
+def behind_outlets(scene: Scene) -> set[str]:
     """Nodes at which no pipe ends that links connect with an outlet; shut in, they have any pressure below that of air.
 
     Such an outlet lets nothing in, so that no equation has a lower bound of the pressure before it.
     """
-    assert result.envelope is not None
-    left, found = [load.at for load in result.scene.loads.values() if load.kind in OUTLETS], set[str]()
-    while left:
-        if (node := left.pop()) in result.envelope.alone and node not in found:
-            found.add(node)
-            left += [each for link in result.scene.links.values() if node in link.nodes for each in link.nodes]
-    return found
+    piped = {node for line in scene.lines.values() for node in line.nodes}
+    outlets = {load.at for load in scene.loads.values() if load.kind in OUTLETS} - piped
+    return connected(outlets, linked_pairs(scene), {node for pair in linked_pairs(scene) for node in pair} - piped)
 
 
 def boils(node: Extreme) -> bool:
@@ -117,15 +117,16 @@ def worst(result: Result, most: int = 5, spread: float = 0.0, untold: str = "") 
     boiling = sorted((node for node in nodes if boils(node) and node.node not in followed), key=lambda n: n.lowest)
     lowest = min(nodes, key=lambda node: node.lowest)
     alone = list(_alone(result))
-    drained = [one.node for one in alone if one.before >= BOILS > one.lowest + BESIDE_PIPES]
-    drained = [*{*drained} - _behind_outlets(result)]
+    beyond = [one.node for one in alone if one.before >= BOILS > one.lowest + BESIDE_PIPES]
+    beyond = [*{*beyond} - behind_outlets(result.scene)]
     highest = max([*nodes, *alone], key=lambda node: node.highest)
     late = (1 - LAST) * result.scene.t_end
     rising = [highest] * (highest.highest_at > late and highest.rise > FAINT * largest)
     falling = [lowest] * (lowest.lowest_at > late and lowest.fall > FAINT * largest)
     boils_by = STOOD if all(node.before < BOILS for node in boiling) else SEPARATES
-    boils_by = boils_by if boiling else f"{DRAINED}: {listed(drained)}" if drained else ""
-    untold = boils_by or (EMPTIES if emptied(result) else untold or (RISES if rising else ""))
+    boils_by = boils_by if boiling else f"{BEYOND}: {listed(beyond)}" if beyond else ""
+    emptied_by = EMPTIES if emptied(result) else DRAINS if drained(result) else ""
+    untold = boils_by or emptied_by or untold or (RISES if rising else "")
     bound = max(node.highest + float(np.nan_to_num(node.highest_error)) for node in nodes)
     spread = max(spread, bound - highest.highest)
     needed = None if untold else class_of(highest.highest + spread)

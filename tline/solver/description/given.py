@@ -1,5 +1,6 @@
 """Types of the scene that go on through the solver as they are."""
 
+from tline.scene.air_valve import AIR_VOLUME, AirValve
 from tline.scene.coupled import End
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume, kinds_numbered
@@ -16,9 +17,11 @@ from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import GAS_VOLUME, AirVessel
 
 __all__ = [
+    "AIR_VOLUME",
     "GAS_VOLUME",
     "NO_HEIGHT",
     "OPENING",
+    "AirValve",
     "AirVessel",
     "Bend",
     "Constant",

@@ -10,7 +10,7 @@ from tline.solver.description.description import Description, describe
 from tline.solver.description.groups import parts
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import ProbeResult, Result
-from tline.solver.result.states import emptied
+from tline.solver.result.states import drained, emptied
 from tline.solver.result.surge import beyond_limits, surges
 from tline.words.wording import place
 
@@ -34,6 +34,11 @@ def remarks_of(result: Result) -> tuple[str, ...]:
         *(
             f"{where}: it is empty after {at:.4g} s: its {total:.4g} m^3 are gas, which would enter the pipe"
             for where, (at, total) in emptied(result).items()
+        ),
+        *(
+            f"{where}: after {at:.4g} s its air, {air:.3g} m^3, takes a tenth of the pipes that end there: they drain, "
+            "and are computed as full"
+            for where, (at, air) in drained(result).items()
         ),
         *(f"{where}: liquid flows back through it at up to {v:.3g} m/s" for where, v in result.slams.items()),
         *surges(description, result.t, result.start, probes, envelope),

@@ -5,10 +5,11 @@ An element lists them in `shows` (`tline.scene.law.Shown`): word, SI unit, and f
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from importlib import import_module
-from math import nan, sqrt
+from math import inf, nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +19,10 @@ from tline.solver.description.description import Description, describe
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import varies
 from tline.solver.description.given import (
+    AIR_VOLUME,
     GAS_VOLUME,
     OPENING,
+    AirValve,
     AirVessel,
     Extent,
     Interval,
@@ -34,6 +37,7 @@ from tline.words.wording import place
 
 MOST_SAMPLES = 2e7  # samples of states that a run keeps by default
 BISECTIONS = 50  # of the time between two samples
+NEARLY_FULL = 0.1  # of the volume of pipes, below which air in them leaves their waves and heads as they are
 GAUSS = np.polynomial.legendre.leggauss(4)
 
 
@@ -89,21 +93,32 @@ def states_of(result: Result) -> list[StateTrace]:
 
 def emptied(result: Result) -> dict[str, tuple[float, float]]:
     """Vessels that run empty of liquid, by place, with the instant, s, and the volume then filled by gas, m³."""
-    vessels = {
-        place(*at): element.total_volume
-        for at, element in result.scene.placed
-        if isinstance(element, AirVessel) and not element.bladder
-    }
-    if all(total is None for total in vessels.values()):
-        return {}
+    vessels = ((place(*at), x) for at, x in result.scene.placed if isinstance(x, AirVessel) and not x.bladder)
+    return _beyond(result, GAS_VOLUME, {where: x.total_volume for where, x in vessels if x.total_volume is not None})
+
+
+def drained(result: Result) -> dict[str, tuple[float, float]]:
+    """Air valves whose air leaves pipes that end there no longer nearly full, by place.
+
+    Each has the instant, s, and the volume of air, m³: `NEARLY_FULL` of that of all these pipes.
+    """
+    volumes = defaultdict[str, float](float)
+    for line in result.scene.lines.values():
+        area, length = (getattr(line.parameters, key, None) for key in ("area", "length"))
+        for node in line.nodes:
+            volumes[node] += inf if area is None or length is None else float(area * length)
+    valves = ((place(*at), x) for at, x in result.scene.placed if isinstance(x, AirValve))
+    return _beyond(result, AIR_VOLUME, {where: NEARLY_FULL * volumes[x.at] for where, x in valves if volumes[x.at]})
+
+
+def _beyond(result: Result, word: str, most: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+    """Elements with a state that reaches the most it may have, with the instant and that value."""
     found = {}
-    for trace in result.states:
-        total = vessels.get(trace.where)
-        if total is None or trace.word != GAS_VOLUME:
-            continue
-        over = np.flatnonzero(trace.values >= total)
-        if over.size:
-            found[trace.where] = _reached(trace, int(over[0]), float(total)), float(total)
+    for trace in result.states if most else ():
+        value = most.get(trace.where, inf)
+        over = np.flatnonzero(trace.values >= value)
+        if trace.word == word and over.size:
+            found[trace.where] = _reached(trace, int(over[0]), float(value)), float(value)
     return found
 
 
