@@ -328,6 +328,22 @@ def test_a_wrong_translation_is_caught(text, monkeypatch):
         in_balls_of(text)
 
 
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("PR", "3*s + 1/(2*s + 5 + exp(-s)*sqrt(2)/(1 + s))"),
+        ("BR", "1/(s + 2 + exp(-s))"),
+        ("PR", "1/(s + 2 + exp(-s))"),
+    ],
+)
+def test_a_reflection_leads_back_to_its_function(kind, text):
+    graph, s = Graph(), acb(1, 2) / 3
+    function = read(graph, text)
+    found, there = boxes.reflection(Kind[kind], graph, function), in_ball(graph, function, s)
+    assert found.given(Kind[kind], s).overlaps(there)
+    assert not found.given(Kind[kind], s).overlaps(there + 1e-9)
+
+
 def test_the_unresolved_box_is_named():
     verdict = ask("s/(s + 2 - exp(-s) - exp(-2*s))", Kind.PR)
     assert verdict.status is Status.UNDECIDED

@@ -126,6 +126,19 @@ def test_time_constants_may_be_far_apart():
     assert verdict.why == "Z + Z^H has a negative eigenvalue for ω < 1"
 
 
+def test_transfer_matrix_and_what_it_hides():
+    system = StateSpace.from_entries(
+        [[-1, 0, 5], [0, 2, 0], [0, 0, -3]], [[1, 0], [0, 0], [0, 1]], [[1, 7, 0], [0, 7, 2]], [[1, 0], [0, "1/2"]]
+    )
+    a, b, c, d = (np.array(x.tolist(), dtype=float) for x in (system.a, system.b, system.c, system.d))
+    s = 0.3 + 2j
+    assert np.allclose(system.transfer(s), d + c @ np.linalg.solve(s * np.eye(3) - a, b))
+    assert check_positive_real(system).hidden == fmpz_poly([-2, 1])
+    basis, part = system.reached()
+    assert (basis.ncols(), part.states) == (2, 2)
+    assert system.a * basis == basis * part.a
+
+
 def test_hidden_factors_of_a_matrix():
     verdict = check_positive_real(RationalMatrix.from_rows([[([1, -1], [1, -1]), 0], [0, ([1, 2], [1, 2])]]))
     assert verdict.status is Status.PROVED
