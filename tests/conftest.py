@@ -47,6 +47,13 @@ def unadjusted_pictures(request):
         yield
 
 
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Empty folder in which the test runs."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 def pytest_collection_finish():
     """What is collected stays to the end: garbage is not looked for in it."""
     gc.freeze()

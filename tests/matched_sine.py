@@ -4,6 +4,7 @@ from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
+from one_line import one_line
 
 import tline as tl
 
@@ -21,16 +22,15 @@ class MatchedSine(NamedTuple):
     def scene(self, loads: dict[str, dict[str, Any]], **solver: float) -> tl.Scene:
         """With loads at b, where the probe is."""
         swing = {"shape": "sine", "offset": self.head, "amplitude": self.swing, "frequency": self.rate}
-        return tl.Scene(
-            medium="hydraulic",
-            t_end=self.t_end,
-            start="steady",
-            lines={"pipe": {"nodes": ["a", "b"], "z0": self.z0, "delay": self.delay}},
-            sources={"s": {"at": "a", "kind": "pressure", "value": swing, "resistance": self.z0}},
-            loads={name: {"at": "b"} | load for name, load in loads.items()},
-            probes={"b": {"at": "b"}},
-            solver=solver,
-        )
+        loads, line = {name: {"at": "b"} | load for name, load in loads.items()}, {"z0": self.z0, "delay": self.delay}
+        given = {
+            "medium": "hydraulic",
+            "start": "steady",
+            "loads": loads,
+            "solver": solver,
+            "probes": {"b": {"at": "b"}},
+        }
+        return one_line(self.t_end, line, swing, self.z0, far="b", **given)
 
     def wave(self, t: float) -> float:
         """What arrives at b."""

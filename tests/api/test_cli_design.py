@@ -17,10 +17,7 @@ TOWN = f"{SCENES}/town.inp"
 TRIP, CLOSURE = f"{SCENES}/pump_trip.toml", f"{SCENES}/valve_closure.toml"
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def run(line: str):

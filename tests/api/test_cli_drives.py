@@ -95,8 +95,7 @@ def test_answers(command, words):
         ("control --friction '0 N m s' --belt-damping '0 N s/m'", "tension/tau_f: no PI controller of this rule"),
     ],
 )
-def test_mistakes(command, sentence, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_mistakes(command, sentence, folder):
     for name, text in (
         ("typo.toml", 'radus = "1 m"'),
         ("number.toml", "radius = 0.1"),
@@ -107,7 +106,7 @@ def test_mistakes(command, sentence, tmp_path, monkeypatch):
         ("empty.csv", ""),
         ("part.csv", "t,T1\n0,0\n"),
     ):
-        (tmp_path / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, encoding="utf-8")
     assert_refused(f"drives {command}", sentence)
 
 
@@ -125,13 +124,12 @@ def test_mistakes(command, sentence, tmp_path, monkeypatch):
         ("--disturbance='-3 N m' --limit '2 N m'", "from 1 s on, a belt speed of 1 m/s and a tension of 5 N cannot"),
     ],
 )
-def test_what_cannot_be_had_is_said_and_exits_1(options, verdict, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_had_is_said_and_exits_1(options, verdict, folder):
     plain, table = run(f"control {options}"), run(f"control {options} --json --csv run.csv")
     assert (plain.exit_code, table.exit_code) == (1, 1)
     assert verdict in plain.stdout.splitlines()[-1]
     assert [verdict in one for one in json.loads(table.stdout)["verdicts"]] == [True]
-    assert (tmp_path / "run.csv").exists()
+    assert (folder / "run.csv").exists()
 
 
 @pytest.mark.parametrize("options", ["step", "step --slack", "control", "control --limit '2 N m'"])
@@ -176,9 +174,8 @@ def test_bode_as_json_is_the_library():
     assert told("bode --output phi1 --points 2")["phi1/T1"]["dc_gain"] is None
 
 
-def test_runs_as_json_and_csv_are_the_library(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "torques.csv").write_text("t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n", encoding="utf-8")
+def test_runs_as_json_and_csv_are_the_library(folder):
+    (folder / "torques.csv").write_text("t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n", encoding="utf-8")
     unequal = CoupledDrives(Spool(1e-3, 0.1, 0.1), Spool(2e-3, 0.1, 0.05))
     options = '--inertia "1e-3 kg m^2, 2e-3 kg m^2" --radius "10 cm, 5 cm" --t-end "1 s" --step "10 ms"'
     for hold in (False, True):
@@ -190,7 +187,7 @@ def test_runs_as_json_and_csv_are_the_library(tmp_path, monkeypatch):
         own = drives.simulate(unequal, *torques, t_end=1.0, step=0.01)
         assert seen["outputs"] == {name: x.tolist() for name, x in own.outputs.items()}
         assert seen["energy"]["supplied"] == own.energy.supplied[-1]
-        rows = list(csv.DictReader((tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()))
+        rows = list(csv.DictReader((folder / "run.csv").read_text(encoding="utf-8").splitlines()))
         assert [float(row["x_k"]) for row in rows] == own.outputs["x_k"].tolist()
         assert [float(row["t"]) for row in rows] == own.t.tolist()
 
@@ -204,19 +201,17 @@ def test_control_as_json_is_the_library():
     assert set(seen) == {"design", "t", "outputs", "energy", "notes", "verdicts"}
 
 
-def test_parameters_from_a_file_and_options_over_it(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text('radius = ["10 cm", "5 cm"]\nangle = "30 deg"\n', encoding="utf-8")
+def test_parameters_from_a_file_and_options_over_it(folder):
+    (folder / "d.toml").write_text('radius = ["10 cm", "5 cm"]\nangle = "30 deg"\n', encoding="utf-8")
     same = told('bode --radius "10 cm, 5 cm" --angle "30 deg" --points 2')
     assert told("bode --parameters d.toml --points 2") == same
     assert told('bode --parameters d.toml --radius "10 cm" --angle "45 deg"') == told("bode")
 
 
 @pytest.mark.parametrize("command", ["bode --poles", "step --plot", "control --limit 2Nm --plot"])
-def test_pictures_show_something(command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_pictures_show_something(command, folder):
     assert run(f"{command} out.png").exit_code == 0
-    assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
+    assert imread(folder / "out.png")[..., :3].std() > 0.05
 
 
 def test_help_is_quick():

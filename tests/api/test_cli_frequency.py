@@ -16,11 +16,10 @@ CABLE = driven_cable(
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
+def folder(folder: Path) -> Path:
     for name in ("cable.toml", "network.toml"):
-        (tmp_path / name).write_text(CABLE, encoding="utf-8")
-    return tmp_path
+        (folder / name).write_text(CABLE, encoding="utf-8")
+    return folder
 
 
 def run(line):

@@ -87,29 +87,26 @@ def test_answers(command, words):
         ("run coulomb --z0 1", "--z0: the coulomb model has no bristles"),
     ],
 )
-def test_mistakes(command, sentence, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_mistakes(command, sentence, folder):
     assert_refused(f"friction {command}", sentence)
 
 
-def test_a_force_table_is_read_and_checked(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "force.csv").write_text("t,F\n0,0\n1,2\n3,2\n", encoding="utf-8")
+def test_a_force_table_is_read_and_checked(folder):
+    (folder / "force.csv").write_text("t,F\n0,0\n1,2\n3,2\n", encoding="utf-8")
     told = json.loads(run("run coulomb --table force.csv --t-end 3 --json").output)
     assert told["end"]["v"] == pytest.approx(2.25)
-    (tmp_path / "force.csv").write_text("0,0\n1,nan\n", encoding="utf-8")
+    (folder / "force.csv").write_text("0,0\n1,nan\n", encoding="utf-8")
     assert run("run coulomb --table force.csv").stderr.startswith("--table: line 2 is not 2 numbers, expected t, F")
-    (tmp_path / "force.csv").write_text("0,0,1\n", encoding="utf-8")
+    (folder / "force.csv").write_text("0,0,1\n", encoding="utf-8")
     assert run("run coulomb --table force.csv").stderr.startswith("--table: line 1 is not 2 numbers")
 
 
-def test_a_held_table_jumps(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "force.csv").write_text("t [s]; F [N]\n0; 0\n1; 2,0\n", encoding="utf-8")
+def test_a_held_table_jumps(folder):
+    (folder / "force.csv").write_text("t [s]; F [N]\n0; 0\n1; 2,0\n", encoding="utf-8")
     told = json.loads(run("run coulomb --table force.csv --hold --t-end 3 --samples 3 --csv out.csv --json").output)
     assert told["events"] == [{"kind": "break-away", "t": 1.0, "x": 0.0}]
     assert told["end"]["v"] == pytest.approx(2.0)
-    rows = list(csv.DictReader((tmp_path / "out.csv").read_text(encoding="utf-8").splitlines()))
+    rows = list(csv.DictReader((folder / "out.csv").read_text(encoding="utf-8").splitlines()))
     assert [float(row["t"]) for row in rows] == [0.0, 1.0, 2.0, 3.0]
 
 
@@ -149,22 +146,20 @@ def test_a_steep_ramp_breaks_away_once():
     assert told["events"] == [{"kind": "break-away", "t": 0.0012, "x": 0.0}]
 
 
-def test_numbers_are_the_librarys(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_numbers_are_the_librarys(folder):
     told = json.loads(run("run karnopp --json --csv run.csv").output)
     own = friction.simulate(friction.Karnopp(), friction.Testbench())
     assert told["end"]["v"] == own.v[-1]
     assert told["events"] == [{"kind": "break-away", "t": own.events[0].t, "x": 0.0}]
     assert told["energy"]["residual"] == own.ledger.residual
-    rows = list(csv.DictReader((tmp_path / "run.csv").read_text(encoding="utf-8").splitlines()))
+    rows = list(csv.DictReader((folder / "run.csv").read_text(encoding="utf-8").splitlines()))
     assert [float(row["F_f"]) for row in rows] == own.F_f.tolist()
 
 
 @pytest.mark.parametrize("command", ["run lugre --plot", "run lugre karnopp --plot"])
-def test_pictures_show_something(command, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_pictures_show_something(command, folder):
     assert run(f"{command} out.png").exit_code == 0
-    assert imread(tmp_path / "out.png")[..., :3].std() > 0.05
+    assert imread(folder / "out.png")[..., :3].std() > 0.05
 
 
 @pytest.mark.parametrize("v0", [-5.0, 0.0])

@@ -19,13 +19,12 @@ def run(command):
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "moved.csv").write_text("t [ms]; x [mm]\n# a stroke\n0;0\n500;1,5\n1000;0\n", encoding="utf-8")
-    (tmp_path / "driven.csv").write_text("0,0.1\n1,0.1\n", encoding="utf-8")
+def folder(folder):
+    (folder / "moved.csv").write_text("t [ms]; x [mm]\n# a stroke\n0;0\n500;1,5\n1000;0\n", encoding="utf-8")
+    (folder / "driven.csv").write_text("0,0.1\n1,0.1\n", encoding="utf-8")
     for name, text in BAD.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    return tmp_path
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
 
 
 BAD = {

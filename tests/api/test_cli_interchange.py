@@ -11,10 +11,9 @@ NET = "a cable\nV1 s 0 PULSE(0 1 0.5n 1n 1n 5n)\nR1 s a 25\nT1 a 0 b 0 Z0=50 TD=
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cable.cir").write_text(NET, encoding="utf-8")
-    return tmp_path
+def folder(folder: Path) -> Path:
+    (folder / "cable.cir").write_text(NET, encoding="utf-8")
+    return folder
 
 
 def test_there_and_back(folder: Path) -> None:

@@ -14,10 +14,9 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    ring(tmp_path).rename("town.inp")
-    return tmp_path
+def folder(folder: Path) -> Path:
+    ring(folder).rename("town.inp")
+    return folder
 
 
 def test_the_example_of_the_help_and_of_the_docs() -> None:

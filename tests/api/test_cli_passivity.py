@@ -138,9 +138,8 @@ def test_a_mistake_is_one_sentence_and_exit_2(arguments, sentence):
         ("no.s1p", "", "", "no.s1p: not a Touchstone file, expected samples, Touchstone version 1 or 2\n"),
     ],
 )
-def test_a_mistake_about_samples(file, text, arguments, sentence, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / file).write_text(text, encoding="utf-8")
+def test_a_mistake_about_samples(file, text, arguments, sentence, folder):
+    (folder / file).write_text(text, encoding="utf-8")
     result = run(file, *shlex.split(arguments))
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr.startswith(sentence)
@@ -171,12 +170,11 @@ def test_a_fault_of_the_program_is_no_answer(monkeypatch):
                         r"test_cli_passivity.py: by zero\n", result.stderr)  # fmt: skip
 
 
-def test_the_outputs_on_the_page_are_those_of_the_program(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_outputs_on_the_page_are_those_of_the_program(folder):
     page = (Path(__file__).parents[2] / "docs" / "passivity.md").read_text(encoding="utf-8")
     for start, name in (("medium =", "scene.toml"), ("f,re,im", "measured.csv")):
         (text,) = re.findall(rf"```\w+\n({start}.*?)```", page, re.DOTALL)
-        (tmp_path / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, encoding="utf-8")
     shown = re.findall(r"^\$ tline passivity (.*)\n((?:[^$`].*\n)+)", page, re.MULTILINE)
     assert len(shown) == page.count("$ tline passivity ") == 7
     for arguments, output in shown:

@@ -23,12 +23,11 @@ from tline.solver import simulate as simulation
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(folder: Path) -> Path:
     """The folder in which the commands run, with two scenes."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "valve.toml").write_text(VALVE)
-    (tmp_path / "fork.toml").write_text(FORK)
-    return tmp_path
+    (folder / "valve.toml").write_text(VALVE)
+    (folder / "fork.toml").write_text(FORK)
+    return folder
 
 
 def call(line: str) -> Result:

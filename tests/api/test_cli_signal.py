@@ -20,11 +20,10 @@ CABLE = driven_cable('[loads.end]\nat = "far"\nkind = "resistor"\nresistance = 1
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
-    (tmp_path / "scenes").symlink_to(Path(__file__).parents[2] / "scenes")
-    return tmp_path
+def folder(folder: Path) -> Path:
+    (folder / "cable.toml").write_text(CABLE, encoding="utf-8")
+    (folder / "scenes").symlink_to(Path(__file__).parents[2] / "scenes")
+    return folder
 
 
 def test_reflectometry(folder: Path) -> None:

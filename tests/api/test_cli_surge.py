@@ -10,10 +10,7 @@ ROOT = Path(__file__).parents[2]
 TOWN = f"{ROOT}/scenes/town.inp"
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None:

@@ -22,11 +22,10 @@ Z0 = "--vary 'lines.cable.z0=uniform(40 ohm, 0.06 kohm)'"
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "cable.toml").write_text(CABLE, encoding="utf-8")
-    (tmp_path / "cable.npz").write_text("no archive", encoding="utf-8")
-    return tmp_path
+def folder(folder: Path) -> Path:
+    (folder / "cable.toml").write_text(CABLE, encoding="utf-8")
+    (folder / "cable.npz").write_text("no archive", encoding="utf-8")
+    return folder
 
 
 def test_files_and_quantiles_are_of_the_same_runs(folder: Path) -> None:

@@ -121,9 +121,8 @@ def test_answers(command, words):
         ("2a --figures file/inside", "--figures: cannot be made"),
     ],
 )
-def test_mistakes(command, sentence, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "file").write_text("", encoding="utf-8")
+def test_mistakes(command, sentence, folder):
+    (folder / "file").write_text("", encoding="utf-8")
     assert_refused(f"exercise {command}", sentence)
 
 
@@ -140,13 +139,12 @@ def test_figures_show_something(answers):
         answers["4b"].plot()
 
 
-def test_files_are_written(tmp_path, monkeypatch, answers):
-    monkeypatch.chdir(tmp_path)
+def test_files_are_written(folder, answers):
     assert {letter for letter, answer in answers.items() if answer.modelica} == CODED
     assert run("4f --modelica drives.mo").output.endswith("wrote drives.mo\n")
-    assert (tmp_path / "drives.mo").read_text(encoding="utf-8") == answers["4f"].modelica
+    assert (folder / "drives.mo").read_text(encoding="utf-8") == answers["4f"].modelica
     assert "wrote new/3b.png" in run("3b --figures new/").output.replace("\\", "/")
-    assert imread(tmp_path / "new" / "3b.png")[..., :3].std() > 0.05
+    assert imread(folder / "new" / "3b.png")[..., :3].std() > 0.05
 
 
 def test_other_drives():

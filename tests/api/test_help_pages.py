@@ -32,14 +32,13 @@ PAGES = (
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "scenes").symlink_to(ROOT / "scenes")
+def test_examples_run(page: str, folder: Path) -> None:
+    (folder / "scenes").symlink_to(ROOT / "scenes")
     for name, text in FILES.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, encoding="utf-8")
     if page in ("tdr", "eye"):  # of an end that keeps the eye open
         open_eye = CABLE.replace('"parallel"', '"resistor"').replace('capacitance = "4 pF"\n', "")
-        (tmp_path / "cable.toml").write_text(open_eye, encoding="utf-8")
+        (folder / "cable.toml").write_text(open_eye, encoding="utf-8")
     shown = CliRunner().invoke(main, [*page.split(), "--help"]).stdout
     examples = re.findall(r"^ +tline ([^|\n]*)", re.sub(r"\\\n\s*", "", shown), re.MULTILINE)
     assert len(examples) > 1
@@ -50,4 +49,4 @@ def test_examples_run(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         done = CliRunner().invoke(main, words, catch_exceptions=False)
         assert done.exit_code == any(each in example for each in REFUTED), done.output
         for option in WRITTEN.intersection(words):
-            assert (tmp_path / words[words.index(option) + 1]).stat().st_size > 0
+            assert (folder / words[words.index(option) + 1]).stat().st_size > 0

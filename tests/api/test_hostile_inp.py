@@ -17,10 +17,7 @@ TEXT = RING.format(units="LPS", law="H-W", rough=120, exponent=0.5)
 KEEPSAKE = "keep this\n"
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 @pytest.mark.parametrize(

@@ -4,17 +4,14 @@ import json
 import os
 import re
 import subprocess
-import sys
 from pathlib import Path
 
-import click
 import pytest
-from click.testing import CliRunner
+from command_line import call, tline
 
 from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_DIGITS, MAX_EXPONENT
 from passivity.rational.matrix import MAX_PORTS
 from passivity.sampled.read import MAX_BYTES, MAX_LINE
-from tline.cli.main import main
 from tline.frequency.response import MOST_POINTS
 from tline.interchange.deck import DEEPEST, MOST_CARDS
 from tline.scene.mistakes import MOST_MISTAKES
@@ -27,15 +24,6 @@ from tline.sweeps.design import MOST_RUNS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
 SCENE = str(Path(__file__).parents[2] / "scenes" / "cable_rc.toml")
-
-
-def call(*args: str) -> click.testing.Result:
-    return CliRunner().invoke(main, list(args))
-
-
-def tline(*args: str, **given) -> subprocess.CompletedProcess:
-    command = [sys.executable, "-m", "tline", *args]
-    return subprocess.run(command, check=False, text=True, stderr=given.pop("stderr", subprocess.PIPE), **given)
 
 
 def test_the_limits_on_the_page_are_those_of_the_program():

@@ -19,9 +19,8 @@ F = frequencies(4e9, 100)
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(folder):
     """A folder with files of many kinds."""
-    monkeypatch.chdir(tmp_path)
     Path("scene.toml").write_text(SCENE, encoding="utf-8")
     Path("words.s1p").write_text("not numbers at all\n", encoding="utf-8")
     Path("empty.s1p").write_text("# Hz S RI R 50\n", encoding="utf-8")
@@ -31,7 +30,7 @@ def folder(tmp_path, monkeypatch):
     write("active.s1p", F, 1.2 + 0 * F)
     write("noise.s1p", F[:30], np.random.default_rng(1).uniform(-0.5, 0.5, 30))
     write("series.s1p", F, 1.000001 * behind_cable("10 + s*5n + 1/(s*2p)", F, 0))  # |S| = 1.000001 at 0 and infinity
-    return tmp_path
+    return folder
 
 
 MISTAKES = [

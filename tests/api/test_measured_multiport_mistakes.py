@@ -44,9 +44,8 @@ DELAYED = 'file = "delayed.s2p"\ndelays = ["0.3 ns", 0]'
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
+def folder(folder):
     """A folder with files of many kinds."""
-    monkeypatch.chdir(tmp_path)
     Path("scene.toml").write_text(SCENE, encoding="utf-8")
     Path("words.s2p").write_text("not numbers at all\n", encoding="utf-8")
     f, one = frequencies(20e9, 100), np.eye(2)
@@ -57,7 +56,7 @@ def folder(tmp_path, monkeypatch):
     write_ports("noise.s2p", f[:30], np.random.default_rng(1).uniform(-0.4, 0.4, (30, 2, 2)))
     turned = np.exp(-2j * np.pi * f[:, None] * [0.3e-9, 0])
     write_ports("delayed.s2p", f, turned[:, :, None] * [[0.2, 0.4], [0.4, 0.2]] * turned[:, None, :])
-    return tmp_path
+    return folder
 
 
 MISTAKES = [

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 from random_heights import sloping
 
 import tline as tl
@@ -28,15 +29,8 @@ def with_power(monkeypatch):
 
 
 def matched(**more) -> tl.Scene:
-    return tl.Scene(
-        medium="electrical",
-        t_end="20 ns",
-        lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "3 ns"}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": {"shape": "ramp", "to": 2, "duration": "2 ns"}}},
-        loads={"r": {"at": "far", "kind": "resistor", "resistance": 20}},
-        probes={"far": {"at": "far"}},
-        **more,
-    )
+    ramp = {"shape": "ramp", "to": 2, "duration": "2 ns"}
+    return one_line("20 ns", {"z0": 50, "delay": "3 ns"}, ramp, None, 20, **{"probes": FAR} | more)
 
 
 @pytest.mark.usefixtures("with_power")
@@ -64,7 +58,7 @@ def test_a_new_column_is_one_entry(tmp_path):
     assert len(result.plot(quantity="power").axes) == 1
     for values in ([20.0], [20.0, 30.0]):
         for scene in (matched(), matched(solver={"order": 4})):
-            runs = tl.sweep(scene, {"loads.r.resistance": values}, keep=[5e-9, 15e-9])
+            runs = tl.sweep(scene, {"loads.load.resistance": values}, keep=[5e-9, 15e-9])
             np.testing.assert_allclose(runs["power"], runs["u"] * runs["y"], rtol=1e-12)
             assert runs.unit("power") == "W"
             assert runs.dims("power") == ("probe", "time")

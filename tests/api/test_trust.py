@@ -4,13 +4,12 @@ import json
 import os
 import re
 import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
 import click
 import pytest
-from click.testing import CliRunner
+from command_line import call, tline
 
 from tline.cli.main import COMMANDS, main
 from tline.errors import SceneError
@@ -54,15 +53,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (inside / "out.toml").write_text(CABLE.replace("FILE", "../secret.csv"))
     (inside / "in.toml").write_text(CABLE.replace("FILE", "table.csv"))
     return inside
-
-
-def call(*args: str) -> click.testing.Result:
-    return CliRunner().invoke(main, list(args))
-
-
-def tline(*args: str, **given) -> subprocess.CompletedProcess:
-    command = [sys.executable, "-m", "tline", *args]
-    return subprocess.run(command, check=False, text=True, stderr=given.pop("stderr", subprocess.PIPE), **given)
 
 
 # run code

@@ -16,11 +16,7 @@ from tline.errors import InputError
 CABLE = Path(__file__).parents[2] / "scenes" / "cable_rc.toml"
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+pytestmark = pytest.mark.usefixtures("folder")
 
 
 def test_what_a_killed_run_leaves_is_removed_by_the_next_and_nothing_else(folder):

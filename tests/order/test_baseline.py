@@ -5,6 +5,7 @@ from math import comb
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 
 from tline import InputError, Scene
 from tline.scene.waveform import Shape
@@ -40,14 +41,7 @@ class Bell(Shape):
 
 
 def line(source: float, load: dict, t_end: float) -> Scene:
-    scene = Scene(
-        medium="electrical",
-        t_end=t_end,
-        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-        sources={"s": {"at": "near", "kind": "voltage", "resistance": source, "value": 1}},
-        loads={"load": {"at": "far"} | load},
-        probes={"far": {"at": "far"}},
-    )
+    scene = one_line(t_end, {"z0": 1, "delay": 1}, 1, source, load, probes=FAR)
     return scene.model_copy(update={"sources": {"s": scene.sources["s"].model_copy(update={"value": Bell()})}})
 
 
@@ -157,13 +151,8 @@ def test_what_no_baseline_method_can_do(name, changed, sentence):
 
 
 def test_inductances_take_no_jump_of_flow():
-    scene = Scene(
-        medium="electrical",
-        t_end=3.0,
-        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-        sources={"s": {"at": "near", "kind": "current", "value": 1}},
-        probes={"far": {"at": "far"}},
-    )
+    current = {"s": {"at": "near", "kind": "current", "value": 1}}
+    scene = one_line(3.0, {"z0": 1, "delay": 1}, None, None, probes=FAR, sources=current)
     assert "would have to jump in the inductances" in str(BASELINES["lumped_t"].incompatibility(scene))
     assert BASELINES["lumped_pi"].incompatibility(scene) is None
 

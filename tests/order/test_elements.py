@@ -3,24 +3,17 @@
 import numpy as np
 import pytest
 from bounces import COILS, SERIES, closed_form, scene_of
+from one_line import from_tank
 
-from tline import Scene, simulate
+from tline import simulate
 
 SWING = {"shape": "sine", "amplitude": 0.2, "frequency": 0.7, "offset": 0.7, "phase": "90 deg"}
 
 
 def efforts(order: int, slab: float, loads: dict) -> np.ndarray:
-    scene = Scene(
-        medium="hydraulic",
-        t_end=3.2,
-        start="steady",
-        lines={"pipe": {"nodes": ["tank", "end"], "z0": 2e7, "delay": 0.1173}},
-        loads={"tank": {"at": "tank", "kind": "reservoir", "pressure": 6e5}} | loads,
-        sources={"out": {"at": "end", "kind": "flow", "value": SWING | {"amplitude": 0.01, "offset": -0.02}}},
-        probes={"end": {"at": "end"}},
-        solver={"order": order, "slab": slab},
-    )
-    probe = simulate(scene).probes["end"]
+    out = {"out": {"at": "end", "kind": "flow", "value": SWING | {"amplitude": 0.01, "offset": -0.02}}}
+    solver = {"order": order, "slab": slab}
+    probe = simulate(from_tank(3.2, {"z0": 2e7, "delay": 0.1173}, 6e5, loads, sources=out, solver=solver)).probes["end"]
     return probe.u[:: round(0.1 / slab)]
 
 

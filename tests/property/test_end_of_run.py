@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from one_line import FAR, one_line
 from random_kinks import random_kinks
 from random_scenes import random_scene
 
@@ -19,14 +20,9 @@ SAMPLES = 20_001
 CLOSE = 1e-6  # of the amplitude: parabolas between places of a slab
 
 # a cable whose load is still charged at the end: what is behind it is higher than all before
-RISING = Scene(
-    medium="electrical",
-    t_end="7.3 ns",
-    lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "2 ns"}},
-    sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
-    loads={"c": {"at": "far", "kind": "capacitor", "capacitance": "100 pF"}},
-    probes={"far": {"at": "far"}, "middle": {"line": "line", "position": "50 %"}},
-)
+SEEN = FAR | {"middle": {"line": "line", "position": "50 %"}}
+CAPACITOR = {"kind": "capacitor", "capacitance": "100 pF"}
+RISING = one_line("7.3 ns", {"z0": 50, "delay": "2 ns"}, 1, 50, CAPACITOR, probes=SEEN)
 
 
 def slabs_of(scene: Scene, slab: float, order: int) -> Scene:
@@ -137,19 +133,11 @@ def test_the_ledger_ends_there(seed, slab, t_end, order):
 
 def test_energy_of_a_steady_flow_is_power_times_the_end_time():
     """A battery that feeds a resistor: nothing moves, and all of it is dissipated until the end, on any slabs."""
-    scene = Scene(
-        medium="electrical",
-        t_end=3.3,
-        start="steady",
-        lines={"line": {"nodes": ["a", "b"], "z0": 50, "delay": 1}},
-        sources={"s": {"at": "a", "kind": "voltage", "value": 2}},
-        loads={"r": {"at": "b", "kind": "resistor", "resistance": 4}},
-        probes={"b": {"at": "b"}},
-    )
+    scene = one_line(3.3, {"z0": 50, "delay": 1}, 2, None, 4, start="steady", probes=FAR)
     for slab in (1.0, 0.5, 0.7, 0.23):
         ledger = simulate(slabs_of(scene, slab, 3), ledger=True).ledger
         assert ledger.of("sources.s").supplied == pytest.approx(3.3, rel=1e-12)
-        assert ledger.of("loads.r").dissipated == pytest.approx(3.3, rel=1e-12)
+        assert ledger.of("loads.load").dissipated == pytest.approx(3.3, rel=1e-12)
         assert ledger.of("lines.line").stored == pytest.approx(0.0, abs=1e-12)
 
 

@@ -21,12 +21,11 @@ CASES = dict.fromkeys(DOORS, 60) | {"scenes": 20, "matrices": 20, "touchstone": 
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where the commands run, with limits at which what is legitimately long is refused."""
-    monkeypatch.chdir(tmp_path)
     for (module, name), limit in LOWER.items():
         monkeypatch.setattr(import_module(module), name, limit)
-    return tmp_path
+    return folder
 
 
 @pytest.mark.parametrize("door", DOORS)

@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from one_line import FAR, one_line
 from random_elements import random_elements
 from random_scenes import random_scene
 
@@ -132,18 +133,11 @@ def test_a_line_that_loses_energy_is_named():
 
 
 def test_an_active_load_is_named():
-    scene = Scene(
-        medium="electrical",
-        t_end=9.0,
-        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 1}},
-        loads={"amplifier": {"at": "far", "kind": "impedance", "expression": "-5"}},
-        probes={"p": {"at": "far"}},
-    )
+    scene = one_line(9.0, {"z0": 1, "delay": 1}, 1, 1, {"kind": "impedance", "expression": "-5"}, probes=FAR)
     ledger = simulate(scene, active=True, ledger=True).ledger
     assert ledger is not None
     # u = 5/4 at -5 ohm, from t = 1 on
-    assert ledger.notes == (f"ledger: loads.amplifier gave {8 * 1.25**2 / 5:.3g} J more than it had taken",)
+    assert ledger.notes == (f"ledger: loads.load gave {8 * 1.25**2 / 5:.3g} J more than it had taken",)
 
 
 def test_a_lumped_line_has_its_account():

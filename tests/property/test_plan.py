@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from one_line import one_line
 from random_scenes import random_scene
 
 from tline import ActiveError, Prepared, Result, Scene, prepare, simulate
@@ -72,14 +73,8 @@ def test_most_of_them_have_a_plan():
 
 
 def cable(**load) -> Scene:
-    return Scene(
-        medium="electrical",
-        t_end="40 ns",
-        probes={"near": {"at": "near"}, "far": {"at": "far"}},
-        lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": "5 ns"}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 20}},
-        loads={"c": {"at": "far", "kind": "parallel", "resistance": 100, **load}},
-    )
+    loads = {"c": {"at": "far", "kind": "parallel", "resistance": 100, **load}}
+    return one_line("40 ns", {"z0": 50, "delay": "5 ns"}, 1, 20, loads=loads)
 
 
 @pytest.mark.parametrize(

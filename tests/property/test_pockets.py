@@ -26,27 +26,24 @@ def test_nothing_operated_nothing_moves(seed, order):
     assert by.max() <= STILL * np.abs(envelope.start).max()
 
 
+def steady(lines: dict, links: dict, loads: dict, **more):
+    """Steady efforts and flows; where a load is a pressure alone, a reservoir of that name stands at that node."""
+    loads = {
+        name: load if isinstance(load, dict) else {"at": name, "kind": "reservoir", "pressure": load}
+        for name, load in loads.items()
+    }
+    given = {"medium": "hydraulic", "t_end": 1, "start": "steady", "probes": {"p": {"at": lines["first"]["nodes"][0]}}}
+    return steady_state(describe(Scene(**given, lines=lines, links=links, loads=loads, **more)))
+
+
 def row(*links: dict, start: float | None = None) -> dict[str, float]:
     """Steady efforts of a reservoir of 5 bar, elements in a row with pipes between, and one of 8 bar at the end."""
     lines, between = {"first": ROUGH | {"nodes": ["lake", "n0"]}}, {}
     for k, link in enumerate(links):
         between[f"link{k}"] = {"nodes": [f"n{k}", f"m{k}"]} | link
         lines[f"pipe{k}"] = ROUGH | {"nodes": [f"m{k}", f"n{k + 1}"]}
-    last = f"n{len(links)}"
-    scene = Scene(
-        medium="hydraulic",
-        t_end=1,
-        start="steady",
-        lines=lines,
-        links=between,
-        loads={
-            "lake": {"at": "lake", "kind": "reservoir", "pressure": "5 bar"},
-            "tower": {"at": last, "kind": "reservoir", "pressure": "8 bar"},
-        },
-        nodes={} if start is None else {"m0": {"start": start}},
-        probes={"p": {"at": "lake"}},
-    )
-    return steady_state(describe(scene))[0]
+    loads = {"lake": "5 bar", f"n{len(links)}": "8 bar"}
+    return steady(lines, between, loads, nodes={} if start is None else {"m0": {"start": start}})[0]
 
 
 SHUT = {"kind": "orifice", "kv": 10, "opening": 0}
@@ -81,20 +78,15 @@ def test_a_pocket_starts_with_what_it_is_said_to():
 @pytest.mark.parametrize("drop", [1e-1, 1e3, 1e7])
 def test_a_tight_valve_before_a_dead_end(flow, drop):
     """However little it lets pass, the same pressure is behind it."""
-    scene = Scene(
-        medium="hydraulic",
-        t_end=1,
-        start="steady",
-        lines={"first": ROUGH | {"nodes": ["lake", "a"]}, "second": ROUGH | {"nodes": ["b", "end"]}},
-        links={"tight": {"kind": "orifice", "nodes": ["a", "b"], "flow": flow, "pressure_drop": drop}},
-        loads={
-            "lake": {"at": "lake", "kind": "reservoir", "pressure": "15 bar"},
-            "out": {"at": "a", "kind": "orifice", "flow": 5e-3, "pressure_drop": "14 bar"},
-        },
-        probes={"p": {"at": "lake"}},
-    )
-    effort, _ = steady_state(describe(scene))
+    lines = {"first": ROUGH | {"nodes": ["lake", "a"]}, "second": ROUGH | {"nodes": ["b", "end"]}}
+    tight = {"kind": "orifice", "nodes": ["a", "b"], "flow": flow, "pressure_drop": drop}
+    out = {"at": "a", "kind": "orifice", "flow": 5e-3, "pressure_drop": "14 bar"}
+    effort, _ = steady(lines, {"tight": tight}, {"lake": "15 bar", "out": out})
     assert effort["end"] == pytest.approx(effort["a"], rel=1e-9)
+
+
+SUCTION = {"first": PIPE | {"nodes": ["sump", "a"]}, "second": PIPE | {"nodes": ["b", "end"]}}
+PUMP = {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 3e5]]}
 
 
 @pytest.mark.parametrize("pressure", [0.0, 1.0, 1e5])
@@ -102,31 +94,14 @@ def test_a_tight_valve_before_a_dead_end(flow, drop):
 @pytest.mark.parametrize("end", [{}, SHUT, {"kind": "vapour cavity"}])
 def test_a_pump_that_draws_from_the_open_air_fills_a_dead_end(pressure, pump, end):
     """Nothing flows, and the largest effort is the pump's own."""
-    scene = Scene(
-        medium="hydraulic",
-        t_end=1,
-        start="steady",
-        lines={"first": PIPE | {"nodes": ["sump", "a"]}, "second": PIPE | {"nodes": ["b", "end"]}},
-        links={"pump": {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 3e5]]} | pump},
-        loads={"sump": {"at": "sump", "kind": "reservoir", "pressure": pressure}}
-        | ({"end": end | {"at": "end"}} if end else {}),
-        probes={"p": {"at": "end"}},
-    )
-    effort, flows = steady_state(describe(scene))
+    loads = {"sump": pressure} | ({"end": end | {"at": "end"}} if end else {})
+    effort, flows = steady(SUCTION, {"pump": PUMP | pump}, loads)
     assert effort["end"] == pytest.approx(pressure + (0 if "speed" in pump else 4e5), rel=1e-9, abs=1e-9)
     assert np.abs(flows).max() < 1e-12
 
 
 def test_a_flow_that_nothing_takes_is_refused():
-    scene = Scene(
-        medium="hydraulic",
-        t_end=1,
-        start="steady",
-        lines={"first": PIPE | {"nodes": ["sump", "a"]}, "second": PIPE | {"nodes": ["b", "end"]}},
-        links={"pump": {"kind": "pump", "nodes": ["a", "b"], "curve": [[0.01, 3e5]], "check_valve": True}},
-        loads={"sump": {"at": "sump", "kind": "short"}},
-        sources={"s": {"at": "end", "kind": "flow", "value": "1 mL/s"}},
-        probes={"p": {"at": "end"}},
-    )
+    source = {"s": {"at": "end", "kind": "flow", "value": "1 mL/s"}}
+    links, loads = {"pump": PUMP | {"check_valve": True}}, {"sump": {"at": "sump", "kind": "short"}}
     with pytest.raises(InputError, match=r"sources\.s: no steady state: nothing takes the flow"):
-        steady_state(describe(scene))
+        steady(SUCTION, links, loads, sources=source)

@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from kept import kept
+from one_line import FAR, one_line
 from random_kinks import KINDS, random_kinks
 
 from tline.cli.report import summary
@@ -53,6 +54,14 @@ def scene_fronts(probe) -> np.ndarray:
     return np.concatenate([ends + probe.share * delay, ends + (1 - probe.share) * delay])
 
 
+LINE = {"z0": 1.0, "delay": 1.0}
+
+
+def behind_one(medium: str, value: dict, load: dict, t_end: float = 3.0, line: dict = LINE, **more) -> Scene:
+    """A source behind a resistance of 1, a line, and a load, which is seen."""
+    return one_line(t_end, line, value, 1.0, load, **{"medium": medium, "probes": FAR} | more)
+
+
 def diode(value: dict, **more) -> Scene:
     """A cable into a diode."""
     return Scene(
@@ -86,22 +95,14 @@ def test_a_run_that_bends_inside_slabs_is_not_met_there():
 
 def test_a_check_valve_that_shuts_inside_a_slab_costs_a_few_runs():
     """An ideal one at a pipe's end: the wave's mirror image is cut off where the flow turns, known in closed form."""
-    scene = Scene(
-        medium="hydraulic",
-        t_end=1.9,
-        lines={"p": {"nodes": ["in", "out"], "z0": 1.0, "delay": 1.0}},
-        sources={"s": {"at": "in", "kind": "pressure", "resistance": 1.0,
-                       "value": {"shape": "sine", "amplitude": 1.0, "frequency": 1.3}}},
-        loads={"v": {"at": "out", "kind": "check valve"}},
-        probes={"out": {"at": "out"}},
-    )  # fmt: skip
+    scene = behind_one("hydraulic", {"shape": "sine", "amplitude": 1.0, "frequency": 1.3}, {"kind": "check valve"}, 1.9)
     result = simulate(scene, tol=1e-9)
     assert result.accuracy.met
     assert sum(attempt.samples for attempt in result.accuracy.attempts) < 1e6
     t = np.linspace(1.0, 1.9, 1001)
     arrived = np.sin(2 * np.pi * 1.3 * (t - 1.0))  # a wave of twice half the source's amplitude
     expected = np.where(arrived > 0, 0.0, arrived)  # open to pressure 0 outside, else shut
-    assert np.abs(result.probes["out"].at(t).u - expected).max() < 2e-9
+    assert np.abs(result.probes["far"].at(t).u - expected).max() < 2e-9
 
 
 @pytest.mark.parametrize(("width", "met"), [(1e-7, True), (1e-9, False), (1e-10, False), (3e-11, False)])
@@ -133,15 +134,9 @@ def test_the_height_of_a_narrow_pulse_is_known_as_well_as_told(width, met):
 @pytest.mark.parametrize("share", ["0 %", "37 %", "100 %"])
 def test_extremes_lie_between_samples(share):
     """A sine's peaks, of the first wave alone."""
-    scene = Scene(
-        medium="electrical",
-        t_end=0.99,
-        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 0.5}},
-        sources={"s": {"at": "a", "kind": "voltage", "resistance": 1.0,
-                       "value": {"shape": "sine", "amplitude": 2.0, "frequency": 3.1, "until": 5.0}}},
-        loads={"r": {"at": "b", "kind": "resistor", "resistance": 1.0}},
-        probes={"p": {"line": "l", "position": share}},
-    )  # fmt: skip
+    sine = {"shape": "sine", "amplitude": 2.0, "frequency": 3.1, "until": 5.0}
+    load, probes = {"kind": "resistor", "resistance": 1.0}, {"p": {"line": "line", "position": share}}
+    scene = behind_one("electrical", sine, load, 0.99, LINE | {"delay": 0.5}, probes=probes)
     probe = run(describe(scene), Resolution(12, 0.05)).probes["p"]
     (low, low_at), (high, high_at) = extremes(probe, "u")
     late = 0.5 * float(share[:-2]) / 100
@@ -243,56 +238,33 @@ STIFF = {
 @pytest.mark.parametrize("fast", [1e-5, 1e-8])
 def test_what_a_fast_load_does_behind_a_front_is_followed(kind, fast):
     """A step charges it far within a slab: whole slabs of any order agree on what follows; none sees how it begins."""
-    medium, load, key = STIFF[kind]
-    scene = Scene(
-        medium=medium,
-        t_end=3.0,
-        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
-        sources={"s": {"at": "a", "kind": "voltage" if medium == "electrical" else "pressure", "resistance": 1.0,
-                       "value": {"shape": "step", "to": 1, "at": 0.3337}}},
-        loads={"x": load | {key: fast * load[key], "at": "b"}},
-        probes={"b": {"at": "b"}},
-        solver={"slab": 0.25},
-    )  # fmt: skip
-    result = simulate(scene, tol=1e-3)
-    soon = result.probes["b"].at(1.3337 + 1e-3 * fast).u
+    result = simulate(charged(fast, kind, slab=0.25), tol=1e-3)
+    soon = result.probes["far"].at(1.3337 + 1e-3 * fast).u
     assert result.accuracy.met
     assert 0.0 <= soon + 1e-3 <= 3e-3  # 1e-3 at most
+
+
+def without_corner(capacitance: float, **solver) -> Scene:
+    """A sine into a capacitance."""
+    sine = {"shape": "sine", "amplitude": 1.0, "frequency": 0.5, "phase": "90 deg"}
+    load = {"kind": "parallel", "resistance": 1.0, "capacitance": capacitance}
+    return behind_one("electrical", sine, load, start="steady", solver=solver)
 
 
 @pytest.mark.parametrize("capacitance", [1e-8, 1e-12])
 def test_a_fast_load_that_nothing_excites_does_not_keep_a_tolerance_from_being_met(capacitance):
     """A sine that begins without a corner, into a capacitance too small to matter."""
-    scene = Scene(
-        medium="electrical",
-        t_end=3.0,
-        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
-        sources={"s": {"at": "a", "kind": "voltage", "resistance": 1.0,
-                       "value": {"shape": "sine", "amplitude": 1.0, "frequency": 0.5, "phase": "90 deg"}}},
-        loads={"x": {"kind": "parallel", "resistance": 1.0, "capacitance": capacitance, "at": "b"}},
-        probes={"b": {"at": "b"}},
-        start="steady",
-        solver={"slab": 0.25},
-    )  # fmt: skip
-    result = simulate(scene, tol=1e-6)
+    result = simulate(without_corner(capacitance, slab=0.25), tol=1e-6)
     t = np.linspace(1.0, 3.0, 400)
     assert result.accuracy.met
-    assert np.abs(result.probes["b"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max() <= 5e-7
+    assert np.abs(result.probes["far"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max() <= 5e-7
 
 
-def charged(fast: float, kind: str, at: float = 0.3337, line: dict | None = None, **solver: float) -> Scene:
+def charged(fast: float, kind: str, at: float = 0.3337, line: dict = LINE, **solver: float) -> Scene:
     """A step into a line that ends at a fast load."""
     medium, load, key = STIFF[kind]
-    return Scene(
-        medium=medium,
-        t_end=3.0,
-        lines={"l": {"nodes": ["a", "b"]} | (line or {"z0": 1.0, "delay": 1.0})},
-        sources={"s": {"at": "a", "kind": "voltage" if medium == "electrical" else "pressure", "resistance": 1.0,
-                       "value": {"shape": "step", "to": 1, "at": at}}},
-        loads={"x": load | {key: fast * load[key], "at": "b"}},
-        probes={"b": {"at": "b"}},
-        solver=solver,
-    )  # fmt: skip
+    step = {"shape": "step", "to": 1, "at": at}
+    return behind_one(medium, step, load | {key: fast * load[key]}, line=line, solver=solver)
 
 
 @pytest.mark.parametrize("kind", list(STIFF))
@@ -300,29 +272,17 @@ def charged(fast: float, kind: str, at: float = 0.3337, line: dict | None = None
 @pytest.mark.parametrize("order", [1, 4, 7])
 def test_a_run_by_hand_knows_that_it_does_not_resolve_a_fast_load(kind, fast, order):
     result = simulate(charged(fast, kind, slab=0.25, order=order))
-    soon = result.probes["b"].at(1.3337 + 1e-2 * fast).u  # 1e-2 of the step at most
+    soon = result.probes["far"].at(1.3337 + 1e-2 * fast).u  # 1e-2 of the step at most
     told = judged(result)
-    size = np.abs(result.probes["b"].u).max()
-    assert soon - 1e-2 <= told.inside["b"].u * size <= 4 * soon
+    size = np.abs(result.probes["far"].u).max()
+    assert soon - 1e-2 <= told.inside["far"].u * size <= 4 * soon
     assert len(told.attempts) == 2
 
 
 def test_a_run_by_hand_whose_orders_converge_is_not_doubted():
     """A capacitance too small to matter behind a sine without a corner."""
-    line = {"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}}
-    wave = {"shape": "sine", "amplitude": 1.0, "frequency": 0.5, "phase": "90 deg"}
-    scene = Scene(
-        medium="electrical",
-        t_end=3.0,
-        lines=line,
-        sources={"s": {"at": "a", "kind": "voltage", "resistance": 1.0, "value": wave}},
-        loads={"x": {"kind": "parallel", "resistance": 1.0, "capacitance": 1e-9, "at": "b"}},
-        probes={"b": {"at": "b"}},
-        start="steady",
-        solver={"slab": 0.25, "order": 4},
-    )
-    result, t = simulate(scene), np.linspace(1.0, 3.0, 400)
-    off = np.abs(result.probes["b"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max()
+    result, t = simulate(without_corner(1e-9, slab=0.25, order=4)), np.linspace(1.0, 3.0, 400)
+    off = np.abs(result.probes["far"].at(t).u - 0.5 * np.cos(np.pi * (t - 1.0))).max()
     assert off <= 0.5 * judged(result).worst <= 100 * off  # the capacitance counts as one that no slab resolves
 
 
@@ -333,21 +293,13 @@ def test_a_run_by_hand_whose_orders_converge_is_not_doubted():
 @pytest.mark.parametrize("order", [None, 4])
 def test_gas_is_stiffer_under_pressure_than_without(start, to, atmosphere, exponent, slab, volume, order):
     """Its pressure does not jump; that in which a run jumps is an error, and is told."""
-    scene = Scene(
-        medium="hydraulic",
-        t_end=3.0,
-        lines={"l": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0}},
-        sources={"s": {"at": "a", "kind": "pressure", "resistance": 1.0,
-                       "value": {"shape": "step", "from": start, "to": to, "at": 0.3337}}},
-        loads={"x": {"kind": "air vessel", "gas_volume": volume, "gas_pressure": 0.0, "atmosphere": atmosphere,
-                     "exponent": exponent, "at": "b"}},
-        probes={"b": {"at": "b"}},
-        start="steady",
-        solver={"slab": slab} | ({"order": order} if order else {}),
-    )  # fmt: skip
+    step = {"shape": "step", "from": start, "to": to, "at": 0.3337}
+    vessel = {"kind": "air vessel", "gas_volume": volume, "gas_pressure": 0.0, "atmosphere": atmosphere}
+    solver = {"slab": slab} | ({"order": order} if order else {})
+    scene = behind_one("hydraulic", step, vessel | {"exponent": exponent}, start="steady", solver=solver)
     result = simulate(scene, tol=1e-3)
-    jump = abs(float(result.probes["b"].at(1.3337 + 1e-8).u) - start)
-    assert jump <= result.accuracy.inside["b"].u * np.abs(result.probes["b"].u).max() + 1e-6
+    jump = abs(float(result.probes["far"].at(1.3337 + 1e-8).u) - start)
+    assert jump <= result.accuracy.inside["far"].u * np.abs(result.probes["far"].u).max() + 1e-6
 
 
 @pytest.mark.parametrize(
@@ -361,5 +313,5 @@ def test_fast_loads_behind_lossy_lines_are_not_believed_either(kind, solver):
             "friction": {"kind": "darcy", "factor": 0.3}}  # fmt: skip
     fast = 1e-7 if kind == "receiver" else 4e-3
     result = simulate(charged(fast, kind, 0.5, cable if kind == "receiver" else pipe, **solver), tol=1e-2)
-    soon = float(result.probes["b"].at(1.5 + 1e-4 * fast).u)
-    assert soon <= FACTOR * result.accuracy.inside["b"].u * np.abs(result.probes["b"].u).max()
+    soon = float(result.probes["far"].at(1.5 + 1e-4 * fast).u)
+    assert soon <= FACTOR * result.accuracy.inside["far"].u * np.abs(result.probes["far"].u).max()

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from one_line import from_tank
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from tline import Scene, simulate
+from tline import simulate
 
 Z0, TURN, HEAD, OUTSIDE, T_END = 2e7, 0.2, 3e5, 101_325.0, 0.94
 FLOW, SHUT, EARLY = 0.04, 0.03, 1e-10  # m³/s, s, s
@@ -74,20 +75,9 @@ class Reference:
 
 
 def efforts(order: int, slab: float, inlet: float, outlet: float):
-    scene = Scene(
-        medium="hydraulic",
-        t_end=T_END,
-        start="steady",
-        lines={"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": TURN / 2}},
-        loads={
-            "tank": {"at": "tank", "kind": "reservoir", "pressure": HEAD},
-            "end": {"at": "end", "kind": "air valve", "inlet_diameter": inlet, "outlet_diameter": outlet},
-        },
-        sources={"out": {"at": "end", "kind": "flow", "value": STEP}},
-        probes={"end": {"at": "end"}},
-        solver={"order": order, "slab": slab},
-    )
-    probe = simulate(scene).probes["end"]
+    valve = {"end": {"at": "end", "kind": "air valve", "inlet_diameter": inlet, "outlet_diameter": outlet}}
+    more = {"sources": {"out": {"at": "end", "kind": "flow", "value": STEP}}, "solver": {"order": order, "slab": slab}}
+    probe = simulate(from_tank(T_END, {"z0": Z0, "delay": TURN / 2}, HEAD, valve, **more)).probes["end"]
     return probe.t, probe.u
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 
 from tline import InputError, Scene, simulate
 from tline.frequency.response import respond
@@ -14,11 +15,7 @@ PER = {"dB/100ft": 30.48, "dB/100m": 100.0, "dB/km": 1000.0}  # m
 
 
 def cable(t_end="2 us", **line) -> Scene:
-    return Scene(
-        medium="electrical", t_end=t_end, lines={"line": {"nodes": ["near", "far"], "length": "100 m"} | line},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
-        loads={"end": {"at": "far", "kind": "resistor", "resistance": 50}}, probes={"far": {"at": "far"}},
-    )  # fmt: skip
+    return one_line(t_end, {"length": "100 m"} | line, 1, 50, 50, probes=FAR)
 
 
 @pytest.mark.parametrize(("skin", "tangent"), [(2.0, 4e-4), (2.0, None), (0.1, 4e-3)])

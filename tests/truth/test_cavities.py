@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from one_line import from_tank
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from tline import Scene, simulate
+from tline import simulate
 from tline.solver.result.dense_output import curve
 
 Z0, DELAY, HEAD, FLOW, VAPOUR = 2e7, 0.1, 3e5, 0.04, 2339.0 - 101_325.0
@@ -16,20 +17,9 @@ SWING = {"shape": "sine", "amplitude": 0.03, "frequency": 0.9, "offset": -0.03, 
 
 def separated(order: int, slab: float, value: dict, *, delay: float = DELAY, kind: str = "vapour cavity", **load):
     """The far end of a pipe from a tank, where a flow is drawn."""
-    scene = Scene(
-        medium="hydraulic",
-        t_end=1.4,
-        start="steady",
-        lines={"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": delay}},
-        loads={
-            "tank": {"at": "tank", "kind": "reservoir", "pressure": HEAD},
-            "end": {"at": "end", "kind": kind} | load,
-        },
-        sources={"out": {"at": "end", "kind": "flow", "value": value}},
-        probes={"end": {"at": "end"}},
-        solver={"order": order, "slab": slab},
-    )
-    return simulate(scene).probes["end"]
+    loads, out = {"end": {"at": "end", "kind": kind} | load}, {"out": {"at": "end", "kind": "flow", "value": value}}
+    line, solver = {"z0": Z0, "delay": delay}, {"order": order, "slab": slab}
+    return simulate(from_tank(1.4, line, HEAD, loads, sources=out, solver=solver)).probes["end"]
 
 
 class Events:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from one_line import from_tank
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BarycentricInterpolator
 
@@ -25,18 +26,14 @@ POINTS = 120  # in a stretch's delay
 
 def scene(order: int, slabs: int, cavities: dict | None, end: dict, out: dict = SHUT) -> Scene:
     """A pipe that rises from a tank to where a flow is drawn; slabs in a stretch's delay."""
-    pipe = {"nodes": ["tank", "end"], "z0": Z0, "delay": DELAY, "density": 1000}
-    return Scene(
-        medium="hydraulic",
-        t_end=END,
-        start="steady",
-        lines={"pipe": pipe | ({"cavities": cavities} if cavities else {})},
-        nodes={"tank": {"elevation": 0}, "end": {"elevation": HEIGHT}},
-        loads={"tank": {"at": "tank", "kind": "reservoir", "pressure": HEAD}, "end": {"at": "end"} | end},
-        sources={"out": {"at": "end", "kind": "flow", "value": out}},
-        probes={"end": {"at": "end"}, "middle": {"line": "pipe", "position": "50 %"}},
-        solver={"order": order, "slab": STRETCH / slabs},
-    )
+    pipe = {"z0": Z0, "delay": DELAY, "density": 1000} | ({"cavities": cavities} if cavities else {})
+    more = {
+        "nodes": {"tank": {"elevation": 0}, "end": {"elevation": HEIGHT}},
+        "sources": {"out": {"at": "end", "kind": "flow", "value": out}},
+        "probes": {"end": {"at": "end"}, "middle": {"line": "pipe", "position": "50 %"}},
+        "solver": {"order": order, "slab": STRETCH / slabs},
+    }
+    return from_tank(END, pipe, HEAD, {"end": {"at": "end"} | end}, **more)
 
 
 def delay_equation() -> tuple[np.ndarray, np.ndarray]:
@@ -147,21 +144,10 @@ def test_local_losses_are_taken_once_however_a_pipe_is_parted(parted, acting):
 
 def test_beside_friction_slab_ends_are_as_told():
     """Diamonds against cells on slabs 32 times as narrow, which share neither friction nor nodes' slabs."""
-    pipe = {"nodes": ["tank", "end"], "length": 1000, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
-    scene = Scene(
-        medium="hydraulic",
-        t_end=6,
-        start="steady",
-        lines={"pipe": pipe | {"friction": {"kind": "darcy", "factor": 0.03}}},
-        loads={
-            "tank": {"at": "tank", "kind": "reservoir", "pressure": 3e5},
-            "end": {"at": "end", "kind": "vapour cavity"},
-        },
-        sources={
-            "out": {"at": "end", "kind": "flow", "value": {"shape": "ramp", "from": -0.08, "to": 0, "duration": 0.5}}
-        },
-        probes={"end": {"at": "end"}},
-    )
+    pipe = {"length": 1000, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    pipe |= {"friction": {"kind": "darcy", "factor": 0.03}}
+    out = {"at": "end", "kind": "flow", "value": {"shape": "ramp", "from": -0.08, "to": 0, "duration": 0.5}}
+    scene = from_tank(6, pipe, 3e5, {"end": {"at": "end", "kind": "vapour cavity"}}, sources={"out": out})
     result = simulate(scene, tol=1e-2)
     assert result.accuracy
     assert result.accuracy.at_slab_ends < 1e-2

@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from bounces import COILS, SERIES, Z0, C, L, R, closed_form, inverse, leaving, scene_of
+from one_line import FAR, one_line
 
 from tline import Scene, simulate
 from tline.scene.characteristic import BOLTZMANN, CHARGE
@@ -62,27 +63,14 @@ def test_a_diode_beside_a_resistor_behind_another_is_its_recursion_per_bounce():
     """No line ends at their node; Lambert's W in 40 digits gives what the line's end sees."""
     z0, rs, series, beside, rise, emf = 50, 20, 30, 200, 0.75, 5
     saturation, thermal = 1e-14, float(BOLTZMANN * 300.15 / CHARGE)
-    scene = Scene(
-        medium="electrical",
-        t_end=12.0,
-        lines={"cable": {"nodes": ["near", "far"], "z0": z0, "delay": 1.0}},
-        sources={
-            "s": {
-                "at": "near",
-                "kind": "voltage",
-                "resistance": rs,
-                "value": {"shape": "ramp", "to": emf, "duration": rise},
-            }
-        },
-        links={"series": {"nodes": ["far", "inner"], "kind": "resistor", "resistance": series}},
-        loads={
-            "diode": {"at": "inner", "kind": "diode", "saturation": saturation},
-            "beside": {"at": "inner", "kind": "resistor", "resistance": beside},
-        },
-        probes={"far": {"at": "far"}},
-        solver={"order": 10, "slab": 0.125},
-    )
-    probe = simulate(scene).probes["far"]
+    links = {"series": {"nodes": ["far", "inner"], "kind": "resistor", "resistance": series}}
+    loads = {
+        "diode": {"at": "inner", "kind": "diode", "saturation": saturation},
+        "beside": {"at": "inner", "kind": "resistor", "resistance": beside},
+    }
+    more = {"links": links, "loads": loads, "probes": FAR, "solver": {"order": 10, "slab": 0.125}}
+    ramp = {"shape": "ramp", "to": emf, "duration": rise}
+    probe = simulate(one_line(12.0, {"z0": z0, "delay": 1.0}, ramp, rs, **more)).probes["far"]
     with mp.workdps(40):
         share = mp.mpf(beside) / (beside + z0 + series)
         r, p, k = share * (z0 + series), mp.mpf(saturation), mp.mpf(thermal)

@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from lossy_scenes import cable, pipe
+from one_line import FAR, one_line
 
 from tline import Scene, simulate
 
@@ -135,13 +136,8 @@ def test_an_edge_of_a_nanosecond_into_37_and_23_metres_of_rg58():
 def test_a_slow_ramp_into_a_short_line_costs_what_its_corners_cost(tol):
     """16,000 delays in a thousand slabs, beside both corners and elsewhere, against the sum of all reflections."""
     delay, rise, z0, source, load = 1.25e-9, 5e-6, 50.0, 25.0, 1000.0
-    scene = Scene(
-        medium="electrical", t_end="20 us", probes={"far": {"at": "far"}},
-        lines={"line": {"nodes": ["near", "far"], "z0": z0, "delay": delay}},
-        sources={"s": {"at": "near", "kind": "voltage", "resistance": source,
-                       "value": {"shape": "ramp", "to": 1, "duration": rise}}},
-        loads={"r": {"at": "far", "kind": "resistor", "resistance": load}},
-    )  # fmt: skip
+    ramp = {"shape": "ramp", "to": 1, "duration": rise}
+    scene = one_line("20 us", {"z0": z0, "delay": delay}, ramp, source, load, probes=FAR)
     result = simulate(scene, tol=tol)
     beside = np.linspace(0.0, 40e-9, 401)
     t = np.concatenate([beside, rise + beside, np.linspace(0.0, 20e-6, 401)])

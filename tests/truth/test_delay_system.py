@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from one_line import one_line
 from random_scenes import random_scene
 
 from tline import InputError, Scene
@@ -13,17 +14,9 @@ T, Z0, RS, R, C = 1e-9, 50.0, 25.0, 100.0, 4e-12
 
 
 def cable(**more) -> Scene:
-    return Scene(
-        **{
-            "medium": "electrical",
-            "t_end": 1,
-            "probes": {"near": {"at": "near"}, "far": {"at": "far"}, "inside": {"line": "line", "position": "30 %"}},
-            "lines": {"line": {"nodes": ["near", "far"], "z0": Z0, "delay": T}},
-            "sources": {"s": {"at": "near", "kind": "voltage", "value": 3, "resistance": RS}},
-            "loads": {"c": {"at": "far", "kind": "parallel", "resistance": R, "capacitance": C}},
-        }
-        | more
-    )
+    probes = {"near": {"at": "near"}, "far": {"at": "far"}, "inside": {"line": "line", "position": "30 %"}}
+    loads = {"c": {"at": "far", "kind": "parallel", "resistance": R, "capacitance": C}}
+    return one_line(1, {"z0": Z0, "delay": T}, 3, RS, **{"probes": probes, "loads": loads} | more)
 
 
 def clamped() -> Scene:

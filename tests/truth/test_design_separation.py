@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from one_line import from_tank
 
 from tline import InputError, Scene
 from tline.cli.main import main
@@ -17,15 +18,8 @@ Z0, HEAD, FLOW = 2e7, 50e5, 0.03
 
 def shut(cavities: dict) -> Scene:
     """A flow stops at once at the end of a pipe under a pressure that keeps all columns whole."""
-    return Scene(
-        medium="hydraulic",
-        t_end=3,
-        start="steady",
-        lines={"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": 0.4, "density": 1000, **cavities}},
-        loads={"tank": {"at": "tank", "kind": "reservoir", "pressure": HEAD}},
-        sources={"out": {"at": "end", "kind": "flow", "value": {"shape": "step", "from": -FLOW, "to": 0}}},
-        probes={"end": {"at": "end"}},
-    )
+    out = {"at": "end", "kind": "flow", "value": {"shape": "step", "from": -FLOW, "to": 0}}
+    return from_tank(3, {"z0": Z0, "delay": 0.4, "density": 1000, **cavities}, HEAD, {}, sources={"out": out})
 
 
 def test_whole_columns_rise_by_joukowsky_whatever_the_places():

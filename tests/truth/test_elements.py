@@ -7,6 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from method_of_steps import NODES, WEIGHTS
+from one_line import FAR, from_tank, one_line
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -22,16 +23,8 @@ RAMP = {"shape": "ramp", "from": 1, "to": 0, "at": 0.05, "duration": 0.73}
 
 def pipe(loads: dict, *, delay: float = DELAY, t_end: float = 2.0, order: int = 8, slab: float = 0.05, **more) -> Scene:
     """A pipe from a tank to whatever is at its end."""
-    return Scene(
-        medium="hydraulic",
-        t_end=t_end,
-        start="steady",
-        lines={"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": delay}},
-        loads={"tank": TANK} | loads,
-        probes={"end": {"at": "end"}},
-        solver={"order": order, "slab": slab},
-        **more,
-    )
+    solver = {"order": order, "slab": slab}
+    return from_tank(t_end, {"z0": Z0, "delay": delay}, HEAD, loads, solver=solver, **more)
 
 
 def share(t: float) -> float:
@@ -133,15 +126,8 @@ def test_a_cable_with_a_non_linear_end(load):
         return sign * (k / z0 * mp.lambertw(z0 * p / k * mp.exp((x + z0 * p) / k)).real - p)
 
     value = {"shape": "ramp", "from": 0, "to": sign * emf, "duration": rise}
-    scene = Scene(
-        medium="electrical",
-        t_end=12.0,
-        lines={"cable": {"nodes": ["near", "far"], "z0": z0, "delay": delay}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": value, "resistance": rs}},
-        loads={"end": {"at": "far"} | loads[load]},
-        probes={"far": {"at": "far"}},
-        solver={"order": 10, "slab": 0.125},
-    )
+    solver = {"order": 10, "slab": 0.125}
+    scene = one_line(12.0, {"z0": z0, "delay": delay}, value, rs, loads[load], solver=solver, probes=FAR)
     probe = simulate(scene).probes["far"]
 
     with mp.workdps(40):
@@ -392,14 +378,8 @@ def test_an_air_vessel_answers_to_the_faintest_wave(size, gauge):
     """As the capacitance V/(n·p) that its gas is in the air outside: u = 2·size·(1 - exp(-t/(z0·C)))."""
     volume, atmosphere, n = 5e-4, 101325.0, 1.2
     vessel = {"kind": "air vessel", "gas_volume": volume, "gas_pressure": gauge, "exponent": n}
-    scene = Scene(
-        medium="hydraulic",
-        t_end=0.28,
-        lines={"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": DELAY}},
-        loads={"tank": TANK | {"pressure": size}, "vessel": vessel | {"at": "end"}},
-        probes={"end": {"at": "end"}},
-        solver={"order": 6, "slab": 0.02},
-    )
+    line, loads = {"z0": Z0, "delay": DELAY}, {"vessel": vessel | {"at": "end"}}
+    scene = from_tank(0.28, line, size, loads, start="rest", solver={"order": 6, "slab": 0.02})
     probe = simulate(scene).probes["end"]
     capacity = volume * (1 + gauge / atmosphere) ** (1 / n) / (n * atmosphere)
     exact = -2 * size * np.expm1(-np.maximum(probe.t - DELAY, 0) / (Z0 * capacity))

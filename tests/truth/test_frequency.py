@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 
 from tline import InputError, Scene
 from tline.frequency import impedance, resonances, respond, scattering_parameters
@@ -12,9 +13,7 @@ Z0, T = 50.0, 1e-9
 
 
 def cable(load=None, **more):
-    loads = {"end": {"at": "far"} | load} if load else {}
-    lines = {"line": {"nodes": ["near", "far"], "z0": Z0, "delay": T}}
-    return Scene(medium="electrical", t_end=1, lines=lines, loads=loads, probes={"far": {"at": "far"}}, **more)
+    return one_line(1, {"z0": Z0, "delay": T}, None, None, load, **{"probes": FAR, "sources": {}} | more)
 
 
 @pytest.mark.parametrize(

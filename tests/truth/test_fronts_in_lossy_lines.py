@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import one_line
 
 from tline import Scene, simulate
 from tline.study.reference.lossy import LossySolution
@@ -14,16 +15,9 @@ DIODE = {"d": {"at": "far", "kind": "diode", "saturation": "1 uA"}}
 
 def cable(value, *, start="rest", loads=None, **losses) -> Scene:
     """0.2 m of 50 ohm, 1 ns, between 25 ohm and 100 ohm."""
-    line = {"nodes": ["near", "far"], "length": "0.2 m", "z0": 50, "delay": "1 ns"}
-    return Scene(
-        medium="electrical",
-        t_end="20 ns",
-        start=start,
-        lines={"line": line | (losses or {"resistance": "20 ohm/m"})},
-        sources={"s": {"at": "near", "kind": "voltage", "value": value, "resistance": 25}},
-        loads={"r": {"at": "far", "kind": "resistor", "resistance": 100}, **(loads or {})},
-        probes={"near": {"at": "near"}, "far": {"at": "far"}},
-    )
+    line = {"length": "0.2 m", "z0": 50, "delay": "1 ns"} | (losses or {"resistance": "20 ohm/m"})
+    loads = {"r": {"at": "far", "kind": "resistor", "resistance": 100}, **(loads or {})}
+    return one_line("20 ns", line, value, 25, start=start, loads=loads)
 
 
 def step(at: float, **more):

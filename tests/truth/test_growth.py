@@ -4,6 +4,7 @@ from math import log, pi, sqrt
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 
 from tline import ActiveError, Scene, simulate
 from tline.solver.description.description import describe
@@ -11,14 +12,8 @@ from tline.solver.stability.growth import growth
 
 
 def cable(impedance: str, *, resistance=3.0, delay=1.0, t_end=1000.0):
-    return Scene(
-        medium="electrical",
-        t_end=t_end,
-        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": delay}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": resistance}},
-        loads={"load": {"at": "far", "kind": "impedance", "expression": impedance}},
-        probes={"far": {"at": "far"}},
-    )
+    load = {"kind": "impedance", "expression": impedance}
+    return one_line(t_end, {"z0": 1, "delay": delay}, 1, resistance, load, probes=FAR)
 
 
 @pytest.mark.parametrize("ohms", [-1.2, -2.0, -2.9])

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import mpmath
 import numpy as np
 import pytest
+from one_line import one_line
 
 from tline import Result, Scene, simulate
 from tline.solver.result.interior import inside
@@ -14,13 +15,9 @@ Z0, DELAY, LENGTH, R, G, NEAR, FAR, RISE = 50.0, 5e-9, 1.0, 30.0, 4e-3, 20.0, 15
 
 def cable(**value) -> Result:
     """A cable with resistance and leakage, between resistors that do not match."""
-    line = {"nodes": ["near", "far"], "z0": Z0, "delay": DELAY, "length": LENGTH, "resistance": R, "conductance": G}
-    scene = Scene(
-        medium="electrical", t_end="40 ns", lines={"c": line}, probes={"far": {"at": "far"}},
-        sources={"s": {"at": "near", "kind": "voltage", "resistance": NEAR, "value": value}},
-        loads={"r": {"at": "far", "kind": "resistor", "resistance": FAR}},
-    )  # fmt: skip
-    return simulate(scene, tol=1e-9, record=["c"])
+    line = {"z0": Z0, "delay": DELAY, "length": LENGTH, "resistance": R, "conductance": G}
+    scene = one_line("40 ns", line, value, NEAR, FAR, probes={"far": {"at": "far"}})
+    return simulate(scene, tol=1e-9, record=["line"])
 
 
 def exact(x: float, t: float, source: Callable) -> float:
@@ -51,7 +48,7 @@ def test_inside_of_a_lossy_cable(value: dict, transform: Callable, order: int, c
     result, expected = cable(**value), np.array([exact(x, t, transform) for x, t in places])
     cells, off = [8, 16, 32, 64], []
     for n in cells:
-        seen = inside(result, "c", n)
+        seen = inside(result, "line", n)
         off.append(np.abs([seen.effort(np.array(t), x) for x, t in places] - expected).max())
     assert off[-1] < close, off
     assert -np.polyfit(np.log(cells), np.log(off), 1)[0] > order - 0.15, off

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 
 from tline import Scene, simulate
 
@@ -92,22 +93,14 @@ def test_bounces_between_resistors_and_a_switch():
 def test_a_lossy_line_in_the_steady_state():
     """R·I² on the line for as long as the run lasts, beside an envelope."""
     R, load = 10.0, 40.0
-    scene = Scene(
-        medium="electrical",
-        t_end="40 ns",
-        start="steady",
-        lines={"line": LINE | {"length": 1, "resistance": R}},
-        sources={"battery": {"at": "near", "kind": "voltage", "value": V, "resistance": Z0}},
-        loads={"lamp": {"at": "far", "kind": "resistor", "resistance": load}},
-        probes={"p": {"at": "far"}},
-    )
+    scene = one_line("40 ns", LINE | {"length": 1, "resistance": R}, V, Z0, load, start="steady", probes=FAR)
     result = simulate(scene, ledger=True, envelope=True)
     found, current, t = result.ledger, V / (R + load + Z0), result.t[-1]
     assert found is not None
     assert result.envelope is not None
     assert found.of("lines.line").taken == pytest.approx(R * current**2 * t, rel=1e-9)
-    assert found.of("loads.lamp").dissipated == pytest.approx(load * current**2 * t, rel=1e-9)
-    assert found.of("sources.battery").supplied == pytest.approx(V * current * t, rel=1e-9)
+    assert found.of("loads.load").dissipated == pytest.approx(load * current**2 * t, rel=1e-9)
+    assert found.of("sources.s").supplied == pytest.approx(V * current * t, rel=1e-9)
     assert result.envelope.of("far")["highest"] == pytest.approx(load * current, rel=1e-9)
 
 

@@ -8,6 +8,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 import pytest
+from one_line import one_line
 from scipy.integrate import quad, solve_ivp
 
 import tline as tl
@@ -19,16 +20,9 @@ WEIGHT = 1000 * GRAVITY
 
 def scene(**more) -> tl.Scene:
     swing = {"shape": "sine", "offset": HEAD, "amplitude": SWING, "frequency": RATE}
-    return tl.Scene(
-        medium="hydraulic",
-        t_end=3.0,
-        start="steady",
-        lines={"pipe": {"nodes": ["a", "b"], "z0": Z0, "delay": DELAY}},
-        sources={"s": {"at": "a", "kind": "pressure", "value": swing, "resistance": Z0}},
-        loads={"x": {"at": "b", "kind": "open tank", "tank_area": AREA, "bore": SECTION, "gravity": GRAVITY} | more},
-        probes={"b": {"at": "b"}},
-        solver={"order": 4, "slab": 2e-3},
-    )
+    tank = {"at": "far", "kind": "open tank", "tank_area": AREA, "bore": SECTION, "gravity": GRAVITY} | more
+    given = {"medium": "hydraulic", "start": "steady", "solver": {"order": 4, "slab": 2e-3}, "loads": {"x": tank}}
+    return one_line(3.0, {"z0": Z0, "delay": DELAY}, swing, Z0, probes={"b": {"at": "far"}}, **given)
 
 
 def wave(t: float) -> float:

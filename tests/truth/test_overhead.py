@@ -5,6 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 from scipy.special import ive
 from talbot import original
 
@@ -93,15 +94,8 @@ def answer(t: float, source: float, load: float, waveform) -> float:
 
 def overhead(value) -> Scene:
     """10 km between 300 and 600 ohm."""
-    line = {"nodes": ["a", "b"], "length": "10 km", "height": "10 m", "wire_diameter": "2 cm"}
-    return Scene(
-        medium="electrical",
-        t_end="120 us",
-        lines={"line": line | {"wire": {"resistance": "0.1 ohm/km"}, "earth": "100 ohm m"}},
-        sources={"s": {"at": "a", "kind": "voltage", "value": value, "resistance": 300}},
-        loads={"r": {"at": "b", "kind": "resistor", "resistance": 600}},
-        probes={"far": {"at": "b"}},
-    )
+    line = {"length": "10 km", "height": "10 m", "wire_diameter": "2 cm", "earth": "100 ohm m"}
+    return one_line("120 us", line | {"wire": {"resistance": "0.1 ohm/km"}}, value, 300, 600, probes=FAR)
 
 
 @pytest.mark.parametrize("tol", [1e-4, 1e-6])

@@ -5,6 +5,7 @@ from math import comb, factorial
 
 import mpmath
 import pytest
+from one_line import one_line
 
 from tline import InputError, Scene
 from tline.study.reference import exact, lattice
@@ -13,15 +14,8 @@ STEP = {"shape": "step", "to": 1}
 
 
 def cable(*, value=STEP, resistance=0.5, load=None, t_end=20, z0=1, delay=1, **more):
-    return Scene(
-        medium="electrical",
-        t_end=t_end,
-        lines={"line": {"nodes": ["near", "far"], "z0": z0, "delay": delay}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": value, "resistance": resistance}},
-        loads={} if load is None else {"load": {"at": "far", **load}},
-        probes={"near": {"at": "near"}, "far": {"at": "far"}, "x": {"line": "line", "position": "25 %"}},
-        **more,
-    )
+    probes = {"near": {"at": "near"}, "far": {"at": "far"}, "x": {"line": "line", "position": "25 %"}}
+    return one_line(t_end, {"z0": z0, "delay": delay}, value, resistance, load, **{"probes": probes} | more)
 
 
 def close(found, expected, digits):

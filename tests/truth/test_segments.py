@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import one_line
 
 from tline import Scene, simulate
 from tline.loss import LossyLine
@@ -15,14 +16,7 @@ STEP = {"shape": "step", "to": 1}
 
 
 def cable(**losses) -> Scene:
-    return Scene(
-        medium="electrical",
-        t_end="20 ns",
-        lines={"line": {"nodes": ["near", "far"], "length": LENGTH, "z0": 50, "delay": T, **losses}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": STEP, "resistance": SOURCE}},
-        loads={"r": {"at": "far", "kind": "resistor", "resistance": LOAD}},
-        probes={"near": {"at": "near"}, "far": {"at": "far"}},
-    )
+    return one_line("20 ns", {"length": LENGTH, "z0": 50, "delay": T, **losses}, STEP, SOURCE, LOAD)
 
 
 def exact(scene: Scene, t: np.ndarray, probe: str, digits: int = 20):

@@ -4,6 +4,7 @@ from math import inf, pi
 
 import numpy as np
 import pytest
+from one_line import one_line
 from scipy.integrate import solve_ivp
 
 import tline as tl
@@ -17,22 +18,10 @@ PER_PRESSURE = AREA**2 / STIFFNESS
 def scene(preload: float, solver: dict | None = None, **more) -> tl.Scene:
     """A pipe between a pressure that swings and the accumulator."""
     swing = {"shape": "sine", "offset": HEAD, "amplitude": SWING, "frequency": RATE}
-    accumulator = {
-        "kind": "spring accumulator",
-        "piston_diameter": DIAMETER,
-        "stiffness": STIFFNESS,
-        "preload": preload,
-    }
-    return tl.Scene(
-        medium="hydraulic",
-        t_end=2.0,
-        start="steady",
-        lines={"pipe": {"nodes": ["a", "b"], "z0": Z0, "delay": DELAY}},
-        sources={"s": {"at": "a", "kind": "pressure", "value": swing, "resistance": more.pop("behind", BEHIND)}},
-        loads={"x": {"at": "b"} | accumulator | more},
-        probes={"b": {"at": "b"}},
-        solver=solver or {},
-    )
+    accumulator = {"kind": "spring accumulator", "piston_diameter": DIAMETER, "stiffness": STIFFNESS}
+    behind, load = more.pop("behind", BEHIND), {"x": {"at": "far", "preload": preload} | accumulator | more}
+    given = {"medium": "hydraulic", "start": "steady", "solver": solver or {}, "probes": {"b": {"at": "far"}}}
+    return one_line(2.0, {"z0": Z0, "delay": DELAY}, swing, behind, loads=load, **given)
 
 
 def source(t: float) -> float:

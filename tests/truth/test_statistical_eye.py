@@ -5,11 +5,12 @@ from math import erfc, sqrt
 
 import numpy as np
 import pytest
+from one_line import FAR, one_line
 from rc_channel import LATE, RC, T, exact_pulse
 from scipy.integrate import solve_ivp
 from scipy.stats import binom, norm
 
-from tline import InputError, Scene
+from tline import InputError
 from tline.signal import Mask, best_ffe, mask_margin, statistical_eye
 from tline.signal.eye_diagram import FEEDBACK, prbs
 from tline.signal.pulse import FINE, PulseResponse, pulse_response
@@ -23,15 +24,11 @@ def bits_at(pulse, bits, j):
 
 def test_a_scene_gives_the_pulse_of_its_closed_form():
     """A matched line into a capacitor beside its matched end: RC of 25 ohm."""
-    scene = Scene(
-        medium="electrical", t_end=1, probes={"far": {"at": "far"}},
-        lines={"cable": {"nodes": ["near", "far"], "z0": 50, "delay": LATE}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 0, "resistance": 50}},
-        loads={
-            "r": {"at": "far", "kind": "resistor", "resistance": 50},
-            "c": {"at": "far", "kind": "capacitor", "capacitance": RC / 25},
-        },
-    )  # fmt: skip
+    loads = {
+        "r": {"at": "far", "kind": "resistor", "resistance": 50},
+        "c": {"at": "far", "kind": "capacitor", "capacitance": RC / 25},
+    }
+    scene = one_line(1, {"z0": 50, "delay": LATE}, 0, 50, loads=loads, probes=FAR)
     seen, exact = pulse_response(scene, "far", T, 20e-12, low=-0.5, high=1.5, tol=1e-8), exact_pulse()
     assert np.abs(seen.u[:12] - exact.u).max() < 1e-6
     assert seen.base == pytest.approx(-0.25, abs=1e-6)

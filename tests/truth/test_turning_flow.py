@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from one_line import one_line
 
-from tline import Scene, simulate
+from tline import simulate
 
 T_END, EVERY = 4.0, 128  # s, which is so many delays; instants in a delay that are looked at
 RADIUS, DENSITY, SPEED, FACTOR = 0.025, 900.0, 1e3, 0.03
@@ -40,17 +41,11 @@ def grid(n: int, pressure, orifice: float) -> np.ndarray:
 @pytest.mark.parametrize("tol", [1e-3, 1e-5])
 @pytest.mark.parametrize("frequency", [0.35, 0.6])
 def test_errors_are_as_told(frequency, tol):
-    scene = Scene(
-        medium="hydraulic",
-        t_end=T_END,
-        lines={"l": {"nodes": ["a", "b"], "length": SPEED, "radius": RADIUS, "density": DENSITY, "wave_speed": SPEED,
-                     "friction": {"kind": "darcy", "factor": FACTOR}}},
-        sources={"s": {"at": "a", "kind": "pressure", "resistance": 0,
-                       "value": {"shape": "sine", "amplitude": 2e5, "frequency": frequency}}},
-        loads={"r": {"at": "b", "kind": "orifice", "flow": RATED_FLOW, "pressure_drop": RATED_DROP}},
-        probes={"near": {"at": "a"}, "far": {"at": "b"}},
-    )  # fmt: skip
-    result = simulate(scene, tol=tol)
+    pipe = {"length": SPEED, "radius": RADIUS, "density": DENSITY, "wave_speed": SPEED}
+    pipe |= {"friction": {"kind": "darcy", "factor": FACTOR}}
+    sine = {"shape": "sine", "amplitude": 2e5, "frequency": frequency}
+    load = {"kind": "orifice", "flow": RATED_FLOW, "pressure_drop": RATED_DROP}
+    result = simulate(one_line(T_END, pipe, sine, 0, load, medium="hydraulic"), tol=tol)
     assert result.accuracy.met
     coarse, fine = (
         grid(n, 2e5 * np.sin(2 * np.pi * frequency * np.arange(T_END * n + 1) / n), RATED_DROP / RATED_FLOW**2)

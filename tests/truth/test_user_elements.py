@@ -7,6 +7,7 @@ import pickle
 import mpmath as mp
 import numpy as np
 import pytest
+from one_line import from_tank
 
 from tline import InputError, Scene, simulate
 from tline.scene.file import scene_from, scene_text
@@ -37,16 +38,8 @@ class Root(UserLink):
 
 def pipe(load, **more) -> Scene:
     """A pipe from a tank to it."""
-    tables = {
-        "medium": "hydraulic",
-        "t_end": 2.0,
-        "start": "steady",
-        "lines": {"pipe": {"nodes": ["tank", "end"], "z0": Z0, "delay": DELAY}},
-        "loads": {"tank": {"at": "tank", "kind": "reservoir", "pressure": HEAD}, "x": load},
-        "probes": {"end": {"at": "end"}},
-        "solver": {"order": 8, "slab": 0.05},
-    }
-    return Scene(**tables | more)
+    given = {"t_end": 2.0, "solver": {"order": 8, "slab": 0.05}} | more
+    return from_tank(pipe={"z0": Z0, "delay": DELAY}, pressure=HEAD, loads={"x": load}, **given)
 
 
 @pytest.mark.parametrize("g", [0.4, -0.4])

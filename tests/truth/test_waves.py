@@ -5,6 +5,7 @@ from math import comb, exp, factorial, inf
 import mpmath
 import numpy as np
 import pytest
+from one_line import one_line
 
 from tline import Scene, simulate
 from tline.study.reference import lattice
@@ -14,26 +15,12 @@ pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.Unresolve
 ROUNDING = 1e-13  # some hundred operations in double precision
 
 
-def cable(*, t_end, order, slab, resistance, load, step_at=0.0, z0=1.0, delay=1.0):
-    """A single line behind a resistance, with a load at its far end."""
-    return simulate(
-        Scene(
-            medium="electrical",
-            t_end=t_end,
-            solver={"order": order, "slab": slab},
-            lines={"line": {"nodes": ["near", "far"], "z0": z0, "delay": delay}},
-            sources={
-                "source": {
-                    "at": "near",
-                    "kind": "voltage",
-                    "value": {"shape": "step", "to": 1.0, "at": step_at},
-                    "resistance": resistance,
-                }
-            },
-            loads={"load": {"at": "far", **load}},
-            probes={"near": {"at": "near"}, "far": {"at": "far"}},
-        )
-    )
+def cable(*loads, t_end, order, slab, resistance, value=None, step_at=0.0, z0=1.0, delay=1.0, **more):
+    """A single line behind a resistance, with loads at its far end."""
+    value = {"shape": "step", "to": 1.0, "at": step_at} if value is None else value
+    line, solver = more.pop("line", {"z0": z0, "delay": delay}), {"order": order, "slab": slab}
+    loads = {f"load {k}": {"at": "far", **load} for k, load in enumerate(loads)}
+    return simulate(one_line(t_end, line, value, resistance, loads=loads, solver=solver, **more))
 
 
 def water_pipe(**closing):
@@ -76,7 +63,7 @@ def test_square_wave_of_an_instant_closure_does_not_drift(closing, order, slab):
 def test_bounce_sum(source, end, order):
     """A step into any resistances: u = sum of the waves that have arrived, each reflected k times."""
     slab = 1.0 / 8
-    result = cable(t_end=30, order=order, slab=slab, resistance=source, load={"kind": "resistor", "resistance": end})
+    result = cable({"kind": "resistor", "resistance": end}, t_end=30, order=order, slab=slab, resistance=source)
     launched = 0.0 if source == inf else 1 / (1 + source)
     here = 1.0 if source == inf else (source - 1) / (source + 1)
     there = 1.0 if end == inf else (end - 1) / (end + 1)
@@ -118,7 +105,7 @@ def rc_step_response(t, step_at, R=3.0, C=0.7, Rs=0.5):
 def test_parallel_rc_load(order, slabs, step_at, tolerance):
     """Sampled sources, interpolation or a first-order load integrator would all fail these bounds."""
     load = {"kind": "parallel", "resistance": 3.0, "capacitance": 0.7}
-    far = cable(t_end=8, order=order, slab=1 / slabs, resistance=0.5, load=load, step_at=step_at).probes["far"]
+    far = cable(load, t_end=8, order=order, slab=1 / slabs, resistance=0.5, step_at=step_at).probes["far"]
     since = (far.t - step_at - 1) % 2 * slabs  # slabs from the last front to the slab's end
     clear = (since >= 1) | (far.t < step_at + 1) | (step_at == 0)  # not the front's own slab
     assert np.abs(far.u - rc_step_response(far.t, step_at))[clear].max() < tolerance
@@ -128,7 +115,7 @@ def test_series_rlc_load_against_inverse_laplace():
     """A lightly damped resonance: 32 samples per transit, T = 1 ns, ring 2 ns; inverse Laplace at 30 digits."""
     z0, Rs, R, L, C, T = 50.0, 25.0, 10.0, 50e-9, 2e-12, 1e-9
     load = {"kind": "series", "resistance": R, "inductance": L, "capacitance": C}
-    far = cable(t_end=12 * T, order=8, slab=T / 4, resistance=Rs, load=load, z0=z0, delay=T).probes["far"]
+    far = cable(load, t_end=12 * T, order=8, slab=T / 4, resistance=Rs, z0=z0, delay=T).probes["far"]
     with mpmath.workdps(30):
         unit = mpmath.mpf(T)
 
@@ -180,7 +167,7 @@ def test_a_switch_that_closes_inside_a_slab():
     """A closing switch halves the voltage of a matched line; its instant is no multiple of anything."""
     at = 1.2345
     load = {"kind": "switch", "before": inf, "after": 1.0, "time": at}
-    far = cable(t_end=6, order=6, slab=0.1, resistance=1.0, load=load).probes["far"]
+    far = cable(load, t_end=6, order=6, slab=0.1, resistance=1.0).probes["far"]
     clear = np.abs(far.t - at) > 0.11
     exact = np.where(far.t < 1.05, 0.0, np.where(far.t < at, 1.0, 0.5))
     assert np.abs(far.u - exact)[clear].max() < ROUNDING
@@ -189,20 +176,11 @@ def test_a_switch_that_closes_inside_a_slab():
 def test_a_switch_that_closes_beside_a_capacitor():
     """A matched source charges C through the line; from an instant inside a slab on, R = 0.5 drains it."""
     C, at, slab = 0.7, 1.8321, 0.125
-    result = simulate(
-        Scene(
-            medium="electrical",
-            t_end=6,
-            solver={"order": 6, "slab": slab},
-            lines={"line": {"nodes": ["near", "far"], "z0": 1.0, "delay": 1.0}},
-            sources={"s": {"at": "near", "kind": "voltage", "value": {"shape": "step", "to": 2}, "resistance": 1}},
-            loads={
-                "capacitor": {"at": "far", "kind": "parallel", "capacitance": C},
-                "drain": {"at": "far", "kind": "switch", "before": inf, "after": 0.5, "time": at},
-            },
-            probes={"far": {"at": "far"}},
-        )
+    capacitor, drain = (
+        {"kind": "parallel", "capacitance": C},
+        {"kind": "switch", "before": inf, "after": 0.5, "time": at},
     )
+    result = cable(capacitor, drain, t_end=6, order=6, slab=slab, resistance=1, value={"shape": "step", "to": 2})
     t, u = result.t, result.probes["far"].u
     charged = 2 * (1 - np.exp(-np.clip(t - 1, 0, None) / C))
     there = 2 * (1 - exp(-(at - 1) / C))
@@ -215,21 +193,9 @@ def test_a_switch_that_closes_beside_a_capacitor():
 def test_a_switch_that_opens_beside_a_coil_in_steady_flow(at):
     """Before: a divider of Rs, the switch and the coil's R; after: the coil's current settles anew, L/(R + z0)."""
     R, L, shunt = 2.0, 3.0, 0.5
-    result = simulate(
-        Scene(
-            medium="electrical",
-            t_end=6,
-            start="steady",
-            solver={"order": 6, "slab": 0.125},
-            lines={"line": {"nodes": ["near", "far"], "z0": 1.0, "delay": 1.0}},
-            sources={"s": {"at": "near", "kind": "voltage", "value": 1.0, "resistance": 1}},
-            loads={
-                "coil": {"at": "far", "kind": "series", "resistance": R, "inductance": L},
-                "switch": {"at": "far", "kind": "switch", "before": shunt, "after": inf, "time": at},
-            },
-            probes={"far": {"at": "far"}},
-        )
-    )
+    coil = {"kind": "series", "resistance": R, "inductance": L}
+    switch = {"kind": "switch", "before": shunt, "after": inf, "time": at}
+    result = cable(coil, switch, t_end=6, order=6, slab=0.125, resistance=1, value=1.0, start="steady")
     t, u = result.t, result.probes["far"].u
     before = 1 / (1 + 1 / shunt + 1 / R)
     first, last = before / R, 1 / (1 + R)
@@ -239,35 +205,20 @@ def test_a_switch_that_opens_beside_a_coil_in_steady_flow(at):
 
 
 def test_a_closed_switch_of_hardly_any_resistance_empties_a_capacitor():
-    load = {"kind": "parallel", "capacitance": 1.0}
-    scene = {
-        "medium": "electrical",
-        "t_end": 4,
-        "lines": {"line": {"nodes": ["near", "far"], "z0": 1.0, "delay": 1.0}},
-        "sources": {"s": {"at": "near", "kind": "voltage", "value": {"shape": "step", "to": 2}, "resistance": 1}},
-        "loads": {
-            "capacitor": {"at": "far"} | load,
-            "switch": {"at": "far", "kind": "switch", "before": inf, "after": 1e-16, "time": 2.0},
-        },
-        "probes": {"far": {"at": "far"}},
-    }
-    far = simulate(Scene(**scene, solver={"order": 3, "slab": 0.125})).probes["far"]
+    capacitor = {"kind": "parallel", "capacitance": 1.0}
+    switch = {"kind": "switch", "before": inf, "after": 1e-16, "time": 2.0}
+    step = {"shape": "step", "to": 2}
+    far = cable(capacitor, switch, t_end=4, order=3, slab=0.125, resistance=1, value=step).probes["far"]
     assert far.u[far.t < 1.99].max() > 1.0
     assert np.abs(far.u[far.t > 2.01]).max() < 1e-13
 
 
 def test_interior_of_a_line_shows_the_two_waves():
     """Matched source, open end: half the step passes x at x/c, the other half at (2l - x)/c."""
-    result = simulate(
-        Scene(
-            medium="electrical",
-            t_end=40e-9,
-            solver={"order": 4, "slab": "1 ns"},
-            lines={"line": {"nodes": ["near", "far"], "z0": 50, "length": "2 m", "wave_speed": "2e8 m/s"}},
-            sources={"s": {"at": "near", "kind": "voltage", "value": {"shape": "step", "to": 2}, "resistance": 50}},
-            probes={"x": {"line": "line", "position": "0.5 m"}, "share": {"line": "line", "position": "25 %"}},
-        )
-    )
+    line = {"z0": 50, "length": "2 m", "wave_speed": "2e8 m/s"}
+    probes = {"x": {"line": "line", "position": "0.5 m"}, "share": {"line": "line", "position": "25 %"}}
+    given = {"order": 4, "slab": "1 ns", "resistance": 50, "value": {"shape": "step", "to": 2}}
+    result = cable(t_end=40e-9, line=line, probes=probes, **given)
     t = np.linspace(0, 40e-9, 401) + 0.05e-9
     u = np.where(t < 2.5e-9, 0.0, np.where(t < 17.5e-9, 1.0, 2.0))
     y = np.where(t < 2.5e-9, 0.0, np.where(t < 17.5e-9, 1.0, 0.0)) / 50

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from one_line import one_line
 
-from tline.scene.scene import Scene
 from tline.solver.result.dense_output import curve, extreme
 from tline.solver.result.result import Pieces, Result, Wave
 from tline.solver.simulate import UnresolvedWarning, simulate
@@ -17,15 +17,8 @@ Z0, DELAY = 50.0, 5e-9
 
 def cable(value: dict[str, Any], **solver: Any) -> Result:
     """A cable from 50 ohm into 150 ohm: nothing comes back a second time, and the far end sees 3/4 of the source."""
-    scene = Scene(
-        medium="electrical",
-        t_end="20 ns",
-        solver=solver,
-        lines={"cable": {"nodes": ["near", "far"], "z0": Z0, "delay": DELAY}},
-        sources={"in": {"at": "near", "kind": "voltage", "resistance": Z0, "value": value}},
-        loads={"end": {"at": "far", "kind": "resistor", "resistance": 3 * Z0}},
-        probes={"near": {"at": "near"}, "far": {"at": "far"}, "third": {"line": "cable", "position": "30 %"}},
-    )
+    probes = {"near": {"at": "near"}, "far": {"at": "far"}, "third": {"line": "line", "position": "30 %"}}
+    scene = one_line("20 ns", {"z0": Z0, "delay": DELAY}, value, Z0, 3 * Z0, solver=solver, probes=probes)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
         return simulate(scene)

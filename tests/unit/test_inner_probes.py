@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_line import one_line
 
 from tline import Scene, plot, simulate
 from tline.cli.report import as_table, summary
@@ -10,16 +11,10 @@ from tline.solver.result.save import save_csv, save_npz
 
 
 def result_of(*probes):
-    scene = Scene(
-        medium="electrical",
-        t_end=5,
-        lines={"line": {"nodes": ["near", "far"], "z0": 50, "delay": 1}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 25}},
-        links={"r": {"kind": "resistor", "nodes": ["far", "inner"], "resistance": 30}},
-        loads={"end": {"at": "inner", "kind": "resistor", "resistance": 20}},
-        probes={name: {"at": name} for name in probes},
-    )
-    return simulate(scene)
+    links = {"r": {"kind": "resistor", "nodes": ["far", "inner"], "resistance": 30}}
+    loads = {"end": {"at": "inner", "kind": "resistor", "resistance": 20}}
+    places = {name: {"at": name} for name in probes}
+    return simulate(one_line(5, {"z0": 50, "delay": 1}, 1, 25, links=links, loads=loads, probes=places))
 
 
 @pytest.fixture(scope="module")

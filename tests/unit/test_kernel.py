@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from one_line import one_line
 from random_scenes import random_scene
 
-from tline import InputError, Scene, simulate
+from tline import InputError, simulate
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.arithmetic import LOOKS, TINY, after
@@ -38,16 +39,9 @@ def test_a_wave_that_is_no_number_between_slab_ends_is_reported():
 
 
 def test_an_active_load_is_named_when_it_runs_away():
-    scene = Scene(
-        medium="electrical",
-        t_end=1e5,
-        lines={"line": {"nodes": ["near", "far"], "z0": 1, "delay": 1}},
-        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 3}},
-        loads={"amplifier": {"at": "far", "kind": "impedance", "expression": "-3 + s"}},
-        probes={"far": {"at": "far"}},
-        solver={"order": 2, "slab": 0.5},
-    )
-    with pytest.raises(InputError, match=r"loads\.amplifier: the waves grow beyond all bounds"):
+    amplifier = {"kind": "impedance", "expression": "-3 + s"}
+    scene = one_line(1e5, {"z0": 1, "delay": 1}, 1, 3, amplifier, solver={"order": 2, "slab": 0.5})
+    with pytest.raises(InputError, match=r"loads\.load: the waves grow beyond all bounds"):
         simulate(scene, active=True)
 
 

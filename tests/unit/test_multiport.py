@@ -3,13 +3,12 @@
 import time
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations
 
 import numpy as np
 import pytest
-from flint import fmpq, fmpq_mat, fmpz_mat, fmpz_poly
+from flint import fmpq, fmpq_mat, fmpz_poly
 
-from passivity import ExpressionError, RationalFunction, Status
+from passivity import ExpressionError, Status
 from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin
@@ -19,8 +18,7 @@ from passivity.polynomial.roots import violations
 from passivity.polynomial.sign import SignProof
 from passivity.rational.elements import impedances, scattering, transformer_scattering
 from passivity.rational.matrix import RationalMatrix
-from passivity.rational.polynomial_matrix import minor_sums
-from passivity.rational.state_space import StateSpace, from_system
+from passivity.rational.state_space import StateSpace
 from passivity.report import as_dict, in_words
 from passivity.status import Kind
 from passivity.verdict import Certificate, Margins, StorageCertificate
@@ -56,25 +54,6 @@ def test_a_zero_on_the_diagonal_beside_something_is_a_direction():
     assert not is_semidefinite(a)
     x = fmpq_mat(2, 1, negative_direction(a))
     assert (x.transpose() * a * x)[0, 0] < 0
-
-
-@pytest.mark.parametrize("m", [1, 2, 3, 4])
-def test_minor_sums_are_sums_of_minors(m):
-    rng = np.random.default_rng(m)
-    g = fmpz_poly([1, 2, 1])
-    a = [[fmpz_poly([int(c) for c in rng.integers(-4, 5, 3)]) for _ in range(m)] for _ in range(m)]
-    for divisor, matrix in ((g, a), (g, [[x * g for x in row] for row in a])):
-        sums, (adjugate, power) = minor_sums(matrix, divisor)
-        for t in (-3, 0, 2):
-            at = [[int(x(t)) for x in row] for row in matrix]
-            for k, (f, more) in enumerate(sums, 1):
-                chosen = combinations(range(m), k)
-                minors = [fmpz_mat([[at[i][j] for j in which] for i in which]).det() for which in chosen]
-                assert f(t) * g(t) ** more == sum(minors)
-            found = fmpz_mat([[x(t) for x in row] for row in adjugate]) * g(t) ** power
-            assert fmpz_mat(at) * found == fmpz_mat(
-                [[fmpz_mat(at).det() * (i == k) for k in range(m)] for i in range(m)]
-            )
 
 
 def test_common_denominator():
@@ -317,33 +296,6 @@ def test_margins():
     assert margin(RationalMatrix.from_rows([["-s^2"]]), Kind.BR) is None
     far = RationalMatrix.from_rows([["1", "1/2"], ["0", "1e308/(1 + 5p*s + 39k*s^2)"]])
     assert margin(far, Kind.PR) is None  # its resonance is beyond all floats
-
-
-def test_systems_of_others():
-    import control
-    from scipy.signal import StateSpace as ScipyStateSpace
-    from scipy.signal import lti
-
-    a, b, c, d = (
-        [[-1.0, 0.5], [0.0, -2.0]],
-        [[1.0, 0.0], [0.0, 1.0]],
-        [[1.0, 0.0], [0.0, 1.0]],
-        [[0.5, 0.0], [0.0, 0.5]],
-    )
-    one = from_system(ScipyStateSpace(a, b, c, d))
-    two = from_system(control.ss(a, b, c, d))
-    assert isinstance(one, StateSpace)
-    assert isinstance(two, StateSpace)
-    three = from_system(control.tf([[[1, 1], [2]], [[0], [1]]], [[[1, 3], [1, 1]], [[1], [1, 1]]]))
-    assert three.rows[0][1] == RationalFunction.from_expression("2/(s + 1)")
-    assert one.transfer.rows == two.transfer.rows
-    assert from_system(lti([1, 0], [2, 1])).size == 1
-    with pytest.raises(ExpressionError, match="discrete in time"):
-        from_system(control.ss(a, b, c, d, 0.1))
-    with pytest.raises(ExpressionError, match="row 1: not square"):
-        from_system(control.tf([[[1], [1]]], [[[1, 1], [1, 2]]]))
-    with pytest.raises(ExpressionError, match="system"):
-        from_system(3)
 
 
 def test_reports_are_plain():

@@ -11,12 +11,11 @@ CABLE = ["a cable", "V1 s 0 1", "R1 s a 25", "T1 a 0 b 0 Z0=50 TD=1n", "R2 b 0 1
 
 
 @pytest.fixture
-def read(tmp_path, monkeypatch):
+def read(folder):
     """Read a netlist given as its lines."""
-    monkeypatch.chdir(tmp_path)
 
     def from_lines(*lines: str) -> Scene:
-        (tmp_path / "c.cir").write_text("\n".join(lines), encoding="utf-8")
+        (folder / "c.cir").write_text("\n".join(lines), encoding="utf-8")
         return read_spice("c.cir")[0]
 
     return from_lines

@@ -11,14 +11,13 @@ RUN = ".tran 1p 9n uic"
 
 
 @pytest.fixture
-def read(tmp_path, monkeypatch):
+def read(folder):
     """Read a netlist given as its lines, beside other files."""
-    monkeypatch.chdir(tmp_path)
 
     def from_lines(*lines: str, **files: str) -> tuple[Scene, tuple[str, ...]]:
         for name, text in files.items():
-            (tmp_path / name).write_text(text, encoding="utf-8")
-        (tmp_path / "c.cir").write_text("\n".join(lines), encoding="utf-8")
+            (folder / name).write_text(text, encoding="utf-8")
+        (folder / "c.cir").write_text("\n".join(lines), encoding="utf-8")
         return read_spice("c.cir")
 
     return from_lines

@@ -1,7 +1,6 @@
 """Waveforms against their formulas by hand, on both sides of every break; and their projection on slabs."""
 
 from fractions import Fraction
-from itertools import pairwise
 from math import exp, expm1, log, pi, sin
 
 import numpy as np
@@ -23,7 +22,7 @@ from tline.scene.waveform import (
 )
 from tline.solver.convolution.families import changes_of, family_of, leads
 from tline.solver.description.excitation import EDGE, jumps_of, just_before, places_of
-from tline.solver.radau import basis, gauss
+from tline.solver.radau import basis
 from tline.study.baseline.explicit import projected
 
 ROUNDING = 1e-14  # of a level of size 1; a handful of operations
@@ -203,43 +202,6 @@ def test_csv_tables(tmp_path):
 
 
 # waveforms on slabs
-
-
-def integrals(order, waveform: Shape, slab: int, h: float, cuts: list[float]):
-    """Integrals of the waveform times x^k over a slab, k < order, by Gauss with 40 nodes between the cuts."""
-    x, weights = gauss(40)
-    total = np.zeros(order)
-    edges = [0.0, *cuts, 1.0]
-    for p, q in pairwise(edges):
-        t = p + (q - p) * x
-        seen = waveform.value((slab + t) * h, np.array((slab + (p + q) / 2) * h))
-        total += [(q - p) * weights @ (seen * t**k) for k in range(order)]
-    return total
-
-
-MANY = [0.05, 0.1, 0.2, 0.25, 0.3, 0.35, 0.45, 0.5, 0.55, 0.6, 0.7, 0.75, 0.8, 0.85, 0.95]
-
-
-@pytest.mark.parametrize("order", range(1, 9))
-@pytest.mark.parametrize(
-    ("waveform", "cuts"),
-    [
-        (Step(from_=-1, to=2, at=0.77), [0.85]),
-        (Ramp(to=1, at=0.65, duration=0.07), [0.25, 0.6]),
-        (Pulses(high=1, at=0.61, width=0.02, period=0.05, rise=0.01, fall=0.01), MANY),
-        (Sine(amplitude=1, frequency=2, at=0.7, until=0.75, phase=0.4), [0.5, 0.75]),
-        (Exponential(to=1, at=0.65, time_constant=0.2), [0.25]),
-    ],
-    ids=["step", "ramp", "pulses", "sine", "exponential"],
-)  # fmt: skip
-def test_projection_keeps_the_moments(order, waveform, cuts):
-    """Slab 3 of width 0.2, from 0.6 to 0.8, holds the breaks."""
-    b, h, slab = basis(order), 0.2, 3
-    values = projected(waveform, waveform.breaks(2.0), b, h, 0, 6)[slab]
-    x, weights = gauss(order)
-    found = [weights @ (b.evaluation(x) @ values * x**k) for k in range(order)]
-    exact = 1e-12 if isinstance(waveform, Sine | Exponential) else ROUNDING  # Gauss with order + 4 nodes a piece
-    assert found == pytest.approx(integrals(order, waveform, slab, h, cuts), abs=exact)
 
 
 def test_a_jump_by_hand():
