@@ -246,9 +246,9 @@ def absorbing(graph: Graph, line: Line) -> Iterator[tuple[Value, list[int]]]:
 
 
 def _factors(graph: Graph, n: int) -> set[int]:
-    """Sums and lines that a value is a product of; if it is a sum itself, those in its terms."""
+    """Sums and lines, not rational, that a value is a product of; if it is a sum itself, those in its terms."""
     bases = [x for m in graph.terms(n) for x in graph.powers(m)]
-    return {b for b in bases if graph.nodes[b][0] in ("sum", "line") and b != n}
+    return {b for b in bases if graph.nodes[b][0] in ("sum", "line") and b != n and not graph.is_rational[b]}
 
 
 def _atoms(graph: Graph, nodes: list[int], deeper: int = -1) -> list[int]:
