@@ -176,3 +176,23 @@ def test_no_probe_is_where_an_outlet_behind_a_gate_leaves_any_pressure():
     assert [*surge.result.probes] == ["pipe:gate"]
     assert surge.worst.needed
     assert len(surge.result.accuracy.attempts) < 5
+
+
+def test_a_pipe_with_a_blind_end_is_shut_at_the_other():
+    pipe = {"length": 500, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    scene = tl.Scene(
+        medium="hydraulic",
+        t_end=1,
+        start="steady",
+        lines={"main": {"nodes": ["lake", "b"], **pipe}, "branch": {"nodes": ["b", "c"], **pipe}},
+        loads={
+            "lake": {"kind": "reservoir", "at": "lake", "pressure": "6 bar"},
+            "tap": {"kind": "check valve", "at": "b", "flow": "20 L/s", "pressure_drop": "4 bar"},
+            "plug": {"kind": "closed", "at": "c"},
+        },
+        probes={"b": {"at": "b"}},
+    )
+    surge = tl.operate(scene, close=["branch@1s", "main@2s"], t_end="5 s")
+    assert surge.scene.lines["branch"].nodes == ("branch:gate", "c")
+    assert surge.scene.links["branch:gate"].nodes == ("branch:gate", "b")
+    assert surge.scene.lines["main"].nodes == ("lake", "main:gate")

@@ -20,10 +20,12 @@ NETWORK = f"""[JUNCTIONS]
  lake 60
 [TANKS]
  tower 40 {LEVEL} 0 8 {BORE} 0
+ apart 40 {LEVEL} 0 8 {BORE} 0
 [PIPES]
  up spring tower 300 250 120 0 Open
  main lake c 900 250 120 0 Open
  spare lake c 900 250 120 0 Closed
+ cut c apart 900 250 120 0 Closed
  last c d 100 250 120 0 Open
 [VALVES]
  ease c d 100 TCV 12 0
@@ -114,6 +116,7 @@ def test_what_is_operated_by_hand_goes_before_the_file(tmp_path):
     [
         ("LINK ease 1 IF NODE tower ABOVE 4.01", "", "more than open or shut"),
         ("LINK spare OPEN IF NODE tower ABOVE 4.01", "", "not in the scene: 'LINK spare"),
+        ("LINK ease CLOSED IF NODE apart ABOVE 1", "", "wait at is not in the scene: 'LINK ease"),
         ("LINK ease CLOSED IF NODE lake ABOVE 1", "", "hold their level: 'LINK ease"),
         ("", "RULE a\nIF TANK tower LEVEL > 4\nAND SYSTEM TIME > 1\nTHEN LINK ease STATUS = CLOSED", "'rule a'"),
         ("", "RULE a\nIF LINK main FLOW > 4\nTHEN LINK ease STATUS = CLOSED", "'rule a'"),

@@ -74,8 +74,7 @@ def triggered(
     on the curves of its run.
     """
     waiting, done, notes, since = list(controls), list(events), list[str](), 0.0
-    whole = build((*events, *(control.event for control in controls)), ())
-    nodes = {node for line in whole.lines.values() for node in line.nodes}
+    nodes = _nodes(build((*events, *(control.event for control in controls)), ()))
     for control in controls:
         if control.node not in nodes:
             raise InputError("when", "no such node", nearest(control.node, sorted(nodes)), f"'{control.node}'")
@@ -119,13 +118,13 @@ def acting(
     A link is operated once: by the first of its controls that changes its state. A pump is tripped or started, for a
     file says nothing of how its speed changes, and everything else is moved at once.
     """
-    held, done = held_nodes(scene), {*taken}
+    held, nodes, done = held_nodes(scene), _nodes(scene), {*taken}
     events, waiting, left = list[Event](), list[Control](), defaultdict[str, set[str]](set)
     notes = list[str]()
     for one in controls:
         if one.after is not None and one.after >= t_end:
             continue
-        if why := "for their links are operated once" if one.link in done else _refused(scene, one, held):
+        if why := "for their links are operated once" if one.link in done else _refused(scene, one, held, nodes):
             left[why].add(one.text)
         elif kind := _kind(scene, one):
             done.add(one.link)
@@ -139,12 +138,19 @@ def acting(
     return events, waiting, notes
 
 
-def _refused(scene: Scene, one: WaterControl, held: Collection[str]) -> str:
+def _nodes(scene: Scene) -> set[str]:
+    """Nodes that pipes or links end at."""
+    return {node for part in (scene.lines, scene.links) for one in part.values() for node in one.nodes}
+
+
+def _refused(scene: Scene, one: WaterControl, held: Collection[str], nodes: Collection[str]) -> str:
     """Reason why a control cannot act; empty if it can."""
     if one.opens is None:
         return "for they do more than open or shut at an instant or a pressure"
     if one.link not in scene.lines and one.link not in scene.links:
         return "for their links are not in the scene"
+    if one.after is None and one.node not in nodes:
+        return "for what they wait at is not in the scene"
     if one.node in held:
         return "for they wait at tanks that hold their level"
     return ""

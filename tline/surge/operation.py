@@ -39,8 +39,6 @@ SECONDS = 20.0  # computing time for all runs
 KEPT, WAITING_SHARE = 0.5, 0.2  # of the time left: for further runs where some follow, and for one that finds instants
 LONGEST = 3600.0  # s, to which a run is made longer until no extreme lies at its end
 MOST_RECORDED = 300  # lines of a network all of which are recorded
-
-
 Planned = tuple[Scene, tuple[str, ...]]  # a scene, and notes on guesses for it
 
 
@@ -345,7 +343,7 @@ def plan(
         probes = {node: {"at": node} for node in (*probed_nodes(scene, done, wanted), *watched)}
         seen = {"probes": probes, "measures": {}} if probes else {}
         changed, notes = operated(scene, done, **rotor, more=more | seen)
-        shut_in = set() if wanted else behind_outlets(changed)
+        shut_in = set() if wanted else behind_outlets(changed) - {*watched}
         known = {node: probe for node, probe in probes.items() if node not in shut_in}
         return changed if known in ({}, probes) else changed.with_changes(probes=known), tuple(notes)
 
@@ -363,8 +361,7 @@ def run(scene: Scene, record: Iterable[str], progress: bool, budget: Budget) -> 
     """Simulate with an envelope; unresolved features are among the notes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
-        shown = {"progress": progress, "budget": budget}
-        return simulated(describe(scene), record=record, envelope=True, ledger=False, **shown)
+        return simulated(describe(scene), record=record, envelope=True, ledger=False, progress=progress, budget=budget)
 
 
 def carried_out(

@@ -101,7 +101,8 @@ class SlabGrid:
     def reach(self) -> NDArray:
         """Slabs in which nothing passes along a line from one place that takes of it to another, or an end."""
         reach, here = self.delay.copy(), list(self.diamonds)
-        reach[here] = np.minimum(reach[here], max(int(self.cell / CELLS_AHEAD), 1))
+        widest = np.minimum(self.cell, reach[here])  # cells are no longer than their lines
+        reach[here] = np.maximum((widest / CELLS_AHEAD).astype(int), 1)
         return reach
 
     def joined(self, groups: list[Group], nodes: dict[str, Node]) -> Junctions:
