@@ -9,21 +9,8 @@ import numpy as np
 from friction_series import COLUMNS, reference
 from numpy.typing import NDArray
 
-from friction import (
-    Dahl,
-    ElastoPlastic,
-    LuGre,
-    Model,
-    Ramp,
-    Result,
-    Sine,
-    Spring,
-    Status,
-    Steps,
-    Table,
-    Testbench,
-    simulate,
-)  # fmt: skip
+import friction
+from friction import LuGre, Model, Ramp, Result, Sine, Spring, Status, Steps, Table, Testbench, simulate
 
 SEED, SAMPLES = 31, 400
 FORCES = ("ramp", "held", "sine", "steps", "noise", "rig")
@@ -42,8 +29,8 @@ def random_case(rng: np.random.Generator, force: str) -> tuple[Model, Testbench,
     s1, s2 = critical * float(rng.choice([0.0, power(rng, -2, 0.5)])), F_c * float(rng.choice([0.0, power(rng, -2, 0)]))
     model = (
         LuGre(F_c, F_s, v_s, s0, s1, s2),
-        Dahl(F_c, s0),
-        ElastoPlastic(F_c, F_s, v_s, s0, s1, s2, rng.uniform(0.2, 0.95) * F_c / s0),
+        friction.Dahl(F_c, s0),
+        friction.ElastoPlastic(F_c, F_s, v_s, s0, s1, s2, rng.uniform(0.2, 0.95) * F_c / s0),
     )[rng.integers(3)]
     rate = (s0 / mass) ** 0.5
     damped = getattr(model, "sigma1", 0.0) > 0.0

@@ -8,24 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_friction import KINDS, random_run, sound
 
-from friction import (
-    Coulomb,
-    Dahl,
-    ElastoPlastic,
-    Karnopp,
-    Kind,
-    LuGre,
-    Ramp,
-    Sine,
-    Spring,
-    Status,
-    Table,
-    Tanh,
-    Testbench,
-    simulate,
-)
+import friction
+from friction import Coulomb, Karnopp, Kind, LuGre, Ramp, Sine, Spring, Status, Table, Tanh, Testbench, simulate
 
-SMOOTH = [LuGre(sigma0=1e5), LuGre(sigma0=1e4, sigma1=20.0), ElastoPlastic(sigma0=1e4, z_ba=5e-5), Dahl(), Tanh()]
+SMOOTH = [
+    LuGre(sigma0=1e5),
+    LuGre(sigma0=1e4, sigma1=20.0),
+    friction.ElastoPlastic(sigma0=1e4, z_ba=5e-5),
+    friction.Dahl(),
+    Tanh(),
+]
 
 
 @pytest.mark.parametrize("kind", KINDS)

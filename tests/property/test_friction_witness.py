@@ -7,22 +7,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from friction import (
-    Coulomb,
-    Dahl,
-    ElastoPlastic,
-    Karnopp,
-    LuGre,
-    Ramp,
-    Sine,
-    Spring,
-    Status,
-    Steps,
-    Table,
-    Tanh,
-    Testbench,
-    simulate,
-)  # fmt: skip
+import friction
+from friction import Coulomb, Karnopp, LuGre, Ramp, Sine, Spring, Status, Steps, Tanh, Testbench, simulate
 from friction.result import COLUMNS
 from friction.witness import doubt, windows
 from tline.cli.main import main
@@ -32,8 +18,8 @@ LAWS = {
     "karnopp": Karnopp(v_s=0.4),
     "zone": Karnopp(v_s=0.4, delta=0.05),
     "lugre": LuGre(v_s=0.4, sigma1=5.0),
-    "dahl": Dahl(),
-    "elasto-plastic": ElastoPlastic(v_s=0.4, sigma1=5.0),
+    "dahl": friction.Dahl(),
+    "elasto-plastic": friction.ElastoPlastic(v_s=0.4, sigma1=5.0),
     "tanh": Tanh(v_s=0.4, epsilon=0.02),
 }
 T_END = 6.0
@@ -56,8 +42,10 @@ def random_law(rng, name):
         "karnopp": lambda: Karnopp(**curve, F_v=f_v),
         "zone": lambda: Karnopp(f_c, f_s, 0.0, power(rng, -1, 1), 0.01),
         "lugre": lambda: LuGre(**curve, **bristles),
-        "dahl": lambda: Dahl(f_c, stiffness),
-        "elasto-plastic": lambda: ElastoPlastic(**curve, **bristles, z_ba=rng.uniform(0.2, 0.95) * f_c / stiffness),
+        "dahl": lambda: friction.Dahl(f_c, stiffness),
+        "elasto-plastic": lambda: friction.ElastoPlastic(
+            **curve, **bristles, z_ba=rng.uniform(0.2, 0.95) * f_c / stiffness
+        ),
         "tanh": lambda: Tanh(**curve, F_v=f_v, epsilon=power(rng, -3, -1)),
     }[name]()
 
@@ -71,7 +59,7 @@ def random_bench(rng, size, t_end):
         Ramp(load / t_end, rng.uniform(-0.2, 0.2) * load),
         Sine(load, power(rng, -1, 1), rng.uniform(-0.2, 0.2) * load),
         Steps(times, values),
-        Table(times, values),
+        friction.Table(times, values),
         Ramp(0.0),
     )[rng.integers(5)]
     pulled = isinstance(force, Ramp) and not force.slope

@@ -93,6 +93,7 @@ def test_it_is_the_same_however_often_it_is_looked_at(monkeypatch):
 
 def test_a_line_that_makes_energy_is_named(monkeypatch):
     """The delay of one line is made to hand on a hundredth more than it was sent."""
+    sine = {"shape": "sine", "amplitude": 1, "frequency": 0.2, "until": 5}
     scene = Scene(
         medium="electrical",
         t_end=50.0,
@@ -101,13 +102,7 @@ def test_a_line_that_makes_energy_is_named(monkeypatch):
             "one": {"nodes": ["a", "b"], "z0": 1.0, "delay": 1.0},
             "two": {"nodes": ["b", "c"], "z0": 2.0, "delay": 2**0.5 / 1.3},
         },
-        sources={
-            "s": {
-                "at": "a",
-                "kind": "current",
-                "value": {"shape": "sine", "amplitude": 1, "frequency": 0.2, "until": 5},
-            }
-        },
+        sources={"s": {"at": "a", "kind": "current", "value": sine}},
         probes={"p": {"at": "a"}},
     )
 

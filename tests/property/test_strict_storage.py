@@ -6,17 +6,8 @@ from flint import fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passivity import (
-    Kind,
-    RationalMatrix,
-    SampledResponse,
-    StateSpace,
-    Status,
-    check_bounded_real,
-    check_positive_real,
-    fit_scattering,
-    verify,
-)
+import passivity
+from passivity import Kind, SampledResponse, StateSpace, Status, check_positive_real, fit_scattering, verify
 from passivity.floats.axis import analyse
 from passivity.floats.storage import proves, strict_storage
 from passivity.floats.system import FloatSystem
@@ -44,8 +35,10 @@ def system_of(model):
 @given(seed=st.integers(0, 2**32 - 1), ports=st.integers(1, 3), pairs=st.integers(1, 3), size=st.floats(0.3, 1.1))
 def test_what_is_proved_is_passive(seed, ports, pairs, size):
     model = random_model(seed, ports, pairs, size)
-    matrix = RationalMatrix(tuple(tuple(model.entry(i, k).rational() for k in range(ports)) for i in range(ports)))
-    exact = check_bounded_real(matrix).status
+    matrix = passivity.RationalMatrix(
+        tuple(tuple(model.entry(i, k).rational() for k in range(ports)) for i in range(ports))
+    )
+    exact = passivity.check_bounded_real(matrix).status
     storage = strict_storage(system_of(model))
     if size < 0.99 and exact is Status.PROVED:
         assert storage is not None

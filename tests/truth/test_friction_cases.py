@@ -9,23 +9,8 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from friction import (
-    Coulomb,
-    Dahl,
-    ElastoPlastic,
-    Karnopp,
-    Kind,
-    LuGre,
-    Ramp,
-    Sine,
-    Spring,
-    Status,
-    Steps,
-    Table,
-    Tanh,
-    Testbench,
-    simulate,
-)
+import friction
+from friction import Coulomb, ElastoPlastic, Karnopp, Kind, LuGre, Ramp, Sine, Steps, Table, Tanh, Testbench, simulate
 
 FILE = json.loads((Path(__file__).parent / "friction_cases.json").read_text(encoding="utf-8"))
 NAMES = ["Stribeck", "LuGre 500", "LuGre 500, damped", "LuGre 1e5"]
@@ -117,7 +102,7 @@ def test_a_sine_breaks_away_where_it_meets_friction():
 def test_stick_slip_of_coulomb_with_stiction_has_its_closed_period():
     """v_s tiny: friction is F_s at rest and F_c in slip, an arc of a circle in the phase plane."""
     k, speed = 20.0, 0.05
-    run = simulate(Karnopp(F_v=0.0, v_s=1e-12), Testbench(Ramp(0.0), spring=Spring(k, speed)), 30.0)
+    run = simulate(Karnopp(F_v=0.0, v_s=1e-12), Testbench(Ramp(0.0), spring=friction.Spring(k, speed)), 30.0)
     breaks = [event.t for event in run.events if event.kind is Kind.BREAK_AWAY]
     w, a = sqrt(k), 0.2 / k
     slip = 2.0 * (np.pi - np.arctan(a * w / speed)) / w
@@ -137,7 +122,7 @@ def test_tables_and_steps_are_taken_corner_by_corner():
 
 
 @pytest.mark.parametrize(
-    "model", [LuGre(), LuGre(sigma1=20.0), ElastoPlastic(), ElastoPlastic(sigma1=3.0), Dahl(), Tanh()]
+    "model", [LuGre(), LuGre(sigma1=20.0), ElastoPlastic(), ElastoPlastic(sigma1=3.0), friction.Dahl(), Tanh()]
 )
 def test_smooth_models_agree_with_scipy(model):
     """An eighth-order method with tight tolerances, stopped at each change of v; the laws are written out here."""
@@ -178,5 +163,5 @@ def test_smooth_models_agree_with_scipy(model):
             nudge = solve_ivp(rates, (t, t + 1e-9), y, "DOP853", rtol=1e-11, atol=1e-15)
             t, y = nudge.t[-1], nudge.y[:, -1]
     run = simulate(model, Testbench(Sine(1.3, 1.0)), 1.2, times=[1.2])
-    assert run.status is Status.DONE
+    assert run.status is friction.Status.DONE
     np.testing.assert_allclose([run.x[0], run.v[0], run.z[0]], y, rtol=1e-7, atol=1e-9)

@@ -5,29 +5,8 @@ from math import inf, log, sqrt
 import numpy as np
 import pytest
 
-from friction import (
-    Coulomb,
-    Dahl,
-    ElastoPlastic,
-    Karnopp,
-    Kind,
-    LuGre,
-    Ramp,
-    Sine,
-    Spring,
-    Status,
-    Steps,
-    Table,
-    Tanh,
-    Testbench,
-    dead_zone,
-    euler_chatter,
-    limits,
-    lugre_drift,
-    passive_damping,
-    simulate,
-    tanh_creep,
-)
+import friction
+from friction import Coulomb, Karnopp, Kind, LuGre, Ramp, Sine, Status, Tanh, Testbench, dead_zone, limits, simulate
 
 NEAR = 0.02  # what a prediction may miss
 
@@ -35,7 +14,7 @@ NEAR = 0.02  # what a prediction may miss
 @pytest.mark.parametrize(("slope", "h", "F_c", "mass"), [(0.5, 1e-3, 1.0, 1.0), (0.1, 1e-3, 0.7, 2.5)])
 def test_euler_on_the_sign_law_is_a_modulator(slope, h, F_c, mass):
     run = simulate(Coulomb(F_c), Testbench(Ramp(slope), mass), F_c / slope, "euler", h=h)
-    told = euler_chatter(F_c, slope, h, mass)
+    told = friction.euler_chatter(F_c, slope, h, mass)
     assert np.sum(run.v[1:] * run.v[:-1] < 0.0) == pytest.approx(told.sign_changes, rel=NEAR)
     assert run.x[-1] == pytest.approx(told.drift, rel=NEAR)
     assert run.W_f[-1] == pytest.approx(told.friction_work, rel=NEAR)
@@ -118,24 +97,24 @@ def test_the_dead_zone_makes_energy():
 
 
 def test_tanh_gives_way():
-    run = simulate(Tanh(F_s=1.0, F_v=0.0, epsilon=0.01), Testbench(Steps([0.0], [0.8])), 20.0)
-    assert run.v[-1] == pytest.approx(tanh_creep(0.01, 0.8, 1.0), rel=1e-9)
+    run = simulate(Tanh(F_s=1.0, F_v=0.0, epsilon=0.01), Testbench(friction.Steps([0.0], [0.8])), 20.0)
+    assert run.v[-1] == pytest.approx(friction.tanh_creep(0.01, 0.8, 1.0), rel=1e-9)
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.0, 0.6), (0.3, 0.9), (0.6, 1.1)])
 def test_lugre_drifts_in_each_cycle_and_others_do_not(low, high):
     cycles, period = 6, 32.0
     times = np.arange(2 * cycles + 1) * period / 2.0
-    force = Table(times, [low if k % 2 == 0 else high for k in range(times.size)])
+    force = friction.Table(times, [low if k % 2 == 0 else high for k in range(times.size)])
     at = np.arange(3, cycles + 1) * period
     lugre = simulate(
         LuGre(v_s=10.0, sigma0=1e4, sigma1=20.0, sigma2=0.0), Testbench(force), times[-1], tol=1e-9, times=at
     )
     drift = np.diff(lugre.x).mean()
-    assert drift == pytest.approx(lugre_drift(lugre.model, low, high), rel=NEAR)
+    assert drift == pytest.approx(friction.lugre_drift(lugre.model, low, high), rel=NEAR)
     assert simulate(Karnopp(), Testbench(force), times[-1]).x[-1] == 0.0
     if high < 0.95:
-        model = ElastoPlastic(sigma0=1e4, sigma1=20.0, z_ba=0.95e-4, v_s=10.0)
+        model = friction.ElastoPlastic(sigma0=1e4, sigma1=20.0, z_ba=0.95e-4, v_s=10.0)
         held = simulate(model, Testbench(force), times[-1], tol=1e-9, times=at)
         assert abs(np.diff(held.x)).max() < 1e-3 * drift
 
@@ -190,7 +169,7 @@ def test_limits_of_the_static_laws():
     assert limits(Coulomb(F_v=0.5), 1.0, 2.0).euler == pytest.approx(8.0)
     assert limits(Karnopp(delta=0.1), 0.05).rk4 == inf
     assert limits(Tanh(F_s=1.0, F_v=0.0, epsilon=0.01), 0.0).euler == pytest.approx(0.02)
-    assert limits(Dahl(), 2.0).euler == pytest.approx(2.0 / 1000.0)
+    assert limits(friction.Dahl(), 2.0).euler == pytest.approx(2.0 / 1000.0)
 
 
 def test_explicit_steps_of_the_exercise_blow_up():
@@ -202,7 +181,7 @@ def test_explicit_steps_of_the_exercise_blow_up():
 
 def test_lugre_is_passive_only_below_its_damping_bound():
     """Friction work less stored energy over cycles of a given velocity: heat of both signs beyond the bound."""
-    assert passive_damping(LuGre()) == pytest.approx(0.25)
+    assert friction.passive_damping(LuGre()) == pytest.approx(0.25)
 
     def least_heat(sigma1):
         model, least = LuGre(sigma1=sigma1), 0.0
@@ -228,7 +207,7 @@ def test_through_the_stribeck_peak_rk4_loses_its_order():
 
 def test_stick_slip_is_lost_with_steps_longer_than_a_slip():
     k, speed = 400.0, 0.05
-    bench, model = Testbench(Ramp(0.0), spring=Spring(k, speed)), Karnopp(F_v=0.0, v_s=0.01)
+    bench, model = Testbench(Ramp(0.0), spring=friction.Spring(k, speed)), Karnopp(F_v=0.0, v_s=0.01)
     true = [event.t for event in simulate(model, bench, 4.0).events if event.kind is Kind.BREAK_AWAY]
     slip = np.pi / sqrt(k)
 

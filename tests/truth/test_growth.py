@@ -59,6 +59,7 @@ def test_a_loop_through_a_controlled_source(gain, grows):
 
 def network(**changed):
     """A Y of three lines without common measure; a negative resistance beside a capacitor at one end."""
+    sine = {"shape": "sine", "amplitude": 1, "frequency": 0.1, "until": 10.0}
     return Scene(
         medium="electrical",
         t_end=60.0,
@@ -67,14 +68,7 @@ def network(**changed):
             "b": {"nodes": ["mid", "p"], "z0": 2.0, "delay": 2**0.5},
             "c": {"nodes": ["q", "mid"], "z0": 0.5, "delay": pi / 2},
         },
-        sources={
-            "s": {
-                "at": "in",
-                "kind": "voltage",
-                "resistance": 0.2,
-                "value": {"shape": "sine", "amplitude": 1, "frequency": 0.1, "until": 10.0},
-            }
-        },
+        sources={"s": {"at": "in", "kind": "voltage", "resistance": 0.2, "value": sine}},
         loads={
             "active": {"at": "p", "kind": "impedance", "expression": "-1.5/(1 - 1.5*0.3*s)"},
             "end": {"at": "q", "kind": "resistor", "resistance": 0.1},

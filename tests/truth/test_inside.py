@@ -73,13 +73,9 @@ def test_steady_flow_falls_as_a_straight_line() -> None:
 def test_extremes_on_a_lossless_line_are_those_of_a_standing_wave() -> None:
     """Open at its end, u = A cos(w T (1 - x)) cos(w t) where waves of A/2 have met; peaks on no sample."""
     frequency = 1.37e8
-    scene = Scene(
-        medium="electrical", t_end="60 ns", lines={"c": {"nodes": ["near", "far"], "z0": Z0, "delay": DELAY}},
-        sources={"s": {"at": "near", "kind": "voltage", "resistance": Z0,
-                       "value": {"shape": "sine", "amplitude": 2.0, "frequency": frequency}}},
-        probes={"far": {"at": "far"}},
-    )  # fmt: skip
-    seen = inside(simulate(scene, tol=1e-10, record=["c"]), "c")
+    sine = {"shape": "sine", "amplitude": 2.0, "frequency": frequency}
+    scene = one_line("60 ns", {"z0": Z0, "delay": DELAY}, sine, Z0, probes={"far": {"at": "far"}})
+    seen = inside(simulate(scene, tol=1e-10, record=["line"]), "line")
     phase = 2 * np.pi * frequency * DELAY * (1 - seen.places)
     standing, alone = 2 * np.abs(np.cos(phase)), 2 * phase  # until that phase a wave is alone
     _, low, high = seen.extremes(np.linspace(0, 60e-9, 3))

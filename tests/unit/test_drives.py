@@ -7,25 +7,7 @@ import numpy as np
 import pytest
 
 import drives
-from drives import (
-    PI,
-    Belt,
-    CoupledDrives,
-    InputError,
-    Pulley,
-    Spool,
-    Torque,
-    artefact,
-    design,
-    forward_difference,
-    hidden_modes,
-    literal_jacobian,
-    margins,
-    simulate,
-    simulate_control,
-    steady_state,
-    zero_eigenvalues,
-)
+from drives import Belt, CoupledDrives, Pulley, Spool, Torque, design, hidden_modes, simulate, simulate_control
 from drives.discretise import energy_matrix, step_matrix
 from drives.linearise import literal_rates
 from drives.number import exact
@@ -93,7 +75,7 @@ def test_a_float_counts_as_the_decimal_it_shows():
         (lambda: simulate(EXERCISE, t_end=1, step=1e-9), "step: unfit"),
         (lambda: simulate(EXERCISE, t_end=1, step=2), "step: unfit"),
         (lambda: simulate(EXERCISE, t_end=1, step=0.5, initial={"phi2": 1}), "initial.phi2: no such state"),
-        (lambda: steady_state(CoupledDrives(Spool(1, 0, 1), Spool(1, 0, 1)), 1, 1), "friction: nothing settles"),
+        (lambda: drives.steady_state(CoupledDrives(Spool(1, 0, 1), Spool(1, 0, 1)), 1, 1), "friction: nothing settles"),
         (lambda: design(EXERCISE, -1), "speed_bandwidth: not physical"),
         (lambda: simulate_control(design(EXERCISE), t_end=1, step=0.1, limit=0), "limit: not physical"),
         (lambda: EXERCISE.transfer("phi1", "T1")(0), "s: a pole of phi1/T1"),
@@ -104,7 +86,7 @@ def test_a_float_counts_as_the_decimal_it_shows():
     ],
 )
 def test_bad_input_gets_one_sentence(build, sentence):
-    with pytest.raises(InputError) as error:
+    with pytest.raises(drives.InputError) as error:
         build()
     assert str(error.value).startswith(sentence)
     assert "\n" not in str(error.value)
@@ -137,17 +119,17 @@ def test_hidden_modes_of_the_exercise():
 
 
 def test_zeros_stay_zeros_where_difference_quotients_lie():
-    assert zero_eigenvalues(EXERCISE.state_space().a) == 1
-    assert zero_eigenvalues(literal_jacobian(UNEQUAL)) == 2
-    seen = artefact(EXERCISE, runs=400)
+    assert drives.zero_eigenvalues(EXERCISE.state_space().a) == 1
+    assert drives.zero_eigenvalues(drives.literal_jacobian(UNEQUAL)) == 2
+    seen = drives.artefact(EXERCISE, runs=400)
     assert 0.5 < seen.unstable / seen.runs < 0.85  # 3/4 if signs of rounding were drawn, which some LAPACKs are not
     assert 0 < seen.by_difference < seen.unstable
     assert 1e-9 < seen.largest < 1e-3
     x = np.random.default_rng(2).normal(size=7)
-    exact_jacobian = floats(literal_jacobian(UNEQUAL))
-    told = forward_difference(literal_rates(UNEQUAL), x)
+    exact_jacobian = floats(drives.literal_jacobian(UNEQUAL))
+    told = drives.forward_difference(literal_rates(UNEQUAL), x)
     assert np.abs(told - exact_jacobian).max() < 1e-6 * np.abs(exact_jacobian).max()
-    shared = [z for z in roots(literal_jacobian(UNEQUAL).charpoly()) if z != 0]
+    shared = [z for z in roots(drives.literal_jacobian(UNEQUAL).charpoly()) if z != 0]
     assert np.allclose(shared, [z for z in UNEQUAL.state_space().poles if z != 0], rtol=1e-12)
 
 
@@ -161,7 +143,7 @@ def test_a_step_matrix_and_an_energy_matrix_by_hand():
 
 
 def test_a_run_that_starts_settled_stays_there():
-    start = steady_state(UNEQUAL, -0.2, 0.9)
+    start = drives.steady_state(UNEQUAL, -0.2, 0.9)
     run = simulate(UNEQUAL, Torque.step(-0.2), Torque.step(0.9), t_end=100.0, step=10.0, initial=start)
     for name in ("tension", "w1", "w2", "x_k"):
         assert np.ptp(run.outputs[name]) < 1e-12 * np.abs(run.outputs[name]).max()
@@ -195,7 +177,7 @@ def test_margins_by_hand():
 
     from drives import TransferFunction
 
-    found = margins(PI(0.5, 1e12), TransferFunction(fmpq_poly([8]), fmpq_poly([1, 3, 3, 1])))
+    found = drives.margins(drives.PI(0.5, 1e12), TransferFunction(fmpq_poly([8]), fmpq_poly([1, 3, 3, 1])))
     assert math.isclose(found.gain, 2, rel_tol=1e-9)
     size = 4 ** (2 / 3)
     assert math.isclose(found.crossover, math.sqrt(size - 1), rel_tol=1e-9)

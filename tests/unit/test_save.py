@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from one_line import one_line
 
 from tline import InputError, Result, Scene, simulate
 from tline.atomic import check_writable, replacing
@@ -37,22 +38,9 @@ def surge() -> Result:
 
 @pytest.fixture(scope="module")
 def pulse() -> Result:
-    return simulate(
-        Scene(
-            medium="electrical",
-            t_end="40 ns",
-            lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
-            sources={
-                "in": {
-                    "at": "near",
-                    "kind": "voltage",
-                    "resistance": "20 ohm",
-                    "value": {"shape": "sine", "amplitude": "1 V", "frequency": "100 MHz"},
-                }
-            },
-            probes={"near": {"at": "near"}, FAR: {"at": "far"}},
-        )
-    )
+    sine = {"shape": "sine", "amplitude": "1 V", "frequency": "100 MHz"}
+    probes = {"near": {"at": "near"}, FAR: {"at": "far"}}
+    return simulate(one_line("40 ns", {"z0": "50 ohm", "delay": "5 ns"}, sine, "20 ohm", probes=probes))
 
 
 def rows(path: Path) -> list[list[str]]:
