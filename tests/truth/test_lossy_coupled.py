@@ -5,6 +5,8 @@ import pytest
 from scipy.linalg import expm
 
 from tline import Scene, simulate
+from tline.frequency.ports import scattering_parameters
+from tline.frequency.response import respond
 from tline.loss import ConstantLoss, Law, LossyLine, SkinEffect
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
@@ -131,3 +133,32 @@ def test_a_sine_in_unlike_conductors_settles_to_the_exponential_of_the_line():
     for probe, value in zip(result.probes.values(), exactly, strict=True):
         sine, cosine = np.linalg.lstsq(basis, probe.at(t).u)[0]
         assert abs(sine + 1j * cosine - value) < 1e-8
+
+
+def test_a_pair_whose_losses_mix_modes_over_frequency():
+    """By the matrix exponential of its length: S at its ends, both modes, and what a source makes at a conductor."""
+    L, C = np.array([[300e-9, 60e-9], [60e-9, 380e-9]]), np.array([[140e-12, -22e-12], [-22e-12, 105e-12]])
+    R, K = np.array([[8.0, 1], [1, 3]]), np.array([[6e-4, 1e-4], [1e-4, 3e-4]])
+    s, z0 = 2j * np.pi * np.array([1e6, 3.3e8, 2e9]), 50.0
+    skin = {"resistance": (K * np.sqrt(np.pi * 1e9)).tolist(), "frequency": 1e9, "added": True}
+    table = {
+        "medium": "electrical", "t_end": 1e-9, "probes": {"b2": {"at": "b2"}},
+        "lines": {"pair": {
+            "nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"], "length": 0.3, "inductance": L.tolist(),
+            "capacitance": C.tolist(), "resistance": R.tolist(), "skin": skin,
+        }},
+    }  # fmt: skip
+    driven = {"sources": {"s": driver("a1", 1)}, "loads": {at: resistor(at, LOAD) for at in ("a2", "b1", "b2")}}
+    ports, zero = ["a1", "a2", "b1", "b2"], np.zeros((2, 2))
+    S, seen = scattering_parameters(Scene(**table), ports, s, z0), respond(Scene(**table, **driven), s)["b2"]
+    mixes = np.array([[1, -1, 0, 0], [0, 0, 1, -1], [1, 1, 0, 0], [0, 0, 1, 1]]) / np.sqrt(2)
+    for k, at in enumerate(s):
+        whole = expm(0.3 * np.block([[zero, -(R + K * np.sqrt(at) + at * L)], [-at * C, zero]]))
+        A, B = whole[:2, :2], whole[:2, 2:]  # u2 = A u1 + B y1
+        Y = np.block([[-np.linalg.solve(B, A), np.linalg.inv(B)], [np.linalg.inv(B), -np.linalg.solve(B, A)]])
+        expected = np.linalg.solve(np.eye(4) + z0 * Y, np.eye(4) - z0 * Y)
+        np.testing.assert_allclose(S[k], expected, atol=1e-9)
+        np.testing.assert_allclose(S.mixed()[k], mixes @ expected @ mixes.T, atol=1e-9)
+        u = np.linalg.solve(Y + np.diag([1 / SOURCE, *3 * [1 / LOAD]]), [1 / SOURCE, 0, 0, 0])[3]
+        np.testing.assert_allclose([seen.u[k], seen.y[k]], [u, u / LOAD], atol=1e-9)
+    assert S.mixed().z0 == (100, 100, 25, 25)

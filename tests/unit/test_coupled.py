@@ -11,7 +11,7 @@ from tline.pictures.path import route
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes
 from tline.solver.description.description import describe
-from tline.solver.stability.scattering import Scattering
+from tline.solver.stability.zeros import Characteristic
 from tline.study.reference.network import ReferenceNetwork
 
 PAIR = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]}
@@ -152,7 +152,7 @@ def test_what_coupled_conductors_exclude_is_named(parts, sentence):
 
 
 @pytest.mark.parametrize(
-    "ask", [spice_text, route, only_line, lambda made: Scattering(describe(made)), ReferenceNetwork]
+    "ask", [spice_text, route, only_line, lambda made: Characteristic(describe(made)), ReferenceNetwork]
 )
 def test_what_does_not_know_them_says_so(ask):
     with pytest.raises(InputError, match="coupled conductors"):

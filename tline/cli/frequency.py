@@ -13,6 +13,7 @@ EXAMPLES = """\b
 Examples:
   tline frequency cable.toml --from "1 MHz" --to "1 GHz" --plot bode.png --csv response.csv
   tline frequency cable.toml --ports near --z0 50 --save port.s1p
+  tline frequency pair.toml --ports a1,a2,b1,b2 --mixed --z0 50 --save modes.csv
   tline frequency network.toml --source pump --to "20 Hz" --points 2001
 """
 FILES = {
@@ -28,6 +29,7 @@ def frequency(
     *,
     source: str | None = None,
     ports: str | None = None,
+    mixed: bool = False,
     z0: str | None = None,
     low: str | None = None,
     high: str | None = None,
@@ -47,6 +49,8 @@ def frequency(
         Source of the responses; the others are silent.
     ports : NODE,NODE
         S-parameters between these nodes instead, sources there taken away.
+    mixed
+        Differential and common modes of the ports instead, which come in pairs.
     z0 : OHM
         Reference resistance of the ports; that of the first line there if not given.
     low : FREQUENCY
@@ -63,8 +67,9 @@ def frequency(
     from tline.frequency.ports import scattering_parameters
     from tline.frequency.response import Curves, frequencies, respond
 
-    for option, instead in (("save", ", or --csv"), ("z0", "")):
-        if (z0 if option == "z0" else files.get(option)) and not ports:
+    given = {"save": files.get("save"), "z0": z0, "mixed": mixed}
+    for option, instead in (("save", ", or --csv"), ("z0", ""), ("mixed", "")):
+        if given[option] and not ports:
             raise InputError(f"--{option}", "is about S-parameters", f"--ports beside it{instead}")
     if source and ports:
         raise InputError("--source", "between ports no source counts", "either --source or --ports")
@@ -72,7 +77,8 @@ def frequency(
         raise InputError("--csv", "is about a source", "--save for S-parameters, or no --ports")
     s = 2j * np.pi * frequencies(scene, low, high, points)
     if ports:
-        return scattering_parameters(scene, ports, s, z0)
+        found = scattering_parameters(scene, ports, s, z0)
+        return found.mixed() if mixed else found
     if scene.sources or source or "csv" in files or "plot" in files:
         return respond(scene, s, source)
     return Curves(scene, s, {}, "", "")

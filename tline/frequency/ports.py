@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from tline.atomic import replacing
 from tline.errors import InputError
 from tline.frequency.response import Curves, frequencies
+from tline.scene.coupled import Coupled
 from tline.scene.file import as_scene
+from tline.scene.line import SceneLine
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
@@ -54,6 +56,36 @@ class ScatteringParameters(Curves):
 
     def _told(self) -> dict[str, Any]:
         return {"ports": self.ports, "z0": self.z0 if len({*self.z0}) > 1 else self.z0[0]}
+
+    def mixed(self) -> "ScatteringParameters":
+        """Differential and common modes of ports in pairs: first with second, third with fourth, and so on.
+
+        Returns
+        -------
+        ScatteringParameters
+            Of ports ``a-b`` of all pairs (a, b), whose reference is 2 z0, and behind them ``a+b``, of z0/2.
+
+        Raises
+        ------
+        InputError
+            The number of ports is odd, or the references of a pair differ.
+
+        References
+        ----------
+        D. E. Bockelman, W. R. Eisenstadt, "Combined differential and common-mode scattering parameters", IEEE Trans.
+        Microwave Theory and Techniques 43 (1995) 1530-1539, doi:10.1109/22.392911.
+        """
+        first, second, z0 = self.ports[::2], self.ports[1::2], self.z0[::2]
+        if len(first) != len(second):
+            raise InputError("ports", "do not form pairs", "an even number of them", f"{len(self.ports)}")
+        if z0 != self.z0[1::2]:
+            raise InputError("z0", "differs within a pair", "one resistance for both ports", shown(self.z0))
+        one, other = (np.eye(len(self.ports))[k::2] for k in (0, 1))
+        modes = np.concatenate([one - other, one + other]) / np.sqrt(2)
+        ports = [f"{a}{sign}{b}" for sign in "-+" for a, b in zip(first, second, strict=True)]
+        return _between(
+            self.scene, self.s, ports, [k * each for k in (2, 0.5) for each in z0], modes @ self.values @ modes.T
+        )
 
     def save(self, path: str | Path) -> None:
         """Write the S-parameters as Touchstone 1 (``.sNp``), or as CSV: frequency in Hz, then real and imaginary parts.
@@ -141,8 +173,12 @@ def scattering_parameters(
         flows[node] = 2 / np.sqrt(R[j])  # a unit power wave: 2 sqrt(R) behind R
         _, efforts = answers(network, points, np.zeros(len(network.names)), flows)
         S[:, :, j] = efforts[:, at] / np.sqrt(R) - np.eye(len(ports))[j]
+    return _between(scene, s, ports, R.tolist(), S)
+
+
+def _between(scene: Scene, s: NDArray, ports: Sequence[str], z0: list[float], S: NDArray) -> ScatteringParameters:
     curves = {f"S({i},{j})": S[:, m, n] for m, i in enumerate(ports) for n, j in enumerate(ports)}
-    return ScatteringParameters(scene, s, curves, "S", "1", tuple(ports), tuple(R.tolist()), S)
+    return ScatteringParameters(scene, s, curves, "S", "1", tuple(ports), tuple(z0), S)
 
 
 def impedance(scene: Scene | str | Path, node: str, s: ArrayLike) -> NDArray:
@@ -173,7 +209,7 @@ def impedance(scene: Scene | str | Path, node: str, s: ArrayLike) -> NDArray:
 
 def _references(scene: Scene, ports: Sequence[str], z0: float | str | Sequence[float | str] | None) -> NDArray:
     if z0 is None:
-        z0 = next((line.parameters.z0 for line in scene.lines.values() if {*ports[:1]} & {*line.nodes}), 1.0)
+        z0 = next((_seen_alone(line, ports[0]) for line in scene.lines.values() if {*ports[:1]} & {*line.nodes}), 1.0)
     each = [z0] * len(ports) if isinstance(z0, str | float | int) else list(z0)
     if len(each) != len(ports):
         raise InputError("z0", "not one for each port", str(len(ports)), str(len(each)))
@@ -182,6 +218,14 @@ def _references(scene: Scene, ports: Sequence[str], z0: float | str | Sequence[f
         if not 0 < value < np.inf:
             raise InputError("z0", "not positive", "more than 0", shown(given))
     return R
+
+
+def _seen_alone(line: SceneLine | Coupled, port: str) -> float:
+    """z0 of a line, or of one of several conductors with the others at zero."""
+    if not isinstance(line, Coupled):
+        return line.parameters.z0
+    conductor = line.nodes.index(port) % len(line.nodes1)
+    return 1 / float(line.modes.admittance[conductor, conductor])
 
 
 def _without_sources(scene: Scene, ports: Sequence[str]) -> Scene:

@@ -17,7 +17,8 @@ from tline.presentation import Presentation, plain
 from tline.scene.file import as_scene
 from tline.scene.medium import MEDIA
 from tline.scene.scene import Scene
-from tline.solver.description.description import describe
+from tline.solver.description.description import Description, describe
+from tline.solver.description.lines import ProbePlace, probes_of
 from tline.solver.stability.growth import growth_sentence
 from tline.solver.stability.scattering import Scattering, answers, inside
 from tline.units import to_si
@@ -185,7 +186,7 @@ def frequencies(scene: Scene, low: str | None = None, high: str | None = None, p
     """Frequencies, Hz, evenly spaced on a logarithmic scale; by default around those that follow from the delays."""
     if not 2 <= points <= MOST_POINTS:
         raise InputError("points", "not a number of frequencies", f"2 to {MOST_POINTS}", f"{points}")
-    delays = [line.parameters.delay or 0.0 for line in scene.lines.values()]
+    delays = [line.delay for line in describe(scene).lines.values()]
     top = to_si(high, "Hz", "high") if high else 2.0 / min(delays)
     bottom = to_si(low, "Hz", "low") if low else min(0.01 / sum(delays), top / 100)
     if not 0 < bottom < math.inf:
@@ -250,32 +251,46 @@ def respond(scene: Scene | str | Path, s: ArrayLike | None = None, source: str |
             if node is not None:
                 flows[network.names.index(node)] = sign * (given.conductance if given.is_effort else 1.0)
     arriving, efforts = answers(network, s.ravel() * network.second, held, flows)
-    seen = {probe: _seen(scene, network, probe, arriving, efforts, s) for probe in scene.probes}
+    description = describe(scene)
+    seen = {
+        probe: ProbeResponse(*(part.reshape(s.shape) for part in _seen(description, network, at, arriving, efforts, s)))
+        for probe, at in probes_of(scene, description.coupled, inside=True).items()
+    }
     what, unit = f"{MEDIA[scene.medium].effort} / source", unit_over(scene, name, "u")
     return Response(scene, s, {probe: each.u for probe, each in seen.items()}, what, unit, name, seen)
 
 
 def _seen(
-    scene: Scene, network: Scattering, probe: str, arriving: NDArray, efforts: NDArray, s: NDArray
-) -> ProbeResponse:
-    """Response of a probe from the two waves on its line, each delayed by its way."""
-    line = scene.probed_line(probe)
-    if line is None:
-        u = efforts[:, network.names.index(scene.probes[probe].at or "")].reshape(s.shape)
-        return ProbeResponse(u, 0 * u, u, u)
-    k, share = list(scene.lines).index(line), scene.probes[probe].fraction(scene.lines[line])
-    nodes = [network.names.index(node) for node in scene.lines[line].nodes]
-    (b1, a2), (u1, u2) = arriving[:, 2 * k : 2 * k + 2].T, efforts[:, nodes].T
-    if share in (0.0, 1.0):
-        a, b = (2 * u1 - b1, b1) if share == 0.0 else (a2, 2 * u2 - a2)
-    elif k in network.lossy:
-        u, y = inside(network.lossy[k], s.ravel(), share, u1, u2)
-        a, b = u + network.z0[k] * y, u - network.z0[k] * y
+    description: Description, network: Scattering, probe: ProbePlace, arriving: NDArray, efforts: NDArray, s: NDArray
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Effort, flow and waves at a probe; at conductors from those of their modes."""
+    if probe.node:
+        u = efforts[:, network.names.index(probe.node)]
+        return u, 0 * u, u, u
+    numbers = {name: k for k, name in enumerate(description.lines)}
+    lines = [numbers[name] for name in probe.lines]
+    u, y = np.swapaxes([_on_line(description, network, k, probe.share, arriving, efforts, s) for k in lines], 0, 1)
+    if probe.conductor is None:
+        (u,), (y,), z0 = u, y, network.z0[lines[0]]
     else:
-        way = s.ravel() * network.second * network.delays[k]
-        a, b = (2 * u1 - b1) * np.exp(-way * share), (2 * u2 - a2) * np.exp(-way * (1 - share))
-    parts = ((a + b) / 2, (a - b) / (2 * network.z0[k]), a, b)
-    return ProbeResponse(*(part.reshape(s.shape) for part in parts))
+        voltage, current, z0 = probe.conductor.parts
+        u, y = voltage @ u, current @ y
+    return u, y, u + z0 * y, u - z0 * y
+
+
+def _on_line(
+    description: Description, network: Scattering, k: int, share: float, arriving: NDArray, efforts: NDArray, s: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Effort and flow on a line from the two waves there, each delayed by its way."""
+    nodes = [network.names.index(node) for node in list(description.lines.values())[k].nodes]
+    (b1, a2), (u1, u2), z0 = arriving[:, 2 * k : 2 * k + 2].T, efforts[:, nodes].T, network.z0[k]
+    if share in (0.0, 1.0):
+        return (u1, (u1 - b1) / z0) if share == 0.0 else (u2, (a2 - u2) / z0)
+    if k in network.lossy:
+        return inside(network.lossy[k], s.ravel(), share, u1, u2)
+    way = s.ravel() * network.second * network.delays[k]
+    a, b = (2 * u1 - b1) * np.exp(-way * share), (2 * u2 - a2) * np.exp(-way * (1 - share))
+    return (a + b) / 2, (a - b) / (2 * z0)
 
 
 def source_named(scene: Scene, name: str | None) -> str:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Matrix = NDArray
 MAX_ORDER = 16
 LEAST_PLACES = 8  # of `chebyshev`
-ALONE = 5000  # polynomials, for which BLAS takes no threads: these would only wait for each other
+ALONE = 5000  # rows, for which BLAS takes no threads
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +39,7 @@ class Basis:
 
     def values(self, x: NDArray, polynomials: NDArray) -> NDArray:
         """Values of polynomials, each given at the points, shape (n, s), at places of its own, shape (n, places)."""
-        few = np.array_split(polynomials, len(polynomials) // ALONE + 1) if len(polynomials) > ALONE else [polynomials]
-        series = np.concatenate([part @ self.to_legendre.T for part in few]).T[:, :, None]
+        series = thin_product(polynomials, self.to_legendre.T).T[:, :, None]
         return legendre.legval(2 * x - 1, series, tensor=False)
 
     @cached_property
@@ -80,6 +79,14 @@ class Basis:
 
     def _legendre(self, x) -> Matrix:
         return legendre.legvander(2 * np.asarray(x, float) - 1, self.s - 1)
+
+
+def thin_product(rows: NDArray, matrix: Matrix) -> NDArray:
+    """Product of many short rows, (..., n, s), with a small matrix, without threads: these wait for each other."""
+    if rows.shape[-2] <= ALONE:
+        return rows @ matrix
+    parts = np.array_split(rows, rows.shape[-2] // ALONE + 1, axis=-2)
+    return np.concatenate([part @ matrix for part in parts], axis=-2)
 
 
 @lru_cache

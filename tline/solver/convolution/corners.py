@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, thin_product
 
 GRID = np.linspace(0.0, 1.0, 33)  # places in a slab between which two polynomials cross
 FIT = 0.2  # of the change by a corner: largest misfit at the points of the slab, and between the two at the corner
@@ -24,7 +24,8 @@ def corners_of(waves: NDArray, least: float, order: Basis) -> Corners:
     """Corners that change waves (..., n, s), all of which bend at one node, by more than `least`."""
     s = waves.shape[-1]
     every = waves.reshape(-1, *waves.shape[-2:])
-    before, behind = every[:, :-2] @ order.evaluation(order.c + 1).T, every[:, 2:] @ order.evaluation(order.c - 1).T
+    before = thin_product(every[:, :-2], order.evaluation(order.c + 1).T)
+    behind = thin_product(every[:, 2:], order.evaluation(order.c - 1).T)
     off = [np.abs(each - every[:, 1:-1]).max(axis=(0, 2)) for each in (before, behind)]
     seen = np.flatnonzero(np.minimum(*off) > least)
     before, behind, here = before[:, seen], behind[:, seen], every[:, seen + 1]

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from tline.solver.description.excitation import EDGE, Waveform, just_before
 from tline.solver.loop.march import Noted
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, thin_product
 
 MOST_FAMILIES = 128  # families that are worth a run each
 SAME_FAMILY = EDGE / 2  # slabs; fronts whose places differ by less are of one family
 ROUNDED = 1e-14  # of the largest wave of a record
 SMALLEST_CORNER = 1e-14  # relative to the waveform's amplitude; smaller jumps and bends are rounding
+STEP = 1e-6  # of the time scale of a curved waveform, by which its slope at a front is seen
 SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with the value before
 
 
@@ -29,7 +30,7 @@ class Changes(NamedTuple):
     before: float  # value before t = 0
     at: NDArray  # (fronts,) instants, s
     jump: NDArray  # (fronts,) changes of value
-    bend: NDArray  # (fronts,) changes of slope, where the waveform is straight
+    bend: NDArray  # (fronts,) changes of slope
     curved: bool
 
     def part(self, chosen: NDArray, ahead: float) -> Waveform:
@@ -52,11 +53,15 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
     knots = np.unique(np.concatenate([[0.0], breaks[(breaks > 0) & (breaks < t_end)], [t_end]]))
     width = np.diff(knots)
     pieces = waveform.value(knots[:-1] + width * SEEN, (knots[:-1] + knots[1:]) / 2)  # (places, pieces)
-    slope = (pieces[-1] - pieces[0]) / width
-    jump, bend = pieces[0] - np.append(before, pieces[-1, :-1]), np.diff(slope, prepend=0.0)
+    jump, curved = pieces[0] - np.append(before, pieces[-1, :-1]), bool(np.isfinite(waveform.fastest()))
+    begin = end = (pieces[-1] - pieces[0]) / width
+    if curved:
+        step, middle = STEP * np.minimum(width, waveform.fastest()), (knots[:-1] + knots[1:]) / 2
+        begin = (waveform.value(knots[:-1] + step, middle) - pieces[0]) / step
+        end = (pieces[-1] - waveform.value(knots[1:] - step, middle)) / step
+    bend = begin - np.append(0.0, end[:-1])
     least = SMALLEST_CORNER * max(float(np.abs(pieces).max()), abs(before))
     jump[np.abs(jump) <= least] = 0.0
-    curved = bool(np.isfinite(waveform.fastest()))
     real = (np.abs(jump) > least) | (np.abs(bend) * width > least) | curved
     real[0] &= bool((np.abs(pieces[:, 0] - before) > least).any())
     return Changes(waveform, before, knots[:-1][real], jump[real], bend[real], curved)
@@ -171,7 +176,7 @@ def _projected(waves: NDArray, ahead: float, n: int, order: Basis) -> tuple[NDAr
     first, second = order.restriction(0.0, 1.0 - ahead), order.restriction(1.0 - ahead, 1.0)
     before = np.concatenate([sooner, first @ sooner - order.restriction(ahead, 1.0), second @ sooner])
     behind = np.concatenate([later, first @ later, second @ later - order.restriction(0.0, ahead)])
-    found = waves[:, :, :n] @ before.T + waves[:, :, 1 : n + 1] @ behind.T
+    found = thin_product(waves[:, :, :n], before.T) + thin_product(waves[:, :, 1 : n + 1], behind.T)
     return found[..., : order.s].copy(), np.abs(found[..., order.s :]).max(axis=(0, 1, 3))
 
 

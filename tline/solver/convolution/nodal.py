@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.groups import Group
 from tline.solver.description.links import Branch
@@ -63,7 +62,6 @@ class LinearRest(Scattering):
             for node, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
                 if node is not None:
                     row[at[node]] += sign
-        self.bundles = bundles_of(description)
         mixed = [
             np.array(np.meshgrid(*2 * [each.lines], indexing="ij")).reshape(2, -1).T for each in self.bundles.values()
         ]

@@ -38,6 +38,7 @@ EPS = float(np.finfo(float).eps)
 MOST_GAIN = 1 + 1e-9  # largest gain of a line that creates no energy, with rounding
 SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of fast transforms
 KEPT_SLABS = 1000  # slabs of transforms whose modes are kept for the next scene
+ALONE = 2000  # columns, for which BLAS takes no threads: these would only wait for each other
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 
 
@@ -151,7 +152,9 @@ class Quadrature:
 
     def backward(self, transforms: NDArray) -> NDArray:
         """Values, shape (n, s, k), of transforms of shape (points, k)."""
-        sums = self._from_eigen @ transforms.reshape(*self._from_eigen.shape[:2], -1)
+        every = transforms.reshape(*self._from_eigen.shape[:2], -1)
+        few = np.array_split(every, every.shape[2] // ALONE + 1, axis=2) if every.shape[2] > ALONE else [every]
+        sums = np.concatenate([self._from_eigen @ part for part in few], axis=2)
         return np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
 
     def weights(self, transfer: NDArray) -> NDArray:

@@ -107,7 +107,7 @@ class Convolved:
     @cached_property
     def layered(self) -> bool:
         """Whether the response beside fronts may be followed on narrower slabs there, along rays."""
-        straight = not any(changes.curved for changes in self.changes)
+        straight = self.laws is not None or not any(changes.curved for changes in self.changes)
         alone = not self.network.bundles and not self.clock and not self.slow
         return alone and straight and affordable(self.network)
 

@@ -24,6 +24,13 @@ class Conductor(NamedTuple):
     end: int
     ends: tuple[End, End]
 
+    @property
+    def parts(self) -> tuple[NDArray, NDArray, float]:
+        """Voltage and current per u and y of modes; and z0 with the other conductors at zero, or of the mode."""
+        modes, weights = self.ends[0].modes, np.array(self.weights)
+        z0 = 1 / float(weights @ modes.admittance @ weights)
+        return weights @ modes.T / (weights @ weights), np.linalg.inv(modes.T) @ weights, z0
+
 
 class ProbePlace(NamedTuple):
     """Where a probe is."""
@@ -43,8 +50,8 @@ class ProbePlace(NamedTuple):
         return [self.line] if at is None else [node.removesuffix(", end 1") for node in at.ends[0].modal]
 
 
-def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str, ProbePlace]:
-    """Probes of a scene by name."""
+def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]], inside: bool = False) -> dict[str, ProbePlace]:
+    """Probes of a scene by name; those inside lossy lines are refused if not allowed."""
     found = {}
     for name, probe in scene.probes.items():
         where = scene.probed_line(name)
@@ -58,7 +65,7 @@ def probes_of(scene: Scene, coupled: Mapping[str, tuple[End, End]]) -> dict[str,
             continue
         line = scene.lines[where]
         share = probe.fraction(line)
-        if line.losses is not None and 0.0 < share < 1.0:
+        if line.losses is not None and 0.0 < share < 1.0 and not inside:
             problem = f"inside {place('lines', where)}, which has losses"
             raise InputError(place("probes", name, "position"), problem, "that scene in stretches")
         found[name] = ProbePlace(where, share, scene.height(name))

@@ -125,9 +125,7 @@ def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecor
     at = probe.conductor
     if at is None:
         return records[probe.line]
-    modes, weights = at.ends[0].modes, np.array(at.weights)
-    z0 = 1 / float(weights @ modes.admittance @ weights)
-    voltage, current = weights @ modes.T / (weights @ weights), np.linalg.inv(modes.T) @ weights  # per u and y of modes
+    voltage, current, z0 = at.parts
     found = [records[line] for line in probe.lines]
 
     def wave(a: str, b: str, sign: float) -> Wave:

@@ -11,12 +11,14 @@ A lossy line is exact in s: its transmission and reflection of waves referred to
 from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import LossyLine
+from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.given import Touchstone
 from tline.solver.description.groups import Group
@@ -75,6 +77,23 @@ def _shape(total: NDArray, late: NDArray | float = 0.0) -> NDArray:
 Parts = tuple[NDArray, NDArray, NDArray]
 
 
+class Passage(NamedTuple):
+    """Transmission and reflection of lines by the sending end, (n, ends), and those of modes that mix, (n, k, k)."""
+
+    across: NDArray
+    back: NDArray
+    mixed: list[Parts]  # numbers of lines, transmission, reflection
+
+    def arriving(self, sent: NDArray) -> NDArray:
+        """Waves that arrive at all ends, of those that leave them, (n, ends, m)."""
+        swapped = np.arange(sent.shape[1]) ^ 1
+        found = self.back[:, :, None] * sent + (self.across[:, :, None] * sent)[:, swapped]
+        for lines, across, back in self.mixed:
+            for here, there in ((2 * lines, 2 * lines + 1), (2 * lines + 1, 2 * lines)):
+                found[:, here] = across @ sent[:, there] + back @ sent[:, here]
+        return found
+
+
 class Scattering:
     """A scene after its last switch has moved; s counts in units of 1/`second`.
 
@@ -99,6 +118,7 @@ class Scattering:
         self.lossy = {
             k: losses_of(name, line) for k, (name, line) in enumerate(description.lines.items()) if line.losses
         }
+        self.bundles = bundles_of(description)
         self.measured = [node.measured for node in nodes.values()]
         self.loads = [self._polynomials(*each) for each in zip(nodes.values(), self.totals, self.held, strict=True)]
         edges = np.cumsum([0, *(len(group.nodes) for group in groups)])
@@ -107,7 +127,6 @@ class Scattering:
 
     def _check(self, description: Description) -> None:
         description.check_linear("transfer functions and growth rates")
-        description.refuse_coupled("a transfer function")
 
     def _last(self, node: Node) -> float:
         return node.switched(np.inf)
@@ -187,61 +206,51 @@ class Scattering:
             k = len(nodes)
             yield nodes, p, 1 / matrix if matrix.shape[1] == 1 else np.linalg.inv(matrix)[:, :k, :k]
 
-    def carried(self, s: NDArray, late: NDArray | None = None) -> tuple[NDArray, NDArray]:
-        """Transmission and reflection of lines by the sending end; two arrays of shape (n, ends).
-
-        `late`, of shape (n, lines), is the part of each line's delay beyond sT.
-        """
-        late = np.zeros((len(s), len(self.delays))) if late is None else late
-        across = np.exp(-np.outer(s, self.delays) - late)
+    def passage(self, s: NDArray) -> Passage:
+        """Transmission and reflection of lines by the sending end, and of coupled conductors whose modes mix."""
+        across = np.exp(-np.outer(s, self.delays))
         back = np.zeros_like(across)
         for k, line in self.lossy.items():
-            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second, late[:, k])
-        return np.repeat(across, 2, axis=1), np.repeat(back, 2, axis=1)
+            across[:, k], back[:, k] = carried(line, self.z0[k], s / self.second)
+        mixed = []
+        for bundle in self.bundles.values():
+            own, other = bundle.admittances(s / self.second, np.zeros((len(s), len(bundle.lines))))
+            same, one = (bundle.z0[:, None] * each for each in (own + other, own - other)), np.eye(len(bundle.lines))
+            alike, opposite = (np.linalg.solve(one + each, one - each) for each in same)
+            mixed.append((bundle.lines, (alike - opposite) / 2, (alike + opposite) / 2))
+        return Passage(np.repeat(across, 2, axis=1), np.repeat(back, 2, axis=1), mixed)
 
     def returned(self, s: NDArray) -> NDArray:
         """Loop matrix P S of arriving waves, shape (n, ends, ends) for s of shape (n,)."""
-        return self.sent_back(*self.carried(s), self.answered(self.balances(s)))
+        return self.sent_back(self.passage(s), self.answered(self.balances(s)))
 
-    def sent_back(self, across: NDArray, back: NDArray, answers: Iterable[Parts]) -> NDArray:
-        """Loop matrix P S from transmission and reflection of the lines and the responses of the nodes."""
-        matrix = np.zeros((len(across), self.size, self.size), complex)
+    def sent_back(self, passage: Passage, answers: Iterable[Parts]) -> NDArray:
+        """Loop matrix P S from the passage of the lines and the responses of the nodes."""
+        matrix = np.zeros((len(passage.across), self.size, self.size), complex)
         for nodes, p, W in answers:
             ends = np.concatenate([self.ends[node] for node in nodes])
             at = np.repeat(np.arange(len(nodes)), [len(self.ends[node]) for node in nodes])
             scattering = 2 * (W * p[:, None])[:, at[:, None], at] / self.z0[ends // 2] - np.eye(len(ends))
-            matrix[:, (ends ^ 1)[:, None], ends] += across[:, ends, None] * scattering
-            matrix[:, ends[:, None], ends] += back[:, ends, None] * scattering
-        return matrix
+            matrix[:, ends[:, None], ends] = scattering
+        return passage.arriving(matrix)
 
 
-def answers(
-    network: Scattering, s: NDArray, held: NDArray, flows: NDArray, late: NDArray | float = 0.0
-) -> tuple[NDArray, NDArray]:
-    """Waves arriving at the ends of lines, and efforts of the nodes.
-
-    Sources hold efforts and drive flows, shape (nodes,) or (n, nodes); `late` (n, lines): part of delays beyond sT.
-    """
-    number = int(len(s) * network.size**2 / CHUNK) + 1
-    nodes, lines = ((len(s), len(each)) for each in (network.names, network.delays))
-    given = (np.broadcast_to(each, shape) for each, shape in ((held, nodes), (flows, nodes), (late, lines)))
-    parts = zip(*(np.array_split(each, number) for each in (s, *given)), strict=True)
-    arriving, efforts = zip(*(_answers(network, *part) for part in parts), strict=True)
+def answers(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
+    """Waves arriving at the ends of lines, and efforts of the nodes, under efforts held and flows, (nodes,)."""
+    parts = np.array_split(s, int(len(s) * network.size**2 / CHUNK) + 1)
+    arriving, efforts = zip(*(_answers(network, part, held, flows) for part in parts), strict=True)
     return np.concatenate(arriving), np.concatenate(efforts)
 
 
-def _answers(network: Scattering, s: NDArray, held: NDArray, flows: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-    responses = list(network.answered(network.balances(s)))
-    efforts, sent = np.empty((len(s), len(network.names)), complex), np.zeros((len(s), network.size), complex)
+def _answers(network: Scattering, s: NDArray, held: NDArray, flows: NDArray) -> tuple[NDArray, NDArray]:
+    responses, passage = list(network.answered(network.balances(s))), network.passage(s)
+    efforts, sent = np.empty((len(s), len(network.names)), complex), np.zeros((len(s), network.size, 1), complex)
     for nodes, p, W in responses:
-        efforts[:, nodes] = (W @ (held[:, nodes] + p * flows[:, nodes])[:, :, None])[:, :, 0]
+        efforts[:, nodes] = (W @ (held[nodes] + p * flows[nodes])[:, :, None])[:, :, 0]
         for node in nodes:
-            sent[:, network.ends[node]] = 2 * efforts[:, node, None]
-    across, back = network.carried(s, late)
-    coming = (across * sent)[:, np.arange(network.size) ^ 1] + back * sent
-    arriving = np.linalg.solve(np.eye(network.size) - network.sent_back(across, back, responses), coming[:, :, None])[
-        :, :, 0
-    ]
+            sent[:, network.ends[node], 0] = 2 * efforts[:, node, None]
+    loop = np.eye(network.size) - network.sent_back(passage, responses)
+    arriving = np.linalg.solve(loop, passage.arriving(sent))[:, :, 0]
     for nodes, p, W in responses:
         into = [(arriving[:, ends] / network.z0[ends // 2]).sum(axis=1) for ends in (network.ends[k] for k in nodes)]
         efforts[:, nodes] += (W @ (p * np.stack(into, axis=1))[:, :, None])[:, :, 0]

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.description.description import Description
 from tline.solver.description.given import Ports
 from tline.solver.stability.scattering import CHUNK, Scattering
 
@@ -160,6 +161,10 @@ class Characteristic(Scattering):
     For nodes that branches join, the determinants of their balance and of the branches' s - Q replace the f.
     """
 
+    def _check(self, description: Description) -> None:
+        super()._check(description)
+        description.refuse_coupled("a growth rate")
+
     @property
     def corner(self) -> float:
         """Modulus of s beyond which loads behave as at infinity: that of the largest root of all p, q and f.
@@ -181,7 +186,7 @@ class Characteristic(Scattering):
 
     def _log(self, s: NDArray) -> NDArray:
         balances = list(self.balances(s))
-        total = _log_det(np.eye(self.size) - self.sent_back(*self.carried(s), self.answered(balances)))
+        total = _log_det(np.eye(self.size) - self.sent_back(self.passage(s), self.answered(balances)))
         for (_, branches), (_, _, matrix) in zip(self.groups, balances, strict=True):
             total = total + _log_det(matrix)
             for branch in branches:

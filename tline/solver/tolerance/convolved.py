@@ -165,6 +165,7 @@ class Convolutions(Grids):
             return at_edges
         h, ringing = shortest / FIRST, min((period for _, period in description.time_scales.values()), default=inf)
         h = h if ringing / 2 >= h else min(h, max(ringing / 2, resolution(description, s).h))
+        h = min([h, *(each.fastest() for each in description.waveforms.values())])
         h = float(scene.moves[0]) / ceil(scene.moves[0] / h) if len(scene.moves) else h
         return h if scene.follows(h) else at_edges
 

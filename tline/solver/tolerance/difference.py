@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tline.compiled.structure import pack
 from tline.solver.kernel.difference import BLOCK, Compared, find_difference
 from tline.solver.loop.slabs import Slabs
-from tline.solver.radau import Matrix, basis, chebyshev
+from tline.solver.radau import Matrix, basis, chebyshev, thin_product
 from tline.solver.result.result import ProbeResult, Wave
 
 BESIDE = 1e-7  # slabs, from an edge without a front to the places beside it
@@ -143,7 +143,7 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
         none = min(max(-first - int(k), 0), n)
         values = wave.values[begin : begin + n - none]
         seen[:none, here] = wave.before
-        seen[none:, here] = values @ wave.basis.evaluation(x[here] - late - k).T
+        seen[none:, here] = thin_product(values, wave.basis.evaluation(x[here] - late - k).T)
     return seen
 
 
