@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from friction.kernel.signals import HybridRun
     from friction.mechanism import Mechanism
 
-MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
+MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 1000, 1_000_000
 MOST_BUDGET = 1_000_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 20_000_000, "taylor": 20_000_000}
 OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with error estimates; tolerance of single steps where none is given
@@ -172,13 +172,13 @@ def _heard(
 ) -> Result:
     """Run with samples at `times`, checked by the witness at other instants too.
 
-    Room for as many events as there may be costs more than most runs, so that few are expected at first.
+    Room for as many events as there may be costs more than most runs, so that few are expected at first, and counted.
     """
     windows = witness.windows(model, bench, t_end)
     all_times = np.union1d(times, windows)
     result = run(all_times, FEW_EVENTS)
     if result.event_count > FEW_EVENTS:
-        result = run(all_times, MOST_EVENTS)
+        result = run(all_times, min(result.event_count, MOST_EVENTS))
     columns, doubt = result.columns, None
     if result.status is Status.DONE and result.event_count == len(result.events):
         heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
