@@ -168,7 +168,11 @@ def _scipy(
 
 
 def _heard(
-    model: Model | Sprung, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
+    model: Model | Sprung,
+    bench: Testbench,
+    t_end: float,
+    times: NDArray,
+    run: Callable[[NDArray, int], tuple[Result, NDArray]],
 ) -> Result:
     """Run with samples at `times`, checked by the witness at other instants too.
 
@@ -176,12 +180,13 @@ def _heard(
     """
     windows = witness.windows(model, bench, t_end)
     all_times = np.union1d(times, windows)
-    result = run(all_times, FEW_EVENTS)
+    result, changes = run(all_times, FEW_EVENTS)
     if result.event_count > FEW_EVENTS:
-        result = run(all_times, min(result.event_count, MOST_EVENTS))
+        result, changes = run(all_times, min(result.event_count, MOST_EVENTS))
     columns, doubt = result.columns, None
     if result.status is Status.DONE and result.event_count == len(result.events):
-        heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
+        heard, lag = np.searchsorted(all_times, windows), getattr(model, "lag", 0.0)
+        events = np.sort(np.concatenate([[lag], changes, changes + lag])) if lag else changes
         doubt = witness.doubt(model, bench, columns, heard, result.errors, events)
     asked = np.searchsorted(all_times, times)
     asked = asked[asked < result.t.size]
@@ -200,7 +205,7 @@ def _smooth(
     budget: int,
     times: NDArray,
     room: int,
-) -> Result:
+) -> tuple[Result, NDArray]:
     from friction.kernel import rodas, series
     from friction.kernel.structures import RUN, Bench, SmoothRun, compared
     from friction.kernel.tolerance import solve
@@ -215,12 +220,13 @@ def _smooth(
     if list(Status)[status] not in (Status.DONE, Status.INACCURATE):
         told = {}
     records, events = both.records[chosen], both.events[chosen]
-    return _packed(model, bench, method, status, both.counts, records, events, tol, told)
+    result = _packed(model, bench, method, status, both.counts, records, events, tol, told)
+    return result, events[: result.event_count, 2]
 
 
 def _events(
     model: Model | Sprung, bench: Testbench, t_end: float, method: Method, budget: int, times: NDArray, room: int
-) -> Result:
+) -> tuple[Result, NDArray]:
     from friction.kernel.automaton import automaton
     from friction.kernel.law import V, Z
     from friction.kernel.structures import EVENTS, STEPS
@@ -235,7 +241,8 @@ def _events(
         mode, changes = np.where(np.ptp(modes, axis=1) == 0.0, modes[:, 0], 0.0), mechanism.changes(run)
         record, met = np.column_stack([record, mode]), len(changes) if met <= room else met
     counts = np.array([run.counts[STEPS], 0, met])
-    return _packed(model, bench, method, status, counts, np.insert(record, Z, z, axis=1), changes, stored=stored)
+    result = _packed(model, bench, method, status, counts, np.insert(record, Z, z, axis=1), changes, stored=stored)
+    return result, run.events[: min(int(run.counts[EVENTS]), room), 2]
 
 
 def on_testbench(

@@ -5,7 +5,7 @@ deflection and works are held against integrals of their rates, by two rules of 
 the rules is not held against the run, and windows with an event in them prove nothing.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -62,7 +62,7 @@ def doubt(
     run: Columns,
     heard: NDArray,
     told: Mapping[str, float],
-    events: Sequence[float],
+    events: NDArray,
 ) -> str | None:
     """A sentence, if this is not a run of this model on this bench.
 
@@ -76,7 +76,7 @@ def doubt(
         Their rows in each window, shape (n, 9).
     told : mapping of str to float
         Estimates of errors, relative to the largest magnitude of each column; other columns are exact.
-    events : sequence of float
+    events : ndarray
         Instants at which the run says that the motion changes.
     """
     with np.errstate(all="ignore"):  # values outside the range of floats are not judged
@@ -168,7 +168,8 @@ def _of_forces(model: Rubbing, bench: Testbench, run: Columns) -> Iterator[Held]
     elif isinstance(model, Sprung):
         peak = _steady(model, v) if isinstance(model, MaxwellSlip) else np.full(v.size, model.stiction)
         least = peak if isinstance(model, MaxwellSlip) else np.full(v.size, model.sliding)
-        way, free = np.sign(mode), run["F_f"] - _of(model, "F_v") * v * (mode != 0)
+        slides = (mode != 0) | isinstance(model, MaxwellSlip)
+        way, free = np.sign(mode), run["F_f"] - _of(model, "F_v") * v * slides
         f_f = np.where(
             mode == 0, np.clip(free, -model.stiction, model.stiction), way * np.clip(way * free, least, peak)
         )
@@ -186,7 +187,7 @@ def _of_motion(
     run: Columns,
     heard: NDArray,
     told: Mapping[str, float],
-    events: Sequence[float],
+    events: NDArray,
 ) -> Iterator[Held]:
     """Energy at each sample, and changes over windows against integrals."""
     m, v = bench.mass, run["v"]
@@ -233,7 +234,7 @@ def _of_motion(
     yield named, given, np.where(even, change, given), bar
 
 
-def _undisturbed(model: Rubbing, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
+def _undisturbed(model: Rubbing, bench: Testbench, at: Columns, events: NDArray) -> NDArray:
     """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none.
 
     Nor does the speed pass the Stribeck peak between two nodes, which neither rule would resolve.
