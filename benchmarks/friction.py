@@ -151,12 +151,7 @@ def draw_failures(exact: float) -> Figure:
     for delta in (0.0002, 0.003, 0.006, 0.1):
         run = simulate(Karnopp(1.0, 1.0, 0.0, 0.1, delta), Testbench(Ramp(0.2), v0=-0.3172), 2.0, "euler", h=0.01)
         c.plot(run.t, run.v, linewidth=0.8, label=f"δ = {delta:g}")
-    c.set(
-        title="Dead zone of half width δ, h = 0.01 s",
-        xlabel="t [s]",
-        ylabel="v [m/s]",
-        ylim=(-0.15, 0.05),
-    )
+    c.set(title="Dead zone of half width δ, h = 0.01 s", xlabel="t [s]", ylabel="v [m/s]", ylim=(-0.15, 0.05))
     c.legend()
     times = 8.0 * np.arange(13)
     force = Table(times, [0.3 if k % 2 == 0 else 0.9 for k in range(13)])
