@@ -224,12 +224,12 @@ def identification(seed: int) -> Iterator[Answer]:
 
 
 def mechanisms(seed: int) -> Iterator[Answer]:
-    """Masses on contacts behind springs with play, under a PID, against SciPy from event to event."""
-    from random_mechanisms import END, TIMES, by_friction, by_scipy, random_row
+    """Masses on contacts behind springs with play, under a PID, against steps of DOP853 from event to event."""
+    from random_mechanisms import END, TIMES, by_friction, by_steps, random_row
 
     row, times = random_row(seed), np.linspace(0.0, END, TIMES)
     status, found = by_friction(row, times)
-    exact = by_scipy(row, times)
+    exact = by_steps(row, times)
     off = float(np.abs(found.states - exact.states).max() / np.abs(exact.states).max())
     counts = [[len(one) for one in moved.events] for moved in (found, exact)]
     wrong = (

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from friction.kernel.signals import ARMSTRONG
 from friction.sprung import Sprung
-from tline.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -26,11 +25,6 @@ class Armstrong(Sprung, example=("Armstrong(F_c=0.9).F_s", "1.2")):
     dwell: float = 0.0
     name = "armstrong"
     signal = ARMSTRONG
-
-    def __post_init__(self):
-        super().__post_init__()
-        if self.F_s < self.F_c:
-            raise InputError("model.F_s", "below F_c", f"at least F_c = {self.F_c:g}", f"{self.F_s:g}")
 
     @property
     def elements(self) -> list[tuple[float, ...]]:

@@ -49,7 +49,7 @@ class Mechanism:
         self.watched: list[Signal] = []
         self.springs: list[Signal] = []  # their forces
         self.registers: list[float] = []
-        self.sampled = d.unsampled()
+        self.sampled = d.Sampled(inf, 0.0, np.zeros(0, np.int64), np.zeros((0, 0)), np.zeros(0))
 
     def _new(self, kind: int, *source: int, terms: Mapping[Signal, float] | None = None, constant: float = 0.0) -> int:
         self.kinds.append(kind)
@@ -179,15 +179,14 @@ class Mechanism:
         found, slides, parts = run.events[: run.counts[2]], np.zeros(len(self.owners)), np.array(self.owners)
         if parts.size == len(set(self.owners)):
             return found
-        whole, rows = np.zeros(parts.size), [found[:0]]
+        whole, rows = np.zeros(parts.size), list[tuple[float, ...]]()
         for _, after, t, x, j in found.tolist():
-            slides[int(j)], owner = after, parts[int(j)]
-            ways = set(slides[parts == owner])
-            now = ways.pop() if len(ways) == 1 else 0.0
+            slides[int(j)], owner = after, self.owners[int(j)]
+            now = after if np.all(slides[parts == owner] == after) else 0.0
             if now != whole[owner]:
-                rows.append(np.array([[whole[owner], now, t, x, owner]]))
+                rows.append((whole[owner], now, t, x, owner))
             whole[owner] = now
-        return np.concatenate(rows)
+        return np.reshape(np.array(rows), (-1, 5))
 
     def run(
         self, times: ArrayLike, shown: Mapping[str, Signal], inputs: "d.Inputs | None" = None, *,

@@ -29,11 +29,6 @@ class Model(Parameters):
     def __init_subclass__(cls):
         super().__init_subclass__((f"{cls.__name__}(F_c=0.9).sliding", "0.9"))
 
-    def __post_init__(self):
-        super().__post_init__()
-        if self.stiction < self.sliding:
-            raise InputError("model.F_s", "below F_c", f"at least F_c = {self.sliding:g}", f"{self.stiction:g}")
-
     @property
     def sliding(self) -> float:
         """F_c [N]."""

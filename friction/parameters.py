@@ -93,6 +93,9 @@ class Parameters:
             if told and not (given is None and field.default is None):
                 where = f"{self.place}.{field.name}"
                 check_number(where, given, above=told.above, least=told.least)
+        least, most = getattr(self, "F_c", -inf), getattr(self, "F_s", inf)
+        if most < least:
+            raise InputError(f"{self.place}.F_s", "below F_c", f"at least F_c = {least:g}", f"{most:g}")
 
 
 def check_number(where: str, value: object, *, above: float = -inf, least: float = -inf) -> None:

@@ -2,9 +2,8 @@
 
 from collections.abc import Callable, Sized
 from dataclasses import replace
-from functools import partial
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from friction.kernel.signals import HybridRun
     from friction.mechanism import Mechanism
 
-MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 4096, 1_000_000
+MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 1000, 1_000_000
 MOST_BUDGET = 1_000_000_000
 BUDGETS = {"events": 5_000_000, "adaptive": 5_000, "rosenbrock": 20_000_000, "taylor": 20_000_000}
 OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with error estimates; tolerance of single steps where none is given
@@ -97,27 +96,25 @@ def simulate(
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
             if given is not None:
                 raise InputError(option, f"'{chosen.name}' has fixed steps", "h")
-        return _fixed(law, bench, t_end, chosen, h)
+        return _fixed(_Task(law, bench, chosen, float(t_end)), h)
     if h is not None:
         raise InputError("h", f"'{chosen.name}' chooses its own steps", "tol or nothing", f"{h!r}")
     if chosen.step == "events" and tol is not None:
         raise InputError("tol", "the method 'events' is exact to rounding", "nothing", f"{tol!r}")
     at = np.linspace(0.0, t_end, 1001) if times is None else checked_times(times, t_end)
-    default = BUDGETS.get(chosen.name, BUDGETS[chosen.step])
     if budget is not None:
         check_number("budget", budget, least=1)
         if budget > MOST_BUDGET:
             raise InputError("budget", "too large", f"at most {MOST_BUDGET:,}", f"{budget:,}")
-    steps = int(budget or default)
-    if chosen.step == "events":
-        return _heard(model, bench, t_end, at, partial(_events, model, bench, t_end, chosen, steps))
     if tol is not None:
         check_number("tol", tol, least=1e-14 if chosen.name in OWN else 1e-13)
         if tol > 0.1:
             raise InputError("tol", "too large", "at most 0.1", f"{tol:g}")
-    if chosen.name in OWN:
-        return _heard(model, bench, t_end, at, partial(_smooth, law, bench, t_end, chosen, tol, steps))
-    return _scipy(law, bench, t_end, at, chosen, 1e-6 if tol is None else tol, steps)
+    steps = int(budget or BUDGETS.get(chosen.name, BUDGETS[chosen.step]))
+    task = _Task(law, bench, chosen, float(t_end), at, steps, tol)
+    if chosen.step == "events":
+        return _heard(task, _events)
+    return _heard(task, _smooth) if chosen.name in OWN else _scipy(task)
 
 
 def checked_times(times: ArrayLike, t_end: float) -> NDArray:
@@ -134,54 +131,68 @@ def checked_times(times: ArrayLike, t_end: float) -> NDArray:
     return np.minimum(at, t_end)
 
 
-def _contact(model: Model, bench: Testbench) -> "tuple[Law, Drive, float, NDArray]":
-    return model.law, bench.drive, float(bench.mass), bench.start
+class _Task(NamedTuple):
+    """A run as it was asked for."""
+
+    model: Any
+    bench: Testbench
+    method: Method
+    t_end: float
+    times: NDArray = np.empty(0)
+    budget: int = 0
+    tol: float | None = None
+
+    @property
+    def contact(self) -> "tuple[Law, Drive, float, NDArray]":
+        """In the form of the kernels."""
+        return self.model.law, self.bench.drive, float(self.bench.mass), self.bench.start
 
 
-def _fixed(model: Model, bench: Testbench, t_end: float, method: Method, h: float | None) -> Result:
+def _fixed(task: _Task, h: float | None) -> Result:
     from friction.kernel.fixed import march
     from friction.kernel.structures import fixed_run
 
     if h is None:
-        raise InputError("h", f"'{method.name}' needs a step", "a number of seconds")
+        raise InputError("h", f"'{task.method.name}' needs a step", "a number of seconds")
     check_number("h", h, above=0.0)
-    if t_end / h > MOST_STEPS:
-        raise InputError("h", "too small", f"at most {MOST_STEPS:,} steps up to t_end", f"{t_end / h:.3g} steps")
-    steps = round(t_end / h)
+    if task.t_end / h > MOST_STEPS:
+        expected, given = f"at most {MOST_STEPS:,} steps up to t_end", f"{task.t_end / h:.3g} steps"
+        raise InputError("h", "too small", expected, given)
+    steps = round(task.t_end / h)
     if steps < 1:
-        raise InputError("h", "longer than the run", f"at most t_end = {t_end:g}", f"{h:g}")
+        raise InputError("h", "longer than the run", f"at most t_end = {task.t_end:g}", f"{h:g}")
     every = -(-steps // MOST_SAMPLES)
-    samples, code = -(-steps // every) + 1, ("euler", "rk4", "moreau", "exponential").index(method.name)
-    run = fixed_run(*_contact(model, bench), float(h), samples, min(steps, MOST_EVENTS) + 1)
+    samples, code = -(-steps // every) + 1, ("euler", "rk4", "moreau", "exponential").index(task.method.name)
+    run = fixed_run(*task.contact, float(h), samples, min(steps, MOST_EVENTS) + 1)
     status = march(pack(run), steps, code, every)
-    return _packed(model, bench, method, status, run.counts, run.record, run.events)
+    return _packed(task, status, run.counts, run.record, run.events)
 
 
-def _scipy(
-    model: Model, bench: Testbench, t_end: float, times: NDArray, method: Method, tol: float, budget: int
-) -> Result:
+def _scipy(task: _Task) -> Result:
     from friction.adaptive import adaptive
 
-    solver, with_events = method.name.removesuffix("-events"), method.name.endswith("-events")
-    status, made, record, met = adaptive(model, bench, t_end, times, tol, budget, solver, with_events)
-    return _packed(model, bench, method, status, np.array([made, 0, len(met)]), record, np.reshape(met, (-1, 4)))
+    solver, tol = task.method.name.removesuffix("-events"), 1e-6 if task.tol is None else task.tol
+    how = tol, task.budget, solver, solver != task.method.name
+    status, made, record, met = adaptive(task.model, task.bench, task.t_end, task.times, *how)
+    task = task._replace(tol=None)
+    return _packed(task, status, np.array([made, 0, len(met)]), record, np.reshape(met, (-1, 4)))
 
 
-def _heard(
-    model: Model | Sprung, bench: Testbench, t_end: float, times: NDArray, run: Callable[[NDArray, int], Result]
-) -> Result:
-    """Run with samples at `times`, checked by the witness at other instants too.
+def _heard(task: _Task, run: "Callable[[_Task, NDArray, int], tuple[Result, NDArray]]") -> Result:
+    """Run with samples at the times asked for, checked by the witness at other instants too.
 
-    Room for as many events as there may be costs more than most runs, so that few are expected at first.
+    Room for as many events as there may be costs more than most runs, so that few are expected at first, and counted.
     """
-    windows = witness.windows(model, bench, t_end)
+    model, bench, times = task.model, task.bench, task.times
+    windows = witness.windows(model, bench, task.t_end)
     all_times = np.union1d(times, windows)
-    result = run(all_times, FEW_EVENTS)
+    result, changes = run(task, all_times, FEW_EVENTS)
     if result.event_count > FEW_EVENTS:
-        result = run(all_times, MOST_EVENTS)
+        result, changes = run(task, all_times, min(result.event_count, MOST_EVENTS))
     columns, doubt = result.columns, None
     if result.status is Status.DONE and result.event_count == len(result.events):
-        heard, events = np.searchsorted(all_times, windows), [event.t for event in result.events]
+        heard, lag = np.searchsorted(all_times, windows), getattr(model, "lag", 0.0)
+        events = np.sort(np.concatenate([[lag], changes, changes + lag])) if lag else changes
         doubt = witness.doubt(model, bench, columns, heard, result.errors, events)
     asked = np.searchsorted(all_times, times)
     asked = asked[asked < result.t.size]
@@ -191,42 +202,32 @@ def _heard(
     return replace(result, **kept, doubt=doubt, status=Status.DOUBTED if doubt else result.status)
 
 
-def _smooth(
-    model: Model,
-    bench: Testbench,
-    t_end: float,
-    method: Method,
-    tol: float | None,
-    budget: int,
-    times: NDArray,
-    room: int,
-) -> Result:
+def _smooth(task: _Task, times: NDArray, room: int) -> tuple[Result, NDArray]:
     from friction.kernel import rodas, series
     from friction.kernel.structures import RUN, Bench, SmoothRun, compared
     from friction.kernel.tolerance import solve
 
-    law, drive, mass, start = _contact(model, bench)
-    terms = (series if method.name == "taylor" else rodas).TERMS
-    both = compared(times.size, room + 1, terms)
-    here = Bench(drive, mass, start, float(t_end), times)
-    run = SmoothRun(law, here, float(tol or 0.0), OWN[method.name], both)
-    status, chosen = solve(pack(run), budget), both.counts[RUN]
+    law, drive, mass, start = task.contact
+    both = compared(times.size, room + 1, (series if task.method.name == "taylor" else rodas).TERMS)
+    here = Bench(drive, mass, start, task.t_end, times)
+    run = SmoothRun(law, here, float(task.tol or 0.0), OWN[task.method.name], both)
+    status, chosen = solve(pack(run), task.budget), both.counts[RUN]
     told = dict(zip(COLUMNS[:-1], both.errors.tolist()[:-1], strict=True))
     if list(Status)[status] not in (Status.DONE, Status.INACCURATE):
         told = {}
     records, events = both.records[chosen], both.events[chosen]
-    return _packed(model, bench, method, status, both.counts, records, events, tol, told)
+    result = _packed(task, status, both.counts, records, events, told)
+    return result, events[: result.event_count, 2]
 
 
-def _events(
-    model: Model | Sprung, bench: Testbench, t_end: float, method: Method, budget: int, times: NDArray, room: int
-) -> Result:
+def _events(task: _Task, times: NDArray, room: int) -> tuple[Result, NDArray]:
     from friction.kernel.automaton import automaton
     from friction.kernel.law import V, Z
     from friction.kernel.structures import EVENTS, STEPS
 
-    mechanism, run = on_testbench(model, bench, float(t_end), times, room + 1)
-    status, record, met = automaton(pack(run), budget), run.record, int(run.counts[EVENTS])
+    model = task.model
+    mechanism, run = on_testbench(model, task.bench, task.t_end, times, room + 1)
+    status, record, met = automaton(pack(run), task.budget), run.record, int(run.counts[EVENTS])
     changes, z, stored = run.events[: min(met, MOST_EVENTS)], np.zeros(times.size), None
     if isinstance(model, Sprung):
         n = len(model.elements)
@@ -235,7 +236,8 @@ def _events(
         mode, changes = np.where(np.ptp(modes, axis=1) == 0.0, modes[:, 0], 0.0), mechanism.changes(run)
         record, met = np.column_stack([record, mode]), len(changes) if met <= room else met
     counts = np.array([run.counts[STEPS], 0, met])
-    return _packed(model, bench, method, status, counts, np.insert(record, Z, z, axis=1), changes, stored=stored)
+    result = _packed(task, status, counts, np.insert(record, Z, z, axis=1), changes, stored=stored)
+    return result, run.events[: min(int(run.counts[EVENTS]), room), 2]
 
 
 def on_testbench(
@@ -282,20 +284,12 @@ def on_testbench(
 
 
 def _packed(
-    model: Model | Sprung,
-    bench: Testbench,
-    method: Method,
-    status: int,
-    counts: NDArray,
-    record: NDArray,
-    events: NDArray,
-    tol: float | None = None,
-    errors: dict[str, float] | None = None,
-    stored: NDArray | None = None,
-) -> Result:
+    task: _Task, status: int, counts: NDArray, record: NDArray, events: NDArray,
+    errors: dict[str, float] | None = None, stored: NDArray | None = None,
+) -> Result:  # fmt: skip
     t, x, v, z, f_a, f_f, w_a, w_f, mode = record[np.isfinite(record[:, 0])].T
     made, refused, met = counts.tolist()[:3]
     return Result(
-        model, bench, method, list(Status)[status], made, refused, t, x, v, z, f_a, f_f, w_a, w_f, mode.astype(int),
-        events_of(events[: min(met, MOST_EVENTS)]), met, tol, errors or {}, stored=stored,
+        task.model, task.bench, task.method, list(Status)[status], made, refused, t, x, v, z, f_a, f_f, w_a, w_f,
+        mode.astype(int), events_of(events[: min(met, MOST_EVENTS)]), met, task.tol, errors or {}, stored=stored,
     )  # fmt: skip

@@ -57,9 +57,7 @@ class Sine(Parameters, example=("Sine(1.0, 0.5, phase=2.0).sine", "(1.0, 3.14159
     slope: float = 0.0
     place = "force"
 
-    def pieces(self) -> tuple[NDArray, NDArray, NDArray]:
-        """The straight line below the sine."""
-        return np.array([0.0]), np.array([float(self.offset)]), np.array([float(self.slope)])
+    pieces = Ramp.pieces
 
     @property
     def sine(self) -> tuple[float, float, float]:

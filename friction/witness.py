@@ -5,7 +5,7 @@ deflection and works are held against integrals of their rates, by two rules of 
 the rules is not held against the run, and windows with an event in them prove nothing.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -57,12 +57,7 @@ def windows(model: Rubbing, bench: Testbench, t_end: float) -> NDArray:
 
 
 def doubt(
-    model: Rubbing,
-    bench: Testbench,
-    run: Columns,
-    heard: NDArray,
-    told: Mapping[str, float],
-    events: Sequence[float],
+    model: Rubbing, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: NDArray
 ) -> str | None:
     """A sentence, if this is not a run of this model on this bench.
 
@@ -76,7 +71,7 @@ def doubt(
         Their rows in each window, shape (n, 9).
     told : mapping of str to float
         Estimates of errors, relative to the largest magnitude of each column; other columns are exact.
-    events : sequence of float
+    events : ndarray
         Instants at which the run says that the motion changes.
     """
     with np.errstate(all="ignore"):  # values outside the range of floats are not judged
@@ -86,10 +81,8 @@ def doubt(
                 if (far > off).any():
                     n, k = np.unravel_index(np.nanargmax(far / off), far.shape)
                     t = run["t"] if given.shape[1] == run["t"].size else run["t"][heard[:, 0]]
-                    value = (
-                        f"{names[n]} is {given[n, k]:.6g}, by Newton's law and the law of friction {other[n, k]:.6g}"
-                    )
-                    return f"two methods disagree at {t[k]:.6g} s: {value}"
+                    value = f"{given[n, k]:.6g}, by Newton's law and the law of friction {other[n, k]:.6g}"
+                    return f"two methods disagree at {t[k]:.6g} s: {names[n]} is {value}"
     return None
 
 
@@ -99,12 +92,11 @@ def _of(model: Rubbing, name: str) -> float:
 
 def _applied(force: Force, t: NDArray) -> NDArray:
     """The force of a user [N]."""
-    if isinstance(force, Ramp):
-        return force.offset + force.slope * t
-    if isinstance(force, Sine):
-        return (
-            force.offset + force.slope * t + force.amplitude * np.sin(2.0 * np.pi * force.frequency * t + force.phase)
-        )
+    if isinstance(force, Ramp | Sine):
+        line = force.offset + force.slope * t
+        if isinstance(force, Ramp):
+            return line
+        return line + force.amplitude * np.sin(2.0 * np.pi * force.frequency * t + force.phase)
     if isinstance(force, Table):
         return np.interp(t, force.times, force.values)
     if isinstance(force, Steps):
@@ -151,28 +143,17 @@ def _of_forces(model: Rubbing, bench: Testbench, run: Columns) -> Iterator[Held]
         f_f = np.choose(np.abs(mode), [f_a, sliding, pushed])
         held, zone = mode == 0, _of(model, "delta")
         speed, within = DIGITS * np.abs(v).max() + np.finfo(float).tiny, np.clip(f_a, -model.stiction, model.stiction)
-        still, moving = (
-            np.where(held, np.clip(v, -zone, zone), v),
-            np.where(np.abs(mode) == 1, np.sign(mode) * np.abs(v), v),
-        )
-        names, other = (
-            ["the speed while stuck", "the speed of sliding", "the force that holds"],
-            np.where(held, within, f_a),
-        )
-        yield (
-            names,
-            np.array([v, v, f_a]),
-            np.array([still, moving, other]),
-            np.array([[speed], [speed], [grain + DIGITS * size]]),
-        )
+        still = np.where(held, np.clip(v, -zone, zone), v)
+        moving = np.where(np.abs(mode) == 1, np.sign(mode) * np.abs(v), v)
+        names = ["the speed while stuck", "the speed of sliding", "the force that holds"]
+        by_laws, off = [still, moving, np.where(held, within, f_a)], [[speed], [speed], [grain + DIGITS * size]]
+        yield names, np.array([v, v, f_a]), np.array(by_laws), np.array(off)
     elif isinstance(model, Sprung):
-        peak = _steady(model, v) if isinstance(model, MaxwellSlip) else np.full(v.size, model.stiction)
-        least = peak if isinstance(model, MaxwellSlip) else np.full(v.size, model.sliding)
-        way, free = np.sign(mode), run["F_f"] - _of(model, "F_v") * v * (mode != 0)
-        f_f = np.where(
-            mode == 0, np.clip(free, -model.stiction, model.stiction), way * np.clip(way * free, least, peak)
-        )
-        f_f += run["F_f"] - free
+        known, way, most = isinstance(model, MaxwellSlip), np.sign(mode), model.stiction
+        free = run["F_f"] - _of(model, "F_v") * v * ((mode != 0) | known)
+        ends = [way * _steady(model, v)] * 2 if known else [way * model.sliding, way * most]
+        low, high = np.where(mode == 0, [[-most], [most]], np.sort(ends, axis=0))
+        f_f = np.clip(free, low, high) + run["F_f"] - free
     else:
         rate = _slip(model, v, z)
         size += _of(model, "sigma1") * np.abs(rate).max() + _of(model, "sigma0") * np.abs(z).max()
@@ -181,12 +162,7 @@ def _of_forces(model: Rubbing, bench: Testbench, run: Columns) -> Iterator[Held]
 
 
 def _of_motion(
-    model: Rubbing,
-    bench: Testbench,
-    run: Columns,
-    heard: NDArray,
-    told: Mapping[str, float],
-    events: Sequence[float],
+    model: Rubbing, bench: Testbench, run: Columns, heard: NDArray, told: Mapping[str, float], events: NDArray
 ) -> Iterator[Held]:
     """Energy at each sample, and changes over windows against integrals."""
     m, v = bench.mass, run["v"]
@@ -233,7 +209,7 @@ def _of_motion(
     yield named, given, np.where(even, change, given), bar
 
 
-def _undisturbed(model: Rubbing, bench: Testbench, at: Columns, events: Sequence[float]) -> NDArray:
+def _undisturbed(model: Rubbing, bench: Testbench, at: Columns, events: NDArray) -> NDArray:
     """Windows in which neither the motion changes, nor the force its law; a controller at its limit has none.
 
     Nor does the speed pass the Stribeck peak between two nodes, which neither rule would resolve.

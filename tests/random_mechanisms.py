@@ -1,18 +1,21 @@
 """Random rows of masses on dry contacts, behind springs with play, the first held by a PID controller: as mechanisms of
-`friction`, and by SciPy's DOP853 from event to event, of which the two share nothing but the numbers.
+`friction`, and by steps of DOP853 with SciPy's tableau from event to event, which share nothing but the numbers.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate._ivp import dop853_coefficients as tableau
 
 from friction import Karnopp
 from friction.mechanism import Mechanism
 
 END, TIMES = 3.0, 61  # s
-LONGEST = 2e-3  # step of SciPy, s: longer ones pass the Stribeck peak unseen
+STAGES = 12
+A, B, E5 = tableau.A[:STAGES, :STAGES].copy(), tableau.B.copy(), tableau.E5[:STAGES].copy()
+LONGEST, TIGHT, MOST = 1e-3, 1e-13, 10_000  # step, s, as longer ones may pass the Stribeck peak; its error; events
 
 
 class Row(NamedTuple):
@@ -69,72 +72,147 @@ def by_friction(row: Row, times: NDArray) -> tuple[int, Moved]:
     return status, Moved(np.column_stack([run[name] for name in shown]), events)
 
 
-def by_scipy(row: Row, times: NDArray) -> Moved:
+class Numbers(NamedTuple):
+    """A row as arrays."""
+
+    m: NDArray
+    k: NDArray
+    play: NDArray
+    c: NDArray
+    f_c: NDArray
+    f_s: NDArray
+    f_v: NDArray
+    v_s: NDArray
+    pid: NDArray
+
+
+@njit(cache=True)
+def pulls(y, mode, way, row, f):
+    """Forces on the masses but for friction."""
+    n = row.m.size
+    f[:] = 0.0
+    f[0] = -row.pid[0] * y[n] + row.pid[1] * y[2 * n] - row.pid[2] * y[0]
+    for j in range(n - 1):
+        pull = row.c[j] * (y[j + 1] - y[j]) + abs(way[j]) * row.k[j] * (y[n + j + 1] - y[n + j] - way[j] * row.play[j])
+        f[j] += pull
+        f[j + 1] -= pull
+
+
+@njit(cache=True)
+def rates(y, mode, way, row, f, out):
+    n = row.m.size
+    pulls(y, mode, way, row, f)
+    for j in range(n):
+        out[j] = 0.0
+        if mode[j] != 0:
+            peak = (row.f_s[j] - row.f_c[j]) * np.exp(-((y[j] / row.v_s[j]) ** 2))
+            out[j] = (f[j] - mode[j] * (row.f_c[j] + peak) - row.f_v[j] * y[j]) / row.m[j]
+        out[n + j] = y[j]
+    out[2 * n] = -y[n]
+
+
+@njit(cache=True)
+def step(y, h, mode, way, row, f, stages, new):
+    """One step; its error relative to the largest of 1 and each state."""
+    for s in range(STAGES):
+        new[:] = y
+        for q in range(s):
+            new += h * A[s, q] * stages[q]
+        rates(new, mode, way, row, f, stages[s])
+    new[:] = y
+    worst = 0.0
+    for s in range(STAGES):
+        new += h * B[s] * stages[s]
+    for i in range(y.size):
+        e = 0.0
+        for s in range(STAGES):
+            e += h * E5[s] * stages[s, i]
+        worst = max(worst, abs(e) / max(1.0, abs(y[i])))
+    return worst
+
+
+@njit(cache=True)
+def guards(y, mode, way, row, f, out):
+    """Positive while all modes last: contacts, then springs."""
+    n = row.m.size
+    pulls(y, mode, way, row, f)
+    for j in range(n):
+        out[j] = mode[j] * y[j] if mode[j] != 0 else row.f_s[j] - abs(f[j])
+    for j in range(n - 1):
+        away = y[n + j + 1] - y[n + j]
+        out[n + j] = way[j] * away - row.play[j] if way[j] != 0 else row.play[j] - abs(away)
+
+
+@njit(cache=True)
+def run(y, mode, way, row, times, record, events):
+    """States at times, and events (contact, t); their number."""
+    n, t, h, at, met = mode.size, 0.0, 1e-5, 0, 0
+    f, stages, new, half = np.zeros(n), np.zeros((STAGES, y.size)), y.copy(), y.copy()
+    g, later = np.zeros(2 * n - 1), np.zeros(2 * n - 1)
+    while at < times.size:
+        h = min(h, LONGEST)
+        error = step(y, h, mode, way, row, f, stages, new)
+        if error > TIGHT and h > 1e-7:
+            h *= max(0.2, 0.8 * (TIGHT / error) ** 0.125)
+            continue
+        guards(new, mode, way, row, f, later)
+        guards(y, mode, way, row, f, g)
+        first, which = 1.0, -1
+        for i in range(2 * n - 1):
+            if later[i] < 0.0:
+                low, high = 0.0, first
+                step(y, first * h, mode, way, row, f, stages, half)
+                guards(half, mode, way, row, f, g)
+                if g[i] >= 0.0:
+                    continue
+                for _ in range(60):
+                    middle = 0.5 * (low + high)
+                    step(y, middle * h, mode, way, row, f, stages, half)
+                    guards(half, mode, way, row, f, g)
+                    if g[i] < 0.0:
+                        high = middle
+                    else:
+                        low = middle
+                first, which = high, i
+        while at < times.size and times[at] <= t + first * h:
+            step(y, times[at] - t, mode, way, row, f, stages, half)
+            record[at] = half
+            at += 1
+        step(y, first * h, mode, way, row, f, stages, new)
+        y[:] = new
+        t += first * h
+        grow = min(3.0, 0.8 * (TIGHT / max(error, 1e-20)) ** 0.125)
+        if which < 0:
+            h *= max(grow, 0.2)
+            continue
+        h = min(h, 1e-4)
+        if which >= n:
+            j = which - n
+            away = y[n + j + 1] - y[n + j]
+            way[j] = 0 if way[j] != 0 else (1 if away > 0.0 else -1)
+            continue
+        before, j = mode[which], which
+        pulls(y, mode, way, row, f)
+        if before != 0:
+            y[j] = 0.0
+            pulls(y, mode, way, row, f)
+        mode[j] = (1 if f[j] > 0.0 else -1) if before == 0 or abs(f[j]) > row.f_s[j] else 0
+        if mode[j] != before and met < events.shape[0]:
+            events[met, 0], events[met, 1] = j, t
+            met += 1
+    return met
+
+
+def by_steps(row: Row, times: NDArray) -> Moved:
     """The same from event to event: a contact sticks or slides one way, a spring is slack or taken up one way."""
-    n, (p, i, d) = len(row.masses), row.pid
-
-    def forces(y):
-        v, x = y[:n], y[n : 2 * n]
-        f = np.zeros(n)
-        f[0] = -p * x[0] + i * y[-1] - d * v[0]
-        for k, (stiffness, play, damping) in enumerate(row.springs):
-            pull = damping * (v[k + 1] - v[k]) + abs(way[k]) * stiffness * (x[k + 1] - x[k] - way[k] * play)
-            f[k], f[k + 1] = f[k] + pull, f[k + 1] - pull
-        return f
-
-    def rates(_, y):
-        f, a = forces(y), np.zeros(n)
-        for k, law in enumerate(row.laws):
-            if mode[k]:
-                peak = (law.F_s - law.F_c) * np.exp(-((y[k] / law.v_s) ** 2))
-                a[k] = (f[k] - mode[k] * (law.F_c + peak) - law.F_v * y[k]) / row.masses[k]
-        return np.concatenate([a, y[:n], [-y[n]]])
-
-    def guard(function, direction):
-        function.terminal, function.direction = True, direction
-        return function
-
-    def guards():
-        for k, law in enumerate(row.laws):
-            if mode[k]:
-                yield k, "stop", guard(lambda _, y, k=k: y[k], -mode[k])
-            else:
-                yield k, "free", guard(lambda _, y, k=k, law=law: abs(forces(y)[k]) - law.F_s, 1)
-        for k, (_, play, _) in enumerate(row.springs):
-            for side in (1, -1):
-                if way[k] in (0, side):
-                    at = guard(lambda _, y, k=k, b=side * play: y[n + k + 1] - y[n + k] - b, -side if way[k] else side)
-                    yield k, side, at
-
-    def side_of(k):
-        away, play = y[n + k + 1] - y[n + k], row.springs[k][1]
-        return int(np.sign(away)) if abs(away) > play else 0
-
-    t, y, events = 0.0, np.array([*row.v, *row.x, 0.0]), [[] for _ in range(n)]
-    found = [y[:, None]]
-    way, mode = [side_of(k) for k in range(n - 1)], [int(np.sign(one)) for one in row.v]
-    while t < times[-1]:
-        watched = list(guards())
-        how = {
-            "rtol": 1e-12,
-            "atol": 1e-13,
-            "max_step": LONGEST,
-            "t_eval": times[times > t],
-            "events": [one for *_, one in watched],
-        }
-        run = solve_ivp(rates, (t, times[-1]), y, "DOP853", **how)
-        found += [run.y] if len(run.t) else []
-        hit = [index for index, when in enumerate(run.t_events) if when.size]
-        if not hit:
-            break
-        (index,) = hit
-        t, y = float(run.t_events[index][0]), run.y_events[index][0].copy()
-        k, what, _ = watched[index]
-        if what in ("stop", "free"):
-            before, y[k] = mode[k], 0.0
-            f = forces(y)[k]
-            mode[k] = int(np.sign(f)) if what == "free" or abs(f) > row.laws[k].F_s else 0
-            events[k] += [t] if mode[k] != before else []
-        else:
-            way[k] = 0 if way[k] else what
-    return Moved(np.hstack(found)[: 2 * n].T, events)
+    n = len(row.masses)
+    k, play, c = (np.array(x, float) for x in zip(*row.springs, strict=True)) if row.springs else (np.zeros(0),) * 3
+    laws = [np.array([getattr(law, name) for law in row.laws]) for name in ("F_c", "F_s", "F_v", "v_s")]
+    pack = Numbers(np.array(row.masses), k, play, c, *laws, np.array(row.pid))
+    y = np.array([*row.v, *row.x, 0.0])
+    away = np.diff(np.array(row.x))
+    way = np.where(np.abs(away) > play, np.sign(away), 0.0).astype(np.int64)
+    mode = np.sign(row.v).astype(np.int64)
+    record, events = np.zeros((times.size, y.size)), np.zeros((MOST, 2))
+    met = run(y, mode, way, pack, times, record, events)
+    return Moved(record[:, : 2 * n], [events[:met][events[:met, 0] == j, 1].tolist() for j in range(n)])

@@ -8,30 +8,9 @@ in the direction of the motion, which is its break-away, until the velocity vani
 
 from math import copysign, inf, isfinite
 
+from friction.kernel import law as laws
 from friction.kernel import series
-from friction.kernel.law import (
-    BRISTLE,
-    BUDGET,
-    DONE,
-    FA,
-    FF,
-    MODE,
-    STALLED,
-    TANH,
-    WA,
-    WF,
-    T,
-    V,
-    X,
-    Z,
-    applied,
-    friction,
-    gap,
-    note,
-    piece,
-    put,
-    steady,
-)
+from friction.kernel.law import applied, friction, gap, note, piece, put, steady
 from friction.kernel.rodas import STAGES, TERMS, continue_into, inside, rodas
 from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS, STRIDE
 from tline.compiled.unit import function
@@ -46,7 +25,7 @@ SMALLEST_MAGNITUDE = 1e-300  # of a magnitude
 @function
 def period_of(law, mass):
     """Time scale of the contact."""
-    return mass * law.epsilon / law.f_c if law.kind == TANH else (mass / law.sigma0) ** 0.5
+    return mass * law.epsilon / law.f_c if law.kind == laws.TANH else (mass / law.sigma0) ** 0.5
 
 
 @function
@@ -69,7 +48,7 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
     margin, pull = held_back(law, mode, y[1], y[2]), forces(law, push, t, y)
     while t <= bench.t_end:
         if counts[STEPS] + counts[REFUSED] >= budget:
-            return BUDGET
+            return laws.BUDGET
         largest(peaks, y, pull)
         explicit, since, longest = chosen(law, y[1], h, explicit, since, compared.dense)
         most = min(h, longest, (push.end - push.start) / parts)
@@ -83,11 +62,11 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
             h = step * (min(6.0, max(0.1, 0.9 * (error + 1e-12) ** (-1.0 / order))) if isfinite(error) else 0.1)
         if not error <= 1.0:
             if t + step == t:
-                return STALLED
+                return laws.STALLED
             counts[REFUSED] += 1
             continue
         counts[STEPS] += 1
-        peaks[T] = max(peaks[T], error * tol)
+        peaks[laws.T] = max(peaks[laws.T], error * tol)
         before, margin = margin, held_back(law, mode, new[1], new[2])
         until = push.end if last else t + step
         crossed = not margin > abs(margin - before)
@@ -109,7 +88,7 @@ def rosenbrock(law, bench, tol, parts, budget, compared, which):
             number += 1
             push = piece(bench.drive, number)
             pull = forces(law, push, t, y)
-    return DONE
+    return laws.DONE
 
 
 @function
@@ -187,8 +166,9 @@ def forces(law, push, t, y):
 @function
 def largest(peaks, y, pull):
     """Note the largest magnitudes so far."""
-    for column, size in ((X, y[0]), (V, y[1]), (Z, y[2]), (FA, pull[0]), (FF, pull[2]), (WA, y[3]), (WF, y[4])):
-        peaks[column] = max(peaks[column], abs(size))
+    for j, column in ((0, laws.X), (1, laws.V), (2, laws.Z), (3, laws.WA), (4, laws.WF)):
+        peaks[column] = max(peaks[column], abs(y[j]))
+    peaks[laws.FA], peaks[laws.FF] = max(peaks[laws.FA], abs(pull[0])), max(peaks[laws.FF], abs(pull[2]))
 
 
 @function
@@ -214,7 +194,7 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared, explici
         if not error <= 1.0:
             return step, error, tries, pull
         after, missed = forces(law, push, t + step, new), begun
-        if law.kind != BRISTLE or tries == MOST_TRIES:
+        if law.kind != laws.BRISTLE or tries == MOST_TRIES:
             break
         back = s * new[1] < 0.0
         dips = not back and s * rise < 0.0 and s * (after[0] - after[2]) > 0.0
@@ -233,28 +213,30 @@ def attempt(law, push, mass, t, pull, step, tol, sizes, first, compared, explici
         else:
             s = -s
         tries += 1
-    compared.peaks[MODE] += harm(law, mass, sizes, y[2], missed)
+    compared.peaks[laws.MODE] += harm(law, mass, sizes, y[2], missed)
     return step, error, tries, after
 
 
 @function
 def harm(law, mass, sizes, z, way):
     """Relative error that a way run with the wrong sign leaves in the deflection, and in the speed that it gives."""
-    if law.kind != BRISTLE:
+    if law.kind != laws.BRISTLE:
         return 0.0
     bend = abs(z) + way
     wrong, rate = 2.0 * law.sigma0 * bend / law.f_c * way, (law.sigma0 / mass) ** 0.5
     return wrong * max(
-        1.0 / max(sizes[Z], bend, SMALLEST_MAGNITUDE), rate / max(sizes[V], bend * rate, SMALLEST_MAGNITUDE)
+        1.0 / max(sizes[laws.Z], bend, SMALLEST_MAGNITUDE), rate / max(sizes[laws.V], bend * rate, SMALLEST_MAGNITUDE)
     )
 
 
 @function
 def missed_by(mass, sizes, first, new, error):
     """Error of a step relative to the magnitudes of the motion; in a first run, of its energy for the works."""
-    energy = max(sizes[WA], sizes[WF], abs(new[3]), abs(new[4]), 0.5 * mass * max(sizes[V], abs(new[1])) ** 2)
+    energy = max(
+        sizes[laws.WA], sizes[laws.WF], abs(new[3]), abs(new[4]), 0.5 * mass * max(sizes[laws.V], abs(new[1])) ** 2
+    )
     worst = 0.0
-    for j, column in ((0, X), (1, V), (2, Z), (3, WA), (4, WF)):
+    for j, column in ((0, laws.X), (1, laws.V), (2, laws.Z), (3, laws.WA), (4, laws.WF)):
         size = energy if first and j >= 3 else max(sizes[column], abs(new[j]))
         worst = max(worst, abs(error[j]) / (size + SMALLEST_MAGNITUDE))
     return worst

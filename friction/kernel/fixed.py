@@ -4,21 +4,8 @@ from math import copysign, exp, expm1
 
 import numpy as np
 
-from friction.kernel.law import (
-    BLOWN_UP,
-    BRISTLE,
-    DONE,
-    applied,
-    friction,
-    gap,
-    mode_of,
-    note,
-    push_at,
-    put,
-    slip_share,
-    slopes,
-    steady,
-)
+from friction.kernel import law as laws
+from friction.kernel.law import applied, friction, gap, mode_of, note, push_at, put, slip_share, slopes, steady
 from friction.kernel.structures import EVENTS, STEPS, FixedRun
 from tline.compiled.unit import function, unit
 
@@ -50,7 +37,7 @@ def march(run: FixedRun, steps: int, method: int, every: int) -> int:
             force = robust(law, push, mass, t, y, h, method)
         run.counts[STEPS] = n + 1
         if not np.isfinite(y[1]) or abs(y[1]) > 1e100:
-            return BLOWN_UP
+            return laws.BLOWN_UP
         f_a, before = applied(push, (n + 1) * h, y[0])[0], mode
         mode = mode_of(law, before, y[1], y[2], f_a)
         if mode != before:
@@ -60,7 +47,7 @@ def march(run: FixedRun, steps: int, method: int, every: int) -> int:
         if (n + 1) % every == 0 or n + 1 == steps:
             force = force if method >= MOREAU else friction(law, y[1], y[2], f_a)[0]
             note(record[(n + every) // every], (n + 1) * h, y, f_a, force, mode)
-    return DONE
+    return laws.DONE
 
 
 @function
@@ -68,7 +55,7 @@ def passed(law, before, v, z, y):
     """Share of a step after which an event happened: a static law breaks away at its last instant at rest, all else is
     where a straight line vanishes.
     """
-    if before == 0 and law.kind < BRISTLE:
+    if before == 0 and law.kind < laws.BRISTLE:
         return 0.0
     start, end = (gap(law, v, z), gap(law, y[1], y[2])) if before == 0 else (v, y[1])
     return start / (start - end) if start * end < 0.0 else 1.0

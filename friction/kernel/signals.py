@@ -1,9 +1,6 @@
 """Signals of small mechanisms, and runs of them, as compiled code takes them."""
 
-from math import inf
 from typing import NamedTuple
-
-import numpy as np
 
 from tline.compiled.structure import Floats, Floats2, Floats3, Integers, Integers2
 
@@ -83,8 +80,3 @@ class HybridRun(NamedTuple):
     past_start: Floats  # (MOST_PAST,)
     p: Floats  # (N + 1,)
     q: Floats  # (N + 1,)
-
-
-def unsampled() -> Sampled:
-    """No controller."""
-    return Sampled(inf, 0.0, np.zeros(0, np.int64), np.zeros((0, 0)), np.zeros(0))

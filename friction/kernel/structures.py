@@ -76,7 +76,7 @@ def fixed_run(law: Law, drive: Drive, mass: float, start: Floats, h: float, samp
 def compared(samples: int, events: int, terms: int) -> Compared:
     """Make two runs with room for a number of samples and events, by steps of a number of terms."""
     records, counts = np.full((2, samples, 9), np.nan), np.zeros(5, np.int64)
-    instants, checks = np.full(INSTANTS, np.inf), np.zeros((2, INSTANTS, 9))
+    instants, checks = np.full(INSTANTS, np.inf), np.empty((2, INSTANTS, 9))
     steps = np.zeros((STAGES, 5)), np.zeros(5), np.zeros(5), np.zeros((terms, 5)), np.zeros((SERIES, terms))
     sizes = np.zeros(9), np.zeros(9), np.zeros(9)
     return Compared(records, instants, checks, np.empty((2, events, 4)), *sizes, counts, *steps)

@@ -2,8 +2,8 @@
 
 from math import inf
 
+from friction.kernel import law as laws
 from friction.kernel.bristles import rosenbrock
-from friction.kernel.law import DONE, FA, FF, INACCURATE, MODE, STALLED, WA, WF, T, V, X, Z
 from friction.kernel.structures import EVENTS, RUN, STEPS, SmoothRun
 from tline.compiled.unit import function, unit
 
@@ -30,24 +30,24 @@ def refine(law, bench, wanted, at_least, budget, compared):
     errors, counts, weights, k, parts = compared.errors, compared.counts, compared.weights, 0, 1
     rough = min(SPREAD * max(at_least if wanted <= 0.0 else START * wanted, FINEST), ROUGHEST)
     status = rosenbrock(law, bench, rough, parts, budget, compared, k)
-    while status in (DONE, STALLED):
-        alone, before = status == STALLED, counts[EVENTS]  # a finer run has nothing then to be compared with
+    while status in (laws.DONE, laws.STALLED):
+        alone, before = status == laws.STALLED, counts[EVENTS]  # a finer run has nothing then to be compared with
         for column in range(weights.size):
             weights[column] = compared.peaks[column]
         k, parts, tol = 1 - k, 2 * parts, max(FINEST, rough / SPREAD)
         status = rosenbrock(law, bench, tol, parts, budget, compared, k)
-        if status == STALLED and tol > FINEST:
+        if status == laws.STALLED and tol > FINEST:
             rough = tol
             continue
-        if status != DONE:
+        if status != laws.DONE:
             return status
         worst = compare(compared, k, bench.drive.stiffness != 0.0)
-        errors[T] = 1.0 if alone else compare_events(compared, before, bench.t_end)
-        worst = max(worst, errors[T])
+        errors[laws.T] = 1.0 if alone else compare_events(compared, before, bench.t_end)
+        worst = max(worst, errors[laws.T])
         if wanted <= 0.0 or worst <= wanted:
-            return DONE
+            return laws.DONE
         if tol <= FINEST:
-            return INACCURATE
+            return laws.INACCURATE
         rough = tol
     return status
 
@@ -75,10 +75,10 @@ def compare(compared, k, pulled):
     than the largest error of a step. The applied force depends on the motion if a spring has `pulled` only.
     """
     errors, peaks, worst = compared.errors, compared.peaks, 0.0
-    hidden = peaks[MODE] + STEP_ROUNDING * compared.counts[STEPS]
+    hidden = peaks[laws.MODE] + STEP_ROUNDING * compared.counts[STEPS]
     for column in range(errors.size):
         errors[column] = 0.0
-    for column in (X, V, Z, FA, FF, WA, WF):
+    for column in (laws.X, laws.V, laws.Z, laws.FA, laws.FF, laws.WA, laws.WF):
         size, difference = peaks[column], 0.0
         for i in range(compared.records.shape[1]):
             size = max(size, abs(compared.records[k, i, column]))
@@ -86,7 +86,7 @@ def compare(compared, k, pulled):
         for i in range(compared.instants.size):
             if compared.instants[i] < inf:
                 difference = max(difference, abs(compared.checks[0, i, column] - compared.checks[1, i, column]))
-        if size > 0.0 and (pulled or column != FA):
-            errors[column] = max(difference / size, peaks[T]) + hidden
+        if size > 0.0 and (pulled or column != laws.FA):
+            errors[column] = max(difference / size, peaks[laws.T]) + hidden
         worst = max(worst, errors[column])
     return worst

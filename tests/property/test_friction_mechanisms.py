@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from random_mechanisms import END, TIMES, by_friction, by_scipy, random_row
+from random_mechanisms import END, TIMES, by_friction, by_steps, random_row
 
 from friction import Coulomb, Karnopp
 from friction.kernel.law import DONE
@@ -53,12 +53,12 @@ def test_energy_never_grows_and_goes_into_friction_and_dampers(masses):
             np.testing.assert_array_equal(own[1:, 0], own[:-1, 1])
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(12))
 def test_states_and_events_are_those_of_an_independent_integrator(seed):
-    """`python -m benchmarks.attack mechanisms` has more of them; SciPy at 1e-12 is known to 1e-8 here."""
+    """`python -m benchmarks.attack mechanisms` has more of them; 1000 seeds agree to 2e-11."""
     row, times = random_row(seed), np.linspace(0.0, END, TIMES)
     status, found = by_friction(row, times)
-    exact = by_scipy(row, times)
+    exact = by_steps(row, times)
     assert status == 0
     assert [len(one) for one in found.events] == [len(one) for one in exact.events]
     for one, other in zip(found.events, exact.events, strict=True):

@@ -130,7 +130,7 @@ def test_a_jump_that_is_lost_is_found():
 def test_a_run_that_is_doubted_says_so_and_where(monkeypatch):
     module = sys.modules["friction.simulation"]
     right = module._events
-    monkeypatch.setattr(module, "_events", lambda model, *rest: right(Coulomb(1.1), *rest))
+    monkeypatch.setattr(module, "_events", lambda task, *rest: right(task._replace(model=Coulomb(1.1)), *rest))
     run = simulate(Coulomb(), Testbench())
     assert run.status is Status.DOUBTED
     assert run.doubt.startswith("two methods disagree at ")

@@ -124,3 +124,20 @@ def test_two_masses_rub_on_each_other(name):
     np.testing.assert_allclose(left * run["v"] + right * run["w"], left * 0.3 - right * 0.6, atol=1e-13)
     first = [event.t for event in alone.events[:2]]
     np.testing.assert_allclose(changes[:2, 2], first, rtol=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_elements_are_play_operators_of_the_place(seed):
+    """Random elements and forces: friction is what the place, followed finely, makes of elements that are clipped."""
+    rng = np.random.default_rng((77, seed))
+    n = int(rng.integers(1, 6))
+    law = MaxwellSlip(10.0 ** rng.uniform(1.5, 4.0, n), rng.uniform(0.1, 1.0, n), F_v=0.1)
+    force = Sine(law.sliding * rng.uniform(0.5, 3.0), rng.uniform(0.3, 3.0), phase=rng.uniform(0.0, 6.0))
+    run = simulate(law, Testbench(force, v0=rng.normal()), 2.0, times=np.linspace(0.0, 2.0, 20_001))
+    held, exact = np.zeros(n), [0.0]
+    for step in np.diff(run.x):
+        held = np.clip(held + np.array(law.stiffness) * step, -np.array(law.limits), law.limits)
+        exact.append(held.sum())
+    assert run.status is Status.DONE
+    np.testing.assert_allclose(run.F_f, exact + 0.1 * run.v, atol=1e-4)  # turns lie between samples
+    assert np.diff(run.W_f - run.stored).min() > -1e-12
