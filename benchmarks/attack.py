@@ -269,6 +269,21 @@ def waterworks(seed: int) -> Iterator[Answer]:
             yield Answer(one.get("kind", "left out"), off, f"{one}" if off and not good(one) else "")
 
 
+def identities(seed: int) -> Iterator[Answer]:
+    """What follows from a proved positive real function, however it is written."""
+    from random import Random
+
+    from random_identities import ASSUME, FORMS, impedance
+
+    from passivity import is_positive_real
+
+    random = Random(seed)
+    x = impedance(random, random.randint(1, 4), True)
+    for name, (text, ask) in FORMS.items() if is_positive_real(x, ASSUME).proved else ():
+        found = ask(f"let x = {x}; {text.format('x')}", ASSUME)
+        yield Answer(found.status.value, {}, "" if found.proved else f"{name} of {x}: {found.why}")
+
+
 KINDS: dict[str, tuple[Judge, int]] = {  # with the number of seeds for some minutes
     "events": (events, 300),
     "stores": (stores, 100),
@@ -288,6 +303,7 @@ KINDS: dict[str, tuple[Judge, int]] = {  # with the number of seeds for some min
     "mechanisms": (mechanisms, 200),
     "bandwidths": (bandwidths, 1000),
     "waterworks": (waterworks, 15),
+    "identities": (identities, 1000),
 }
 
 
