@@ -23,6 +23,7 @@ from tline.errors import InputError
 
 TOLERANCE = 1e-2
 LONGEST = 20  # seconds of the processor that scikit-rf has for a file
+LARGEST = 60_000  # bytes of a file that it gets: most larger ones take it longer
 
 
 def theirs(network: skrf.Network) -> tuple[int, float, bool]:
@@ -57,6 +58,10 @@ def rows(files: list[Path]) -> Iterator[list[str]]:
         except InputError as error:
             mine = ["", error.problem, "none"]
         mine.append(f"{process_time() - begun:.1f}")
+        if file.stat().st_size > LARGEST:
+            print(file.name, *mine, flush=True)
+            yield [file.name, f"{len(response.f)} × {response.ports}", f"{beyond:.1e}", *mine, "", "", "not run", ""]
+            continue
         begun = process_time()
         signal.setitimer(signal.ITIMER_PROF, LONGEST)
         try:
@@ -79,12 +84,14 @@ def page(found: list[list[str]]) -> str:
     passive, fits = (sum(row[k] == word for row in found) for k, word in ((9, "passive"), (5, "proved")))
     near_others = sum(row[9] == "passive" and float(row[8]) <= max(TOLERANCE, float(row[2]) * 1.1) for row in found)
     refused = sum(row[1].startswith("refused") for row in found)
+    run = sum(row[9] not in ("", "not run") for row in found)
     seconds = [float(row[6]) for row in found if row[6]]
     told = f"""{len(found)} files, {refused} of them refused. {fits} models of ours are proved passive,
 {len(near)} of them within {TOLERANCE:g} of the samples, or of how far these are beyond what is passive.
 {passive} of scikit-rf's {skrf.__version__}
 (`auto_fit`, with `passivity_enforce` where it is wanted, {LONGEST} s at most) pass its own test, {near_others} of them
-as near. CPU times are single runs, with medians of {median(seconds or [0]):.1f} and {median(others or [0]):.1f} s,
+as near; it was run on {run}, of up to {LARGEST // 1000} kB.
+CPU times are single runs, with medians of {median(seconds or [0]):.1f} and {median(others or [0]):.1f} s,
 at most {max(seconds or [0]):.0f} and {max(others or [0]):.0f} s."""
     head = "<file|<samples × ports|σ − 1|poles|error|<ours|s|poles|error|<scikit-rf|s"
     title = (

@@ -5,10 +5,14 @@ hand (tests/electrical_by_hand.py, hydraulic_by_hand.py, circuit_decks.py, decks
 until its result converges, diverges again, or a run takes too long. Takes some minutes.
 """
 
+import re
 import shutil
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from itertools import starmap
+from pathlib import Path
 from typing import Any
 
 from circuit_decks import DECKS, in_ngspice
@@ -17,12 +21,16 @@ from hydraulic_by_hand import HYDRAULIC
 from imported_decks import DECKS as FILES
 from imported_decks import change, distance
 from imported_decks import in_ngspice as deck_in_ngspice
+from numpy.typing import NDArray
 
 from benchmarks.harness import ROOT, table, timed, write
 from tline.errors import InputError
 from tline.interchange.spice import read_spice
 from tline.scene.file import read_scene
+from tline.scene.scene import Scene
+from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
+from tline.study.programs import ngspice
 
 FINE, USUAL, LONG = 1e-9, 1e-6, 4.0  # s
 DECK_TOL, DECK_STEPS, DECK_STILL = 1e-3, 1000, 3e-5
@@ -60,16 +68,48 @@ def circuit(name: str) -> list[str]:
     return [*figures, f"{run.distance:.0e}", f"{moved:.0e}", f"{1e3 * run.seconds:.0f}"]
 
 
-def deck(name: str) -> list[str]:
+def ngspice_of(path: Path, ours: Result, steps: int) -> tuple[dict[str, NDArray], str]:
+    """Run a deck in ngspice, or what `tline export` makes of it where that does not know its dialect."""
+    found, how = {}, ""
+    with suppress(InputError):
+        found = deck_in_ngspice(path, ours, steps)
+    if len(found.get("time", ())) < STEPS:
+        scene = ours.scene.with_changes(measures={})
+        text = ngspice.netlist(scene, float(scene.t_end) / steps)
+        found, how = ngspice.transient(text)[0], " (exported)"
+        for word, name in re.findall(r"(?m)^\* node (\w+) is '(.*)'$", text):
+            if f"v({word})" in found:  # it is probed
+                found[f"v({name.lower()})"] = found.pop(f"v({word})")
+    return found, how
+
+
+def unlike(paths: Iterable[Path]) -> Iterator[tuple[Path, Scene, tuple[str, ...]]]:
+    """Yield decks of transients with their scenes and notes, each scene once; print why others are refused."""
+    seen = set()
+    for path in paths:
+        try:
+            scene, notes = read_spice(path)
+        except InputError as error:
+            print(path.name, str(error).replace("\n", " | "), flush=True)
+            continue
+        content = repr(scene.with_changes(title="").table())
+        if content not in seen and not any("there is no .tran" in note for note in notes):
+            seen.add(content)
+            yield path, scene, notes
+
+
+def deck(path: Path, scene: Scene, notes: tuple[str, ...]) -> list[str]:
     """Measure an imported deck."""
-    scene, notes = read_spice(FILES / f"{name}.cir")
-    ours, seconds = timed(
-        lambda: simulate(scene.with_changes(solver={"tol": DECK_TOL}), active=True), 1, time.perf_counter
+    own = path.parent == FILES
+    name = f"[`{path.stem}`](../tests/decks/{path.name})" if own else f"`{path.name}`"
+    like = scene.title.partition(":")[0].partition("of ")[2] if own else path.parent.name
+    ours, seconds = timed(lambda: simulate(scene.with_changes(solver={"tol": DECK_TOL}), active=True), 1)
+    run, moved, steps, taken = refined(
+        lambda n: ngspice_of(path, ours, n), lambda a, b: change(a[0], b[0]), DECK_STEPS, DECK_STILL
     )
-    run, moved, steps, taken = refined(lambda n: deck_in_ngspice(name, ours, n), change, DECK_STEPS, DECK_STILL)
-    like = scene.title.partition(":")[0].partition("of ")[2]
-    figures = f"{distance(ours, run):.0e}", f"{moved:.0e}", f"{steps}", f"{seconds:.1f}", f"{taken:.1f}"
-    return [f"[`{name}`](../tests/decks/{name}.cir)", like, f"{len(notes)}", *figures]
+    figures = f"{distance(ours, run[0]):.0e}{run[1]}", f"{moved:.0e}", f"{steps}", f"{seconds:.1f}", f"{taken:.1f}"
+    print(path.name, *figures, flush=True)
+    return [name, like, f"{len(notes)}", *figures]
 
 
 if __name__ == "__main__":
@@ -81,5 +121,6 @@ if __name__ == "__main__":
         "docs/circuits.md", table(f"{head}|from ngspice|its last halving moves it by|its steps, ms", rows), "measured"
     )
     head = f"<deck|<like|notes|from ngspice, ours at {DECK_TOL:.0e}|its last halving moves it by|its steps"
-    rows = map(deck, sorted(path.stem for path in FILES.glob("*.cir")))
+    foreign = [path for folder in sys.argv[1:] for path in sorted(Path(folder).rglob("*.*"))]
+    rows = starmap(deck, unlike([*sorted(FILES.glob("*.cir")), *foreign]))
     write("docs/netlists.md", table(f"{head}|our run, s|its run, s", rows), "decks")

@@ -17,12 +17,12 @@ from tline.study.programs import ngspice
 DECKS, INSTANTS = Path(__file__).parent / "decks", 2000
 DIALECT = ((r"(?m)^#.*$", ""), (r"(?is)\n\.modify.*", ""), (r"\bz=", "z0="), (r"(?is)\.control.*?\.endc", ""),
            (r"(?im)^y(.*)$", r"oy\1"), (r"(?im)^(\.model\s+\w+\s+)txl(.*?)length", r"\1ltra rel=1 \2len"),
-           (r"(?im)^\.(tran|print|list|width|step|end)\b.*$", ""))  # fmt: skip
+           (r"(?im)^\.(tran?|print|plot|measure|list|width|step|stat|options?|end)\b.*(\n\+.*)*$", ""))  # fmt: skip
 
 
-def in_ngspice(name: str, ours: Result, steps: int) -> dict[str, NDArray]:
-    """Waves of a deck by name, with so many steps at least."""
-    title, *lines = (DECKS / f"{name}.cir").read_text(encoding="utf-8").splitlines()
+def in_ngspice(deck: Path, ours: Result, steps: int) -> dict[str, NDArray]:
+    """Waves of a deck, with so many steps at least."""
+    title, *lines = deck.read_text(encoding="latin-1").splitlines()
     text = "\n" + "\n".join(lines) + "\n"
     for pattern, new in DIALECT:
         text = re.sub(pattern, new, text)

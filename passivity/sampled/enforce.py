@@ -314,7 +314,10 @@ def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleRe
 
     found, rounds = _least_changed(model, w, free, extremes)
     if many and rounds:  # it touches the bound, where floats suggest no proof
-        found = found.moved_inside(INSIDE * unit)
+        beyond = max((x for _, x, _, _ in extremes(found)), default=0.0)
+        if beyond > ROOM[-1] * unit:  # no proof, which would take long to fail
+            return model, verdict_of(model), rounds
+        found = found.moved_inside(beyond + INSIDE * unit)
     verdict = verdict_of(found)
     for room in [x for x in ROOM if not many or x > INSIDE]:
         if verdict.status is Status.PROVED or not size < math.inf:

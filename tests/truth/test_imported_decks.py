@@ -27,7 +27,7 @@ def test_ngspice_agrees_within_its_own_error(name):
 
     scene, _ = read_spice(DECKS / f"{name}.cir")
     ours = simulate(scene.with_changes(solver={"tol": 1e-3 if name == "ltra_square" else 1e-5}))
-    assert distance(ours, in_ngspice(name, ours, 8000)) < BOUNDS[name]
+    assert distance(ours, in_ngspice(DECKS / f"{name}.cir", ours, 8000)) < BOUNDS[name]
 
 
 def test_a_ladder_without_inductance_is_the_line_of_thomson(tmp_path):
