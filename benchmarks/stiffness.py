@@ -25,7 +25,7 @@ BENCHES = {
 CASES: list[tuple[str, str, Model]] = [
     (f"LuGre, σ0 = {s:g} N/m", kind, LuGre(sigma0=s)) for s in (50.0, 500.0, 1e4, 1e5) for kind in BENCHES
 ]
-CASES += [("Stribeck", "ramp", Karnopp())]
+CASES += [("Stribeck, by events", "ramp", Karnopp())]
 TARGETS = (1e-4, 1e-6, 1e-9)  # true errors
 TOLS = 10.0 ** -np.arange(1.0, 12.0)
 RUNS = 3
