@@ -28,6 +28,17 @@ class TestWithWntr:
     def _installed(self):
         pytest.importorskip("wntr")
 
+    def test_a_line_ends_at_a_null_character(self, tmp_path):
+        path = ring(tmp_path)
+        whole = read_epanet(path)
+        with open(path, "rb") as file:
+            data = file.read()
+        padded = data.replace(b"[PIPES]\n", b"[PIPES]\0\0[PUMPS]\n") + b"\0" * 100
+        assert padded.count(b"\0") == 102
+        with open(path, "wb") as file:
+            file.write(padded)
+        assert read_epanet(path) == whole
+
     def test_open_links_and_their_nodes(self, tmp_path):
         network = read_epanet(ring(tmp_path))
         assert set(network.nodes) == {"lake", "suction", "lift", "a", "b", "c", "d", "tower"}

@@ -117,7 +117,10 @@ class EpanetText:
 
 
 def read_text(path: str) -> str:
-    """Text of a file in UTF-8 or UTF-16 with a byte order mark, or else in the alphabet of western Windows."""
+    """Text of a file in UTF-8 or UTF-16 with a byte order mark, or else in the alphabet of western Windows.
+
+    A line ends at a null character, as EPANET reads it.
+    """
     try:
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:  # a pipe has no writer
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
@@ -132,7 +135,7 @@ def read_text(path: str) -> str:
         raise InputError(path, "cannot be read", f"at most {LARGEST_FILE:,} bytes")
     for encoding in ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1"):
         try:
-            text = data.decode(encoding)
+            text = re.sub(r"\0[^\r\n]*", "", data.decode(encoding))
         except UnicodeDecodeError:
             continue
         if not any(ord(c) < 32 and c not in "\t\n\r\f\x1a" for c in set(text)):

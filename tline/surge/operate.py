@@ -187,8 +187,10 @@ class _Operated:
     def _put_valve(self, name: str, opening: Table) -> None:
         """A gate valve at the second end of a pipe, or at the first if the second one is blind."""
         pipe = self.scene.lines[name]
-        first, second = pipe.nodes
-        end = first if self._is_blind(second) else second
+        open_ = [load for load in self.scene.loads.values() if load.kind != "closed"]
+        ends = [line.nodes for line in self.scene.lines.values()]
+        ends += [one.terminals for one in (*open_, *self.scene.links.values(), *self.scene.sources.values())]
+        end = pipe.nodes[sum(pipe.nodes[1] in each for each in ends) > 1]
         diameter, density = (getattr(pipe.parameters, key, None) for key in ("diameter", "density"))
         if diameter is None or density is None or gate_of(name) in self._description.nodes:
             raise InputError(f"line '{name}'", "no valve fits it", "its diameter and density, and no node of its name")
@@ -202,14 +204,6 @@ class _Operated:
             self.tables["nodes"][node] = {key: value for key, value in site.items() if key != "start"}
         loss = self.tables["links"][node]["loss_coefficient"]
         self.notes.append(f"pipe '{name}': a gate valve is put at '{end}', and loses {loss:g} velocity heads when open")
-
-    def _is_blind(self, node: str) -> bool:
-        """Whether a pipe ends there and nothing else passes or lets anything out."""
-        scene = self.scene
-        piped = sum([*line.nodes].count(node) for line in scene.lines.values())
-        others = (one.terminals for part in (scene.links, scene.sources) for one in part.values())
-        open_ = any(load.at == node and load.kind != "closed" for load in scene.loads.values())
-        return piped == 1 and not open_ and not any(node in terminals for terminals in others)
 
     def _let_out(self, event: Event, flow: float) -> None:
         """An outflow to the air, with the square root of the pressure."""

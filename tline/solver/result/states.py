@@ -102,13 +102,13 @@ def drained(result: Result) -> dict[str, tuple[float, float]]:
 
     Each has the instant, s, and the volume of air, m³: `NEARLY_FULL` of that of all these pipes.
     """
+    valves = {place(*at): x.at for at, x in result.scene.placed if isinstance(x, AirValve)}
     volumes = defaultdict[str, float](float)
-    for line in result.scene.lines.values():
+    for line in result.scene.lines.values() if valves else ():
         area, length = (getattr(line.parameters, key, None) for key in ("area", "length"))
         for node in line.nodes:
             volumes[node] += inf if area is None or length is None else float(area * length)
-    valves = ((place(*at), x) for at, x in result.scene.placed if isinstance(x, AirValve))
-    return _beyond(result, AIR_VOLUME, {where: NEARLY_FULL * volumes[x.at] for where, x in valves if volumes[x.at]})
+    return _beyond(result, AIR_VOLUME, {where: NEARLY_FULL * (volumes[at] or inf) for where, at in valves.items()})
 
 
 def _beyond(result: Result, word: str, most: Mapping[str, float]) -> dict[str, tuple[float, float]]:
