@@ -103,7 +103,7 @@ def drained(result: Result) -> dict[str, tuple[float, float]]:
     Each has the instant, s, and the volume of air, m³: `NEARLY_FULL` of that of all these pipes.
     """
     volumes = defaultdict[str, float](float)
-    for line in result.scene.lines.values():
+    for line in result.scene.single_lines.values():
         area, length = (getattr(line.parameters, key, None) for key in ("area", "length"))
         for node in line.nodes:
             volumes[node] += inf if area is None or length is None else float(area * length)
