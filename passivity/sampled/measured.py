@@ -238,12 +238,9 @@ def _joined(response: SampledResponse, swap: NDArray, halves: list[SampledRespon
 
 
 def _nearest_of(tried: list[DelayedModel]) -> DelayedModel | None:
-    """The nearest passive model to the best fit that has one.
-
-    No passive model is nearer than samples are to passive ones: a fit that is counts for no more.
-    """
-    fewest, beyond = math.inf, check_samples(tried[0].samples).worst_value - 1
-    for found in sorted(tried, key=lambda each: (max(each.error, beyond), each.order)):
+    """The nearest passive model to the best fit that has one."""
+    fewest = math.inf
+    for found in sorted(tried, key=lambda each: each.error):
         if found.order < fewest and (passive := found.nearest).verdict.proved:
             return passive
         fewest = min(fewest, found.order)  # what has more poles is no easier
