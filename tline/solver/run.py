@@ -146,7 +146,7 @@ def given_out(
     """
     smears = done.fronts.lost > VISIBLE or description.blurred
     lines = {name: line_record(assembly, name, waves, done, smears) for name in assembly.recorded}
-    alone = {node: _at_node(assembly, node, waves, done, smears) for node in assembly.recorded_nodes}
+    alone = {node: _at_node(assembly, node, waves, done, smears) for node in description.probed_nodes}
     chosen = assembly.resolution
     samples = len(assembly.network.ends) * slabs.number * chosen.s
     work = samples + EACH_NODE * len(assembly.nodes)
@@ -257,13 +257,21 @@ def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears:
 def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
     row = assembly.recorded_laws[where]
     wave = _alone(assembly, row, waves, done, float(waves[row, 0, 0]))
-    element = [element.where for group in assembly.groups for element in group.elements].index(where)
+    elements = [element for group in assembly.groups for element in group.elements]
+    element = [each.where for each in elements].index(where)
+    placed = elements[element]
+    here, there = (
+        _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node])) if node else None
+        for node in (placed.from_node, placed.to_node)
+    )
     laws, states = assembly.network.laws, waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]
     at = max(laws.state_at[element], laws.governor_state[element])
     if at >= 0:
         before = assembly.loads_before[[at, at + max(laws.states[element], 1) - 1]]
         states = np.hstack([before[:, None], states])
-    return ElementRecord(wave, float(laws.source_impedance[element]), states if at >= 0 else np.empty((0, 0)))
+    return ElementRecord(
+        wave, float(laws.source_impedance[element]), states if at >= 0 else np.empty((0, 0)), (here, there)
+    )
 
 
 def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:

@@ -41,7 +41,7 @@ class Assembly(Layout):
     events: list[Event]  # in order of time
     recorded: dict[str, int]  # line name -> first of its two rows in the record
     recorded_laws: dict[str, int]  # place of an element -> first of its two rows, behind those of lines
-    recorded_nodes: dict[str, int]  # node without a line -> its row, behind those
+    recorded_nodes: dict[str, int]  # node without a line, or of these laws -> its row, behind those
     settle: NDArray  # (groups,) time in which a group with lumped lines settles after a front, s; 0 for others
     graded: NDArray  # (groups,) whether slabs are cut behind fronts, ever farther away
     kernel: Any = None  # of the loop, which packs the network and the state
@@ -70,7 +70,7 @@ class Assembly(Layout):
             spare = self.grid.spare
             for old in list(spare)[: max(len(spare) + 1 - ORDERS, 0)]:
                 spare.pop(old, None)  # which another thread may have done
-            spare[_key(self.resolution, self.recorded, self.recorded_laws, self.recorded_nodes)] = self
+            spare[_key(self.resolution, self.recorded, self.recorded_laws, self.description.probed_nodes)] = self
 
 
 def _key(chosen: Resolution, record: Collection[str], laws: Collection[str], nodes: Collection[str]) -> Hashable:
@@ -230,12 +230,15 @@ def _network(
 def _recorded(
     layout: Layout, record: set[str], laws: Collection[str], description: Description
 ) -> tuple[dict[str, int], dict[str, int], dict[str, int]]:
-    """Rows of the record: the first of two of each line by name, and of laws by place, and of nodes by name."""
+    """Rows of the record: the first of two of each line by name, and of laws by place, and of nodes by name.
+
+    Nodes of these laws are among the nodes.
+    """
     lines = {name: 2 * k for k, name in enumerate(name for name in layout.grid.lines if name in record)}
-    places = (element.where for group in layout.groups for element in group.elements)
-    of_laws = {where: 2 * k for k, where in enumerate((where for where in places if where in laws), len(lines))}
-    first = 2 * (len(lines) + len(of_laws))
-    return lines, of_laws, {node: k for k, node in enumerate(description.probed_nodes, first)}
+    elements = [element for group in layout.groups for element in group.elements if element.where in laws]
+    of_laws = {element.where: 2 * k for k, element in enumerate(elements, len(lines))}
+    nodes = dict.fromkeys([*description.probed_nodes, *(node for element in elements for node in element.nodes)])
+    return lines, of_laws, {node: k for k, node in enumerate(nodes, 2 * (len(lines) + len(of_laws)))}
 
 
 def _has_layers(description: Description, group: Group, chosen: Resolution) -> bool:

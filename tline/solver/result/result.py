@@ -144,6 +144,7 @@ class ElementRecord(NamedTuple):
     # (2, slabs + 1) first and last state, or self-acting opening, at slab ends from t = 0 on;
     # empty without either
     states: NDArray
+    efforts: tuple[Wave | None, Wave | None]  # at the nodes that it leads from and to
 
 
 class AtHeight:

@@ -5,6 +5,10 @@ Friction is such a law, |y|·y where the flow turns. Inside a line this kink is 
 A law is smooth between some points of its graph. With e the effort across the element and i the flow, the wave e + ρ i
 into it rises along the graph, and passes each point once. A piece without a kink inside is as accurate as its order; so
 the instant is sought on the piece before or behind, continued into the one that has it.
+
+Behind a front that meets a nearly shut orifice, and beside the instant at which its flow turns, the flow changes in a
+time far shorter than a slab: a layer. There the last terms of polynomials are large. Such pieces are cut, ever closer
+from run to run, to the end that is nearer to a kink of the law, or to both.
 """
 
 from collections.abc import Sequence
@@ -23,12 +27,16 @@ from tline.solver.result.result import Result, Wave
 from tline.solver.run import NO_KINKS, Kinks, at_node
 
 MOST_KINKS = 2000  # instants of an element; beyond, none is followed
-MOST_HALVED = 50_000  # middles of pieces of an element; beyond, none is followed
 STEPS, STEP = 8, 1e-4  # of Newton's method; and the step for its slopes, in pieces
 SETTLED = 1e-13  # pieces; a step this short is the last, for each is some 1e4 times shorter than the one before
 OVER = 1.5  # pieces by which a neighbour is extrapolated
 ROUNDED = 1e-12  # of the largest wave; smaller values have no sign
 STILL = 1e-9  # of the largest wave; a smaller flow does not turn
+PLACES = np.array([1 / 16, 1 / 4])  # of cuts, from the end of a piece
+NEARER = 2.0  # times as near to a kink: the end that is meant
+MOST, CROWD = 20, 9  # slabs in which a piece is cut after one run; pieces in one that is cut no more
+LEAST = 1e-9  # slabs; narrower pieces are not cut
+MOST_HALVED = 50_000  # pieces of an element; beyond, none is halved
 
 
 class PiecewiseQuantity(NamedTuple):
@@ -43,12 +51,12 @@ class PiecewiseQuantity(NamedTuple):
 class Cuts:
     """Instants at which slabs of the next finer run are cut in pieces, at elements with laws.
 
-    `kinked` are elements whose laws kink, `places` those whose waves runs are to record; if `governed`, openings move
-    by themselves.
+    `kinked` are elements whose laws kink, `layers` instants near which a response is not resolved, or at which pieces
+    are halved, `places` the elements whose waves runs are to record; if `governed`, openings move by themselves.
     """
 
-    def __init__(self, description: Description):
-        self.elements, self.kinked, self._middles = description.elements, kinking(description), NO_KINKS
+    def __init__(self, description: Description, tol: float):
+        self.elements, self.kinked, self.layers, self._tol = description.elements, kinking(description), NO_KINKS, tol
         held = {node for element in self.kinked for node in element.nodes}  # kinks there are known
         self._ends = [
             (name, node)
@@ -60,19 +68,23 @@ class Cuts:
         self.governed = any(element.governor is not None for element in self.elements)
         self.places = [element.where for element in self.elements]
 
-    def halved(self, last: Result) -> "Halved":
-        """Instants at which pieces of the last run are halved if its slabs are."""
-        return halved(last, self.elements, self._middles)
+    def in_pieces(self, last: Result) -> bool:
+        """Whether slabs of a run were in pieces at elements, which do not become narrower with the slabs."""
+        return any(len(last.elements[where].wave.pieces.slab) for where in self.places)
 
-    def ahead(self, last: Result, parts: "Halved", chosen: Resolution, turns: bool) -> Kinks:
-        """Instants at which slabs of the next run are cut: where laws kinked in the last one, and at halves of pieces.
+    def ahead(self, last: Result, chosen: Resolution, later: bool) -> Kinks:
+        """Instants at which slabs of the next run are cut: where laws kinked in the last one.
 
-        With `turns` also where flow turned at ends of recorded lines with friction.
+        Pieces are halved with their slabs if the order stays. With `later` also where flow turned at ends of recorded
+        lines with friction, and where layers were not resolved in any run.
         """
-        if chosen.h < last.resolution.h:
-            self._middles = parts.steep if chosen.s > last.resolution.s else parts.every
-        kinks = together(kinks_of(last, self.kinked), self._middles)
-        return {**kinks, **turns_of(last, self._ends)} if turns else kinks
+        kinks = kinks_of(last, self.kinked)
+        if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
+            self.layers = together(self.layers, middles_of(last, self.elements))
+        if not later:
+            return together(kinks, self.layers)
+        self.layers = together(self.layers, layers_of(last, self.elements, self._tol))
+        return {**together(kinks, self.layers), **turns_of(last, self._ends)}
 
 
 def kinking(description: Description) -> list[PlacedLaw]:
@@ -87,7 +99,7 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
         bends = element.kind.bends(element.constants, record.impedance)
-        instants = [_crossings(_less(into, at, element, result), result) for at in bends]
+        instants = [_crossings(_beyond(into, at, element, result.resolution.s), result) for at in bends]
         all_ = np.unique(np.concatenate([np.empty(0), *instants]))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
@@ -110,54 +122,66 @@ def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kin
     return found
 
 
-class Halved(NamedTuple):
-    """Known instants, and the middles of pieces that the middle of their slab does not part, s.
-
-    `every` has all of these, `steep` those in which a wave changes by more than half its largest change in any other:
-    the rest are as well resolved as slabs half as wide. But a run that keeps them shows their errors by its order
-    alone.
-    """
-
-    every: Kinks
-    steep: Kinks
-
-    @property
-    def differ(self) -> bool:
-        """Whether pieces may stay as they are."""
-        return any(len(self.steep.get(where, ())) < len(all_) for where, all_ in self.every.items())
-
-
-def halved(result: Result, elements: Sequence[PlacedLaw], known: Kinks) -> Halved:
-    """Instants at which pieces at elements are halved with their slabs, which would not make them narrower."""
-    every, steep = {}, {}
+def layers_of(result: Result, elements: Sequence[PlacedLaw], tol: float) -> Kinks:
+    """Instants at which to cut pieces whose last terms are beyond the tolerance, s."""
+    found = {}
     for element in elements:
-        wave = result.elements[element.where].wave
-        begin, end = wave.pieces.span.T
-        aside = (end <= 0.5) | (begin >= 0.5)
-        whole = np.delete(wave.values, wave.pieces.slab, axis=0)
-        change, others = (np.ptp(values, axis=1) for values in (wave.pieces.values, whole))
-        largest = max(others.max(initial=0.0), change[~aside].max(initial=0.0))
-        middles = (wave.pieces.slab + (begin + end) / 2) * wave.h
-        for found, these in ((every, aside), (steep, aside & (change > largest / 2))):
-            all_ = np.union1d(known.get(element.where, np.empty(0)), middles[these])
-            if 0 < len(all_) <= MOST_HALVED:
-                found[element.where] = all_
-    return Halved(every, steep)
+        into, rough = _roughness(result, element)
+        slab = ((into.start + into.width / 2) / result.resolution.h).astype(int)
+        coarse = (rough > tol) & (np.bincount(slab)[slab] <= CROWD) & (into.width > LEAST * result.resolution.h)
+        order = np.flatnonzero(coarse)[np.argsort(-rough[coarse])]
+        worst = order[np.sort(np.unique(slab[order], return_index=True)[1])][:MOST]
+        if len(worst):
+            cuts = np.concatenate(
+                [
+                    (into.start[these, None] + into.width[these, None] * places).ravel()
+                    for places, these in zip((PLACES, 1 - PLACES), _ends(result, element, into, worst), strict=True)
+                ]
+            )
+            found[element.where] = np.unique(cuts)
+    return found
+
+
+def middles_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
+    """Middles of pieces that the middle of their slab does not part, s: these are no narrower in slabs half as wide.
+
+    A run of the same order would have them wrong alike.
+    """
+    found = {}
+    for element in elements:
+        pieces, h = result.elements[element.where].wave.pieces, result.resolution.h
+        begin, end = pieces.span.T
+        aside = ((end <= 0.5) | (begin >= 0.5)) & (end - begin > LEAST)
+        if 0 < aside.sum() <= MOST_HALVED:
+            found[element.where] = (pieces.slab + (begin + end) / 2)[aside] * h
+    return found
+
+
+def _roughness(result: Result, element: PlacedLaw) -> tuple[PiecewiseQuantity, NDArray]:
+    """The wave into an element, and the last terms of its pieces in effort and flow, over the largest change."""
+    record, s = result.elements[element.where], result.resolution.s
+    into = _in_pieces(record.wave)
+    efforts = [(sign, _in_pieces(wave).values) for sign, wave in zip((1, -1), record.efforts, strict=True) if wave]
+    terms, rough = basis(s).to_legendre[max(s - 2, 1) :], np.zeros(len(into.start))
+    for values in (*(values for _, values in efforts), into.values - sum(sign * values for sign, values in efforts)):
+        change = np.ptp(values)
+        if change > 0:
+            rough = np.maximum(rough, np.abs(values @ terms.T).max(axis=1, initial=0.0) / change)
+    return into, rough
+
+
+def _ends(result: Result, element: PlacedLaw, into: PiecewiseQuantity, these: NDArray) -> tuple[NDArray, NDArray]:
+    """Those of some pieces to be cut toward their start, and toward their end."""
+    away = np.full((2, len(these)), np.inf)
+    for bend in element.kind.bends(element.constants, result.elements[element.where].impedance):
+        off = np.abs(_beyond(into, bend, element, result.resolution.s).values)
+        away = np.minimum(away, [off[these, 0], off[these, -1]])
+    return these[~(away[0] > NEARER * away[1])], these[~(away[1] > NEARER * away[0])]
 
 
 def together(one: Kinks, other: Kinks) -> Kinks:
     """Instants of both."""
     return {where: np.union1d(one.get(where, np.empty(0)), other.get(where, np.empty(0))) for where in {*one, *other}}
-
-
-def _less(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, result: Result) -> PiecewiseQuantity:
-    """Subtract from the wave into an element its value at a bend."""
-    control = 1.0
-    if bend.varying and element.law.factor is not None:
-        t = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c
-        control = element.law.factor.value(t, (into.start + into.width / 2)[:, None])
-    values = into.values - bend.constant - bend.varying * np.maximum(control, 0.0) ** bend.power
-    return into._replace(values=values, before=float(values[0, 0]))
 
 
 def _in_pieces(wave: Wave) -> PiecewiseQuantity:
@@ -171,6 +195,16 @@ def _in_pieces(wave: Wave) -> PiecewiseQuantity:
     order = np.argsort(start, kind="stable")
     values = np.concatenate([wave.values[whole], pieces.values])[order]
     return PiecewiseQuantity(start[order] * wave.h, width[order] * wave.h, values, wave.before)
+
+
+def _beyond(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, s: int) -> PiecewiseQuantity:
+    """Subtract from the wave into an element its value at a bend."""
+    control = 1.0
+    if bend.varying and element.law.factor is not None:
+        t = into.start[:, None] + into.width[:, None] * basis(s).c
+        control = element.law.factor.value(t, (into.start + into.width / 2)[:, None])
+    values = into.values - bend.constant - bend.varying * np.maximum(control, 0.0) ** bend.power
+    return into._replace(values=values, before=float(values[0, 0]))
 
 
 def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:

@@ -17,6 +17,7 @@ from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
 DIGITS = 3  # digits of the tolerance per order of the first run, beyond three
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
+FAINT = 0.1  # a further factor beside layers: in a flow far smaller than waves, joints are far larger
 FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
 MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
 CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: largest error estimate accepted from two runs alone; if laws kink
@@ -90,7 +91,7 @@ class Orders(Grids):
     def __init__(self, search: Search, sections: Mapping[str, int] = NONE, settle: float = 0.0, start: Start = NOWHERE):
         super().__init__(search)
         self.sections, self.settle, self.start, self.unknown = sections, settle, start, start.left
-        self.cuts = Cuts(search.description)
+        self.cuts = Cuts(search.description, search.tol)
         self.grids = self._finer(start.halved)
 
     def first(self) -> Result:
@@ -110,13 +111,12 @@ class Orders(Grids):
         last, cuts = ladder.last, self.cuts
         layered = last.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
         follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
-        parts = cuts.halved(last)
-        helped, differ = (ladder.helps or layered) and not cuts.governed, parts.differ or cuts.governed
-        chosen = self.grids.send((helped, layered, ladder.told.met, differ))
-        layers = FOLLOWED * self.search.tol if follow else 0.0
-        return self.search.run(
-            chosen._replace(layers=layers), cuts.ahead(last, parts, chosen, ladder.compared > 0), cuts.places
-        )
+        helped, stay = (ladder.helps or layered) and not cuts.governed, cuts.in_pieces(last) or cuts.governed
+        chosen = self.grids.send((helped, layered, ladder.told.met, stay))
+        kinks = cuts.ahead(last, chosen, ladder.compared > 0)
+        same = chosen.same * (FAINT if cuts.layers else 1.0)
+        chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0, same=same)
+        return self.search.run(chosen, kinks, cuts.places)
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met, as far as is known how fast runs converge.
@@ -149,8 +149,8 @@ class Orders(Grids):
     def _finer(self, halved: int) -> Generator[Resolution, State, None]:
         """Generate ever finer orders and slabs, from slabs halved `halved` times on; `next` has the values sent in.
 
-        They say whether the last step helped, followed fronts, and met the tolerance, and whether pieces may stay as
-        wide as they are when slabs are halved: then the order rises, too. Beside lumped lines slabs are not narrowed:
+        They say whether the last step helped, followed fronts, and met the tolerance, and whether pieces stay as wide
+        as they are when slabs are halved: then the order rises, too. Beside lumped lines slabs are not narrowed:
         fronts are blurred there for a time of its own.
         """
         description, sections, tol = self.search.description, self.sections, self.search.tol
