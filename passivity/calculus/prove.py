@@ -241,7 +241,7 @@ class Prover:
             c, m = line[2]
             return self._best((sign * c, m), POSITIVE_REAL, about.get(m, ())) is not None
 
-        active = sorted((x for x in lines if not passive(x[2], 1)), key=lambda each: each[2][2][1])
+        active = sorted((x for x in lines if not passive(x[2], 1)), key=lambda each: each[0])
         return [x for x in active if not passive(x[2], -1)] or active
 
     def right(self, n: int) -> int | None:

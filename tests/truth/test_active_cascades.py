@@ -89,3 +89,13 @@ def test_a_negative_line_undoes_as_much_of_one(form, lines):
     assert found.refuted
     with mpmath.workdps(200):
         assert point(found.witness).real > 0 > value("25 + s", before + longer + after, point(found.witness)).real
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_load_that_long_lines_hide(form):
+    """1 - s/9 is -7 at s = 72, where waves lose 2*72*5 nepers on their way to the input and back."""
+    end, lines = "1 - s/9", [(7, "5/2", 0), (3, "1/1", 0), (2, "3/2", 0)]
+    verdict = is_positive_real(text_of(form, end, lines))
+    assert verdict.refuted
+    with mpmath.workdps(1500):
+        assert value(end, lines, point(verdict.witness)).real < 0
