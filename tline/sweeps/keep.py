@@ -52,9 +52,9 @@ class Keep(NamedTuple):
 
     def of_copies(self, found: ManyRuns, copies: NDArray) -> dict[str, Floats]:
         """Arrays by name of many runs at once, with runs as first axis."""
-        probes, errors = found.run(copies, self.t)
+        probes = found.run(copies, self.t)
         seen, heights = list(probes.values()), [found.description.probes[name].height for name in probes]
-        kept = {ESTIMATE: errors}
+        kept = {ESTIMATE: np.full(len(copies), found.estimate)}
         for name in EXTREMES if self.extremes else ():
             kept[name] = np.stack([getattr(probe, name) for probe in seen], axis=1)
             if not name.endswith("_at"):

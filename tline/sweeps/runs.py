@@ -102,8 +102,8 @@ def sweep(
 
     Notes
     -----
-    Lossless scenes without functions to keep, linear or with one valve or diode at a node, run side by side in
-    compiled code (docs/sweeps.md), 10³ to 10⁵ of them a second, and use no executor.
+    Lossless linear scenes from rest, without functions to keep, run side by side in compiled code (docs/sweeps.md), 10⁴
+    to 10⁵ of them a second, and use no executor.
 
     Examples
     --------

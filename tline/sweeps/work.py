@@ -16,7 +16,6 @@ from tline.scene.quantity import LARGEST, SMALLEST
 from tline.solver.description.given import Scene
 from tline.solver.many import ManyRuns, many_runs
 from tline.solver.many.copies import variable
-from tline.solver.many.nodes import within_element
 from tline.solver.tolerance.ladder import Start
 from tline.sweeps.design import Design
 from tline.sweeps.executors import (
@@ -32,7 +31,6 @@ from tline.sweeps.executors import (
     sent,
     workers_of,
 )
-from tline.sweeps.keep import ESTIMATE
 from tline.sweeps.table import Sweep
 
 LONG = 10.0  # s of work left above which processes are started
@@ -148,15 +146,17 @@ def side_by_side(task: Task, table: Sweep, samples: Sequence[tuple[int, Scene]])
         raise InputError("", "functions of results are kept" if task.keep.functions else "order or slab are fixed")
     known = variable(scene)
     for path, values in inputs.items():
-        if not (path in known or within_element(scene, path)) or values.dtype.kind != "f":
-            raise InputError(path, "is no number of lossless lines, resistances, R, L and C, or within an element")
+        if path not in known or values.dtype.kind != "f":
+            raise InputError(path, "is no number of lossless lines, resistances, R, L and C")
     for run, scene_of_run in samples:
-        given = {path: values[run] for path, values in inputs.items() if path in known}
+        given = {path: values[run] for path, values in inputs.items()}
         expected, found = known | given, variable(scene_of_run)
         if expected.keys() != found.keys() or not all(isclose(found[key], expected[key]) for key in expected):
             raise InputError("", "what varies has an effect on other numbers")
-    columns = np.array([values for path, values in inputs.items() if path in known])
-    fit = np.all((columns >= SMALLEST) & (columns <= LARGEST), axis=0) & np.ones(len(table.done), bool)
+    columns = np.array([*inputs.values()])
+    fit = np.all((columns >= SMALLEST) & (columns <= LARGEST), axis=0)
+    if not fit.any():
+        raise InputError("", "no values that copies take")
     found = many_runs(task.prepared.description, {path: values[fit] for path, values in inputs.items()}, task.tol)
     if found.estimate > task.tol:
         raise InputError("solver.tol", f"the estimated error is {found.estimate:.1g} side by side")
@@ -168,5 +168,4 @@ def batches(task: Task, found: ManyRuns, rows: NDArray, copies: NDArray) -> Iter
     for k in range(0, len(rows), CHUNK):
         mine = slice(k, k + CHUNK)
         kept = task.keep.of_copies(found, copies[mine])
-        done = np.flatnonzero(kept[ESTIMATE] <= (task.tol or 0.0))  # the others are run one at a time
-        yield rows[mine], Batch(done.tolist(), {name: array[done] for name, array in kept.items()}, {}, 0.0)
+        yield rows[mine], Batch([*range(len(rows[mine]))], kept, {}, 0.0)

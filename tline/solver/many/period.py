@@ -5,7 +5,6 @@ period are edges of slabs, every wave is smooth in every slab of every copy, for
 the last axis of all arrays: they are side by side in memory, so that they are advanced together.
 """
 
-from collections.abc import Sequence
 from math import ceil, inf
 
 import numpy as np
@@ -15,35 +14,16 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Shape
-from tline.solver.many.copies import Copies
-from tline.solver.many.nodes import Varying, value
 from tline.solver.radau import Basis
 
 Floats = NDArray[np.float64]
 MOST_BREAKS = 12
 
 
-def breaks_of(description: Description, copies: Copies) -> Floats:
-    """Instants after t = 0 at which waveforms jump or bend, s, shape (breaks, copies), or (breaks, 1) if all alike.
-
-    Copies with fewer of them have zeros in their place.
-    """
-    t_end, drives = description.t_end, [pair for junction in copies.junctions for pair in junction.drives]
-    laws = [junction.law for junction in copies.junctions if junction.law is not None]
-    waveforms = [shape for shape, _ in drives] + [law.control for law in laws]
-    waveforms += [law.beyond for law in laws if law.beyond is not None]
-    found: list[NDArray] = [np.zeros((0, 1))]
-    for waveform in waveforms:
-        alone = isinstance(waveform, Shape)
-        each = [shape.breaks(t_end) for shape in ([waveform] if alone else waveform)]
-        each = [np.unique(instants[(instants > 0) & (instants < t_end)]) for instants in each]
-        most = max(map(len, each))
-        found.append(np.transpose([np.pad(instants, (most - len(instants), 0)) for instants in each]))
-    if len({part.shape[1] for part in found}) > 1:
-        found = [np.broadcast_to(part, (len(part), len(copies.unit))) for part in found]
-    instants = np.vstack(found)
-    if instants.shape[1] == 1:
-        instants = np.unique(instants)[:, None]
+def breaks_of(description: Description) -> Floats:
+    """Instants after t = 0 at which a waveform jumps or bends, s."""
+    instants = np.unique(np.concatenate([np.empty(0), *description.breaks]))
+    instants = instants[(instants > 0) & (instants < description.t_end)]
     if len(instants) > MOST_BREAKS:
         problem = "their waveforms have too many jumps and corners for many runs"
         raise InputError("sources", problem, f"at most {MOST_BREAKS}", f"{len(instants)}")
@@ -53,14 +33,14 @@ def breaks_of(description: Description, copies: Copies) -> Floats:
 def front_places(breaks: Floats, unit: Floats) -> Floats:
     """Places at which fronts pass nodes, from the begin of a period to its end, as shares, shape (fronts, copies).
 
-    Breaks leave at instants, s, shape (breaks,) or (breaks, copies); `unit` is the period of each copy, s.
+    Breaks leave at instants, s; `unit` is the period of each copy, s.
 
     Examples
     --------
     >>> front_places(np.array([1.0, 4.5]), np.array([2.0, 3.0])).T.round(3).tolist()
     [[0.0, 0.25, 0.5, 1.0], [0.0, 0.333, 0.5, 1.0]]
     """
-    places = np.reshape(breaks, (len(breaks), -1 if len(breaks) else 1)) / unit % 1.0
+    places = breaks[:, None] / unit % 1.0
     places = np.sort(np.where((places < EDGE) | (places > 1 - EDGE), 0.0, places), axis=0)
     return np.vstack([np.zeros(len(unit)), places, np.ones(len(unit))])
 
@@ -83,17 +63,12 @@ def slab_edges(fronts: Floats, parts: int, growth: float) -> Floats:
     count = widest * parts if growth == 1 else np.log1p(widest * (growth**parts - 1)) / np.log(growth)
     count = np.maximum(np.ceil(count - EDGE).astype(int), 1)
     parted = [np.cumsum(growth ** np.arange(n)) for n in count]
-    return cut(fronts, [np.concatenate([[0.0], ends / ends[-1]]) for ends in parted])
-
-
-def cut(fronts: Floats, shares: Sequence[Floats]) -> Floats:
-    """Edges of slabs from front to front at shares, 0 to 1, of the way to the next one; shape (slabs + 1, copies)."""
-    each = zip(fronts[:-1], np.diff(fronts, axis=0), shares, strict=True)
-    return np.vstack([*(begin + width * share[:-1, None] for begin, width, share in each), fronts[-1:]])
+    cuts = [np.concatenate([[0.0], ends[:-1] / ends[-1]])[:, None] for ends in parted]
+    return np.vstack([*(a + b * cut for a, b, cut in zip(fronts[:-1], width, cuts, strict=True)), fronts[-1:]])
 
 
 def driven_waves(
-    drives: list[list[tuple[Varying, Floats]]], order: Basis, unit: Floats, edges: Floats, n: int, t_end: float
+    drives: list[list[tuple[Shape, Floats]]], order: Basis, unit: Floats, edges: Floats, n: int, t_end: float
 ) -> Floats:
     """Sources' parts of Thévenin waves at all points of n periods, or of fewer, of which the last one repeats.
 
@@ -101,9 +76,8 @@ def driven_waves(
     1, B), waves (batches, nodes, periods, slabs, s, B).
     """
     shapes = [waveform for parts in drives for waveform, _ in parts]
-    alike = [shape for shape in shapes if isinstance(shape, Shape)]
-    last = max((float(shape.breaks(t_end).max(initial=0.0)) for shape in alike), default=0.0)
-    if len(alike) == len(shapes) and all(_settled(shape, last, t_end) for shape in alike):
+    last = max((float(shape.breaks(t_end).max(initial=0.0)) for shape in shapes), default=0.0)
+    if all(_settled(shape, last, t_end) for shape in shapes):
         n = min(n, ceil(last / unit.min()) + 1)
     start, width = edges[:, None, :-1, None], np.diff(edges, axis=1)[:, None, :, None]
     unit, period = unit[:, None, None, None], np.arange(n)[:, None, None, None]
@@ -112,7 +86,7 @@ def driven_waves(
     waves = np.zeros((len(t), len(drives), *t.shape[1:]))
     for k, parts in enumerate(drives):
         for shape, share in parts:
-            waves[:, k] += share[:, None, None, None] * value(shape, t, inside)
+            waves[:, k] += share[:, None, None, None] * shape.value(t, inside)
     return waves
 
 

@@ -1,6 +1,6 @@
 """Copies of a network advanced abreast: lines carry waves, nodes scatter them, as in the kernel of single runs.
 
-Values of waves at given instants, and differences of two orders.
+Values of waves at given instants.
 """
 
 from typing import NamedTuple
@@ -14,28 +14,13 @@ from tline.compiled.structure import (
     Floats4,
     Floats5,
     Integers,
-    Integers2,
 )
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import TINY
-from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.peaks import fill, powers
 
 AT_SLAB_END = 1e-9  # of a period; an instant this near to a slab's end is its end
 NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
-
-
-class LawsOfCopies(NamedTuple):
-    """Elements whose flow is no linear function of the effort across them, in B copies; one at a node at most."""
-
-    row: Integers  # (N,) that at a node, or -1
-    unit: Integers  # (rows,) addresses
-    sign: Floats  # (rows,) 1 if its flow counts out of the node, else -1
-    control_row: Integers  # (rows,) row of the drive that is its control signal
-    beyond_row: Integers  # (rows,) and the effort at its other end, or -1
-    at: Integers2  # (rows, B) place of its first constant
-    impedance: Floats2  # (rows, B) of its node
-    crossing: Crossing  # with room for the s points of a slab
 
 
 class CopiesRun(NamedTuple):
@@ -49,25 +34,24 @@ class CopiesRun(NamedTuple):
     record_row: Integers  # (2 L,) row in the record of an end, or -1
     weight: Floats2  # (2 L, B) share of an arriving wave in the Thévenin wave
     maps: Floats5  # (rows, K, s + n, s + n, B) by columns
-    drive: Floats5  # (rows, periods, K, s, B), the last goes on: of nodes, then control signals, then efforts beyond
+    drive: Floats5  # (rows, periods, K, s, B), the last goes on
     record: Floats5  # (rows, 2, n K, s, B) efforts and arriving waves of n periods
     offset: Integers  # (L + 1,) first period of a line's two buffers
     waves: Floats4  # (periods, K, s, B) all buffers
     states: Floats3  # (rows, n, B)
-    arriving: Floats2  # (2 L, B) waves before t = 0
-    laws: LawsOfCopies
     u: Floats2  # (s + n, B) Thévenin waves and states of a slab, then efforts
     out: Floats2  # (s + n, B)
 
 
 @unit
 def advance_copies(run: CopiesRun, n_periods: int) -> int:
-    """Advance all copies by n periods, and record them."""
+    """Advance all copies by n periods from rest, and record them."""
     first, ends, u, record, s = run.first, run.ends, run.u, run.record, run.waves.shape[2]
-    for end in range(ends.size):
-        for slot in range(run.delay[end >> 1]):
-            for slab in range(run.waves.shape[1]):
-                fill_alike(run.waves[due(end, run.delay, run.offset, slot), slab], run.arriving[end])
+    for place in range(run.waves.shape[0]):
+        for slab in range(run.waves.shape[1]):
+            clear(run.waves[place, slab], s)
+    for r in range(run.states.shape[0]):
+        clear(run.states[r], run.states.shape[1])
     for period in range(n_periods):
         driven = min(period, run.drive.shape[1] - 1)
         for node in range(first.size - 1):
@@ -81,8 +65,6 @@ def advance_copies(run: CopiesRun, n_periods: int) -> int:
                     gather_abreast(u, run.waves[due(ends[i], run.delay, run.offset, period), slab], run.weight[i])
                 if r >= 0:
                     respond_abreast(run.maps[r, slab], run.states[r], u, run.out)
-                if run.laws.row[node] >= 0:
-                    pass_abreast(run.laws, run.laws.row[node], run.drive[:, driven, slab], u, s)
                 for i in range(first[node], first[node + 1]):
                     arrived = run.waves[due(ends[i], run.delay, run.offset, period), slab]
                     row = run.record_row[ends[i]]
@@ -99,28 +81,6 @@ def clear(values, rows):
     for j in range(rows):
         for c in range(values.shape[1]):
             values[j, c] = 0.0
-
-
-@function
-def fill_alike(waves, arriving):
-    """Set all points to one value, for all copies."""
-    for j in range(waves.shape[0]):
-        for c in range(waves.shape[1]):
-            waves[j, c] = arriving[c]
-
-
-@function
-def pass_abreast(laws, row, drive, u, s):
-    """Turn the Thévenin waves of one slab into efforts through an element, for all copies."""
-    crossing, sign, beyond, signal = laws.crossing, laws.sign[row], laws.beyond_row[row], drive[laws.control_row[row]]
-    for c in range(u.shape[1]):
-        z = laws.impedance[row, c]
-        for j in range(s):
-            other = drive[beyond, j, c] if beyond >= 0 else 0.0
-            crossing.v[j], crossing.control[j] = sign * (u[j, c] - other), signal[j, c]
-        invoke(laws.unit[row], (crossing, laws.at[row, c], s, z))
-        for j in range(s):
-            u[j, c] -= sign * z * crossing.flow[j]
 
 
 @function
@@ -218,49 +178,3 @@ def find_values(sought: Values) -> int:
                 fill(waves[row, period * parts + k], c, 1.0, sought.to_powers, sought.coef)
                 sought.found[row, c, i] = powers(sought.coef, 2.0 * x - 1.0)[0] if t[i] > 0.0 else 0.0
     return 0
-
-
-class Apart(NamedTuple):
-    """Records of two orders on the same slabs, in B copies and periods of K slabs."""
-
-    coarse: Floats5  # (ends, 2, n K, s, B) efforts and arriving waves
-    fine: Floats5
-    to_fine: Floats2  # (points of the finer, points of the coarser)
-    slabs: Integers  # (B,) those that begin before the end
-    most: Floats4  # (ends, 3, K, B) differences of efforts, and of flows times z0, and these
-    work: Floats2  # (2, B)
-
-
-@unit
-def find_apart(runs: Apart) -> int:
-    """Find the largest differences at the points of the finer order."""
-    coarse, fine, most = runs.coarse, runs.fine, runs.most
-    ends, _, slabs, points, copies = fine.shape
-    u, w = runs.work[0], runs.work[1]
-    for row in range(ends):
-        for kind in range(most.shape[1]):
-            clear(most[row, kind], most.shape[2])
-        for slab in range(slabs):
-            place = slab % most.shape[2]
-            for j in range(points):
-                for c in range(copies):
-                    u[c], w[c] = -fine[row, 0, slab, j, c], -fine[row, 1, slab, j, c]
-                for k in range(coarse.shape[3]):
-                    share = runs.to_fine[j, k]
-                    for c in range(copies):
-                        u[c] += share * coarse[row, 0, slab, k, c]
-                        w[c] += share * coarse[row, 1, slab, k, c]
-                for c in range(copies):
-                    if slab < runs.slabs[c]:
-                        flow = abs(fine[row, 1, slab, j, c] - fine[row, 0, slab, j, c])
-                        raise_one(most[row, 0, place], c, abs(u[c]))
-                        raise_one(most[row, 1, place], c, abs(w[c] - u[c]))
-                        raise_one(most[row, 2, place], c, flow)
-    return 0
-
-
-@function
-def raise_one(most, c, value):
-    """Raise the largest value of a copy to another; NaN persists."""
-    if value > most[c] or value != value:
-        most[c] = value
