@@ -129,17 +129,16 @@ class Prepared:
         if halved:
             left = SLOWEST
         elif len(told) > 1:
-            left = min(SLOWER * told[-1] / told[-2], SLOWEST)
+            left = min(SLOWER * (told[-1] / told[-2]) ** (1 / max(order - attempts[-3].order, 1)), SLOWEST)
         spare = known is not None and told and told[-1] <= ROOM * tol * left and not halved
         self.starts[tol] = Start(order - 1 if spare else order, left, halved, told[-1] if told and not spare else inf)
 
 
 def _is_ladder(attempts: Sequence[Attempt]) -> bool:
-    """Whether each run had a higher order than the one before, or half its slab, or both."""
-    return len(attempts) > 1 and all(
-        (b.order, b.slab) != (a.order, a.slab) and b.order - a.order in (0, 1) and b.slab in (a.slab, a.slab / 2)
-        for a, b in pairwise(attempts)
-    )
+    """Whether each run had a higher order than the one before, or narrower slabs, or both."""
+    finer = (b.order >= a.order and b.slab <= a.slab and (b.order, b.slab) != (a.order, a.slab)
+             for a, b in pairwise(attempts))  # fmt: skip
+    return len(attempts) > 1 and all(finer)
 
 
 def _restored(scene: Scene, starts: Mapping[float, Start], fixed: bool) -> Prepared:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from math import log2
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ SMALLEST_ESTIMATE = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # relative to the largest amplitude of all probes; smaller amplitudes are rounding
 SILENT = 1e-9  # relative to the larger of u and z0·y; errors of a smaller amplitude count as zero
 BETWEEN = 1.5  # ratio of the largest difference at any instant to that at the places compared
-BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the previous difference; a step that leaves less resolves every decay
+BY_ORDER, BY_SLAB = 0.2, 0.5  # shares of the previous difference, by order and halving; less resolves every decay
 STEPS = 2  # consecutive steps that must do so: two runs may agree by accident
 ROUNDED = 1e-13  # relative to the amplitude; smaller differences are rounding
 
@@ -119,7 +120,8 @@ def magnified(description: Description, coarse: Result, fine: Result, steps: Seq
     """
     if steps[-1] <= ROUNDED:
         return 1.0
-    most = BY_SLAB if fine.resolution.h < coarse.resolution.h else BY_ORDER
+    one, other = coarse.resolution, fine.resolution
+    most = BY_SLAB ** log2(one.h / other.h) if other.h < one.h else BY_ORDER ** max(other.s - one.s, 1)
     last = steps[-STEPS - 1 :]
     if len(last) > 1 and all(after <= most * before for before, after in pairwise(last)):
         return 1.0

@@ -181,14 +181,15 @@ class Grids(ABC):
 class Ladder:
     """The runs so far, and the best of them.
 
-    `last` is the finest run, `told` its errors after the last step, and `helps` whether that converged; `stale` counts
+    `last` is the finest run, `told` its errors after the last step, and `helps` whether that converged, which left the
+    share `left` of the difference before; `stale` counts
     halvings of the slab in a row without gain; `best` is the result.
     """
 
     def __init__(self, grids: Grids, first: Result):
         self._grids, self.search = grids, grids.search
         self.last, self.helps, self.stale, self.attempts = first, True, 0, [Attempt.of(first)]
-        self.told, self.differences = Accuracy(self.search.tol), []
+        self.told, self.differences, self.left = Accuracy(self.search.tol), [], inf
         self.best, self._accuracy, self._steps = first, self.told, [self.told]
         self._pair = None
 
@@ -215,10 +216,10 @@ class Ladder:
             self._pair = step.differences and (self.last, finer, self.search.tol, [*self.differences])
         self._steps.append(steps)
         self.differences += [step.differences] if step.differences else []
-        blind, left = finer.resolution.blind, gained(*self._steps[-2:])
-        self.helps = not blind and left <= HELPS
+        blind, self.left = finer.resolution.blind, gained(*self._steps[-2:])
+        self.helps = not blind and self.left <= HELPS
         narrowed = finer.resolution.h < self.last.resolution.h
-        self.stale = self.stale + 1 if narrowed and not blind and left >= 1.0 else 0
+        self.stale = self.stale + 1 if narrowed and not blind and self.left >= 1.0 else 0
         self.last = finer
 
     def limit(self) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
-from math import inf, log, log10
+from math import ceil, inf, log, log10
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
@@ -12,10 +12,14 @@ from tline.solver.description.slab import cell_of, cells_in
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.tolerance.kinks import Cuts
-from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
+from tline.solver.tolerance.ladder import FORETOLD, Grids, Ladder, Search, Start, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
 DIGITS = 3  # digits of the tolerance per order of the first run, beyond three
+FINE, CHEAP = 1e-4, 1e5  # a tolerance, and line-end samples that take little longer than the call, below which
+HIGHER = 2  # the first order is higher by this
+AHEAD, EACH_ORDER = 4, 0.1  # orders in one step, at most; share of a difference that an order leaves, if unknown
+ROUGH = 1e-2  # larger errors beside laws tell nothing of the order: slabs are quartered
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
 FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
 MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
@@ -28,7 +32,7 @@ MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
 
-State = tuple[bool, bool, bool, bool]
+State = tuple[bool, bool, bool, bool, bool, int]
 
 
 NOWHERE = Start(0, SLOWEST)
@@ -111,12 +115,34 @@ class Orders(Grids):
         layered = last.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
         follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
         parts = cuts.halved(last)
-        helped, differ = (ladder.helps or layered) and not cuts.governed, parts.differ or cuts.governed
-        chosen = self.grids.send((helped, layered, ladder.told.met, differ))
+        differ, (rough, orders) = parts.differ or cuts.governed, self._predicted(ladder)
+        rough = rough and not differ
+        helped = (ladder.helps or layered) and not (cuts.governed or rough)
+        chosen = self.grids.send((helped, layered, ladder.told.met, differ, rough, orders))
         layers = FOLLOWED * self.search.tol if follow else 0.0
         return self.search.run(
             chosen._replace(layers=layers), cuts.ahead(last, parts, chosen, ladder.compared > 0), cuts.places
         )
+
+    def _predicted(self, ladder: Ladder) -> tuple[bool, int]:
+        """Whether laws bend waves in slabs so wide that higher orders tell nothing, and orders of the next step.
+
+        These lead to the run whose error should be within the tolerance, if the last step was one of the order alone or
+        quartered slabs, no law kinks, no line remembers, and runs do not take long; else it is one.
+        """
+        told, wanted, cheap = ladder.told.worst, CLEAR * self.search.tol, CHEAP if ladder.compared == 1 else FORETOLD
+        one, last = ladder.attempts[-2:] if ladder.compared else 2 * [ladder.attempts[-1]]
+        by = one.slab / last.slab
+        plain = not (self.cuts.kinked or self.search.description.dispersive)
+        if not plain or last.samples > cheap or not (one.order < last.order or by > 2):
+            return False, 1
+        if by > 2:
+            return False, AHEAD if told > wanted * by**last.order else 1
+        if self.cuts.elements and told > ROUGH:
+            return True, 1
+        left = ladder.left if ladder.compared > 1 else EACH_ORDER
+        known = by == 1 and ladder.helps and 0 < left < 1 and wanted < told < inf
+        return False, min(max(ceil(log(wanted / told) / log(left)) - 1, 1), AHEAD) if known else 1
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met, as far as is known how fast runs converge.
@@ -157,6 +183,10 @@ class Orders(Grids):
         given = description.scene.solver
         s = given.order or self.start.order or first_order(tol)
         chosen = resolution(description, s, sections=sections, settle=self.settle)
+        samples = 2 * len(description.lines) * description.t_end / chosen.h * (s + HIGHER)
+        free = not (given.order or self.start.order or sections or description.dispersive or self.cuts.kinked)
+        if free and tol < FINE and samples <= CHEAP:
+            s, chosen = s + HIGHER, chosen._replace(s=s + HIGHER)
         if halved and given.slab is None and not sections:
             chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)
         h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
@@ -165,7 +195,9 @@ class Orders(Grids):
         crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
         same = JOINED * tol if crowded else 0.0
         while True:
-            helped, layered, met, stay = yield chosen._replace(same=same, cell=cell, fit=fit, exact=exact)
+            helped, layered, met, stay, rough, orders = yield chosen._replace(
+                same=same, cell=cell, fit=fit, exact=exact
+            )
             narrow = description.dispersive and not cell  # no order makes up for cells
             cell = cell / 2 if cell >= LEAST_CELL * h else 0.0
             same *= FINER  # so that the difference of two runs shows errors by joining in the first
@@ -176,9 +208,9 @@ class Orders(Grids):
                     raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
             last = LAST_BEHIND if layered else LAST
             if given.order is None and s < last and (helped or fixed) and not narrow:
-                s += 1
+                s = min(s + orders, last)
             elif not fixed:
-                h /= 2
+                h /= 4 if rough else 2
                 s += stay and given.order is None and s < last and not narrow
             else:
                 return
