@@ -50,6 +50,11 @@ class Basis:
             series[: k + 1, k] = legendre.leg2poly(np.eye(self.s)[k, : k + 1])
         return series @ self.to_legendre
 
+    @cached_property
+    def begin(self) -> Matrix:
+        """From values at the points to that at the begin of the slab, shape (s,)."""
+        return self.evaluation([0.0])[0]
+
     def restriction(self, start: float, end: float) -> Matrix:
         """Matrix to the values, at the Radau points of the part [start, end], of the same polynomial."""
         return self.evaluation(start + (end - start) * self.c)

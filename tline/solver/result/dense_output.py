@@ -102,7 +102,7 @@ def _tail(wave: Wave) -> NDArray:
 
 
 def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
-    first = wave.basis.evaluation([0.0])[0]
+    first = wave.basis.begin
     starts, begins = np.append(wave.values @ first, wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
     starts[wave.pieces.slab[begins]] = wave.pieces.values[begins] @ first
     return starts, wave.at_slab_ends()
@@ -143,7 +143,7 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
 
     Slabs are sampled; around the highest values, or parabolas through three of them, the polynomials are searched.
     """
-    if (waves := _in_whole_slabs(probe)) is not None:
+    if (waves := _at_end(probe)) is not None:
         return _of_polynomials(probe, key, *waves)
     seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
     what, z0, noise = quantity(key), probe.record.z0, NOISE * float(max(abs(seen.a).max(), abs(seen.b).max()))
@@ -154,38 +154,55 @@ def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[f
     return low, high
 
 
-def _in_whole_slabs(probe: ProbeResult) -> tuple[Wave, Wave] | None:
-    """Waves at an end of a line, as drawn; None if some slab is in pieces."""
-    waves, record, n = probe.waves, probe.record, probe.slabs.number
-    if probe.share not in (0.0, 1.0) or any(len(wave.pieces.slab) or len(wave.values) != n for wave in waves):
+def _at_end(probe: ProbeResult) -> tuple[Wave, Wave] | None:
+    """Waves at an end of a line, as drawn; None elsewhere, or if their slabs are not in the same pieces."""
+    (a, b), record = probe.waves, probe.record
+    ours, theirs = a.pieces, b.pieces
+    if probe.share not in (0.0, 1.0) or any(len(wave.values) != probe.slabs.number for wave in (a, b)):
+        return None
+    if len(ours.slab) != len(theirs.slab) or not np.array_equal(ours.slab + ours.span.T, theirs.slab + theirs.span.T):
         return None
     largest = ROUGH * _span(record) if record.smeared else np.inf
-    a, b = (_bridged(wave, largest) if record.smeared else wave for wave in waves)
-    return a, b
+    return (_bridged(a, largest), _bridged(b, largest)) if record.smeared else (a, b)
+
+
+def _polynomials(a: Wave, b: Wave) -> tuple[NDArray, NDArray, NDArray]:
+    """Edges of the pieces of two waves, in slabs, and the values of both at their points."""
+    pieces, whole = a.pieces, np.arange(len(a.values))
+    if not len(pieces.slab):
+        return np.arange(len(whole) + 1.0), a.values, b.values
+    whole = np.delete(whole, pieces.slab)
+    begin = np.append(whole, pieces.slab + pieces.span[:, 0])
+    order = np.argsort(begin, kind="stable")
+    one, other = (np.concatenate([wave.values[whole], wave.pieces.values])[order] for wave in (a, b))
+    return np.append(begin[order], len(a.values)), one, other
 
 
 def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Extremes of a quantity that is one polynomial in each slab, and the instants when they are first reached."""
+    """Extremes of a quantity that is one polynomial in each piece, and the instants when they are first reached."""
     from tline.solver.kernel.peaks import extremes as search
     from tline.solver.kernel.peaks import find_extremes
 
     slabs, what, z0, order = probe.slabs, quantity(key), probe.record.z0, a.basis
-    values = [np.append(wave.before, wave.values) for wave in (a, b)]
+    edges, *both = _polynomials(a, b)
+    values = [np.append(wave.before, each) for wave, each in zip((a, b), both, strict=True)]
     noise = NOISE * max(float(abs(each).max()) for each in values)
     bounds = Bounds(noise, noise / z0, z0, probe.height.per_metre, *(2 * [noise / NOISE]))
     seen = np.asarray(what.of(probe._samples(np.empty(0), *values)))
     nothing = what.error(bounds)
     seen[np.abs(seen) <= nothing] = 0.0
     first, seen = float(seen[0]), seen - seen[0]  # the search expects a signal that begins at zero
-    wave, end, found = seen[1:].reshape(slabs.number, -1, 1), slabs.whole + slabs.rest, np.empty((4, 1))
-    job = search(wave, np.ones(1), np.array([[0.0], [1.0]]), end, order.c, order.to_powers, found)
+    wave, end, found = seen[1:].reshape(len(edges) - 1, -1, 1), slabs.whole + slabs.rest, np.empty((4, 1))
+    job = search(wave, edges[-1:], edges[:, None] / edges[-1], end, order.c, order.to_powers, found)
     find_extremes(pack(job))
-    near, start, there = TIE * (found[2, 0] - found[0, 0]), order.evaluation([0.0]), []
-    for (value, at), top, sign in zip(found.reshape(2, 2).tolist(), job.top[:, : slabs.whole, 0], (-1, 1), strict=True):
+    near, there, count = TIE * (found[2, 0] - found[0, 0]), [], int(np.searchsorted(edges, slabs.whole))
+    for (value, at), top, sign in zip(found.reshape(2, 2).tolist(), job.top[:, :count, 0], (-1, 1), strict=True):
         least = sign * value - near
-        if (k := int(np.argmax(top >= least))) < at and top[k] >= least:  # of as large ones the first
-            here = np.append(start @ wave[k, :, 0], wave[k, :, 0])
-            at = min(at, k + float(np.append(0.0, order.c)[np.argmax(sign * here >= least)]))
+        k = int(np.argmax(top >= least)) if count else 0
+        if count and edges[k] < at and top[k] >= least:  # of as large ones the first
+            here = np.append(order.begin @ wave[k, :, 0], wave[k, :, 0])
+            place = float(np.append(0.0, order.c)[np.argmax(sign * here >= least)])
+            at = min(at, float(edges[k] + (edges[k + 1] - edges[k]) * place))
         value = value + first if abs(value + first) > nothing else 0.0
         there.append((value, slabs.width * (min(at, end) if least > 0.0 else 0.0)))
     return there[0], there[1]
