@@ -13,7 +13,7 @@ EXAMPLES = """\b
 Examples:
   tline frequency cable.toml --from "1 MHz" --to "1 GHz" --plot bode.png --csv response.csv
   tline frequency cable.toml --ports near --z0 50 --save port.s1p
-  tline frequency pair.toml --ports a1,a2,b1,b2 --mixed --z0 50 --save modes.csv
+  tline frequency scenes/skin_pair.toml --ports driver,near,receiver,far --mixed --z0 50 --save modes.csv
   tline frequency network.toml --source pump --to "20 Hz" --points 2001
 """
 FILES = {
