@@ -104,7 +104,7 @@ def drained(result: Result) -> dict[str, tuple[float, float]]:
     """
     valves = {place(*at): x.at for at, x in result.scene.placed if isinstance(x, AirValve)}
     volumes = defaultdict[str, float](float)
-    for line in result.scene.single_lines.values():
+    for line in result.scene.single_lines.values() if valves else ():
         area, length = (getattr(line.parameters, key, None) for key in ("area", "length"))
         for node in line.nodes:
             volumes[node] += inf if area is None or length is None else float(area * length)
