@@ -179,10 +179,17 @@ class Mechanism:
         found, slides, parts = run.events[: run.counts[2]], np.zeros(len(self.owners)), np.array(self.owners)
         if parts.size == len(set(self.owners)):
             return found
-        whole, rows = np.zeros(parts.size), list[tuple[float, ...]]()
+        for before, _, _, _, j in found[::-1].tolist():
+            slides[int(j)] = before
+
+        def together(owner: int) -> float:
+            mine = slides[parts == owner]
+            return float(mine[0]) if np.all(mine == mine[0]) else 0.0
+
+        whole, rows = [together(owner) for owner in range(max(self.owners) + 1)], list[tuple[float, ...]]()
         for _, after, t, x, j in found.tolist():
             slides[int(j)], owner = after, self.owners[int(j)]
-            now = after if np.all(slides[parts == owner] == after) else 0.0
+            now = together(owner)
             if now != whole[owner]:
                 rows.append((whole[owner], now, t, x, owner))
             whole[owner] = now

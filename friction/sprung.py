@@ -51,18 +51,21 @@ class Sprung(Parameters):
         Raises
         ------
         InputError
-            It takes more than 5 million legs.
+            It takes more than 5 million legs, or more than 4096 lie within one lag.
         """
         from friction.kernel.automaton import automaton
-        from friction.kernel.law import DONE
+        from friction.kernel.law import DONE, STALLED
         from friction.kernel.signals import Inputs
-        from friction.mechanism import Mechanism
+        from friction.mechanism import MOST_PAST, Mechanism
 
         m = Mechanism()
         f_f, _ = m.contact(self, m.input())
         power = np.ascontiguousarray(motion.cubic[:, None, :])
         run = m.prepared(times, [f_f], Inputs(motion.start, power, *motion.sine), t_end=t_end)
-        if automaton(pack(run), MOST_LEGS) != DONE:
+        status = automaton(pack(run), MOST_LEGS)
+        if status == STALLED:
+            raise InputError("model.lag", "the motion has too many pieces within it", f"at most {MOST_PAST:,}")
+        if status != DONE:
             raise InputError(
                 "t_end", "the motion takes too many steps", f"at most {MOST_LEGS:,}", f"more at {t_end:g} s"
             )

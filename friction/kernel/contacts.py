@@ -124,7 +124,7 @@ def look_back(run, j):
     """
     memory, late, lag, legs = run.memory[j], run.late[j], run.diagram.law[j, sig.LAG], run.counts[sig.LEGS]
     most, now = run.past_start.size, run.clock[sig.NOW]
-    at, read = now - lag, int(memory[sig.READ])
+    at, read = now - lag, max(int(memory[sig.READ]), legs - most)
     memory[sig.UNTIL] = inf
     if lag == 0.0:
         return
@@ -133,11 +133,14 @@ def look_back(run, j):
         for k in range(late.size):
             late[k] = 0.0
         return
+    if legs > most and run.past_start[read % most] > at + EARLY * now:
+        memory[sig.UNTIL] = -1.0
+        return
     while read + 1 < legs and run.past_start[(read + 1) % most] <= at + EARLY * now:
         read += 1
     memory[sig.READ] = read
     end = run.past_start[(read + 1) % most] if read + 1 < legs else now
-    memory[sig.UNTIL] = end - at if legs - read <= most else -1.0
+    memory[sig.UNTIL] = end - at
     shifted(run.past[read % most, j], at - run.past_start[read % most], late)
 
 

@@ -31,7 +31,7 @@ _BITS = 160, 1024, 4096, 16384  # of precision
 _LENGTHS = 24, 53, 120, 240, 480, 960, 1920, 3840, 7680, 15360  # of a witness, in bits
 _SURE = 1.5  # bits of precision for each neper that is lost on the way of a wave to the input and back
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
-_DISTANCES = (4, 8, 16, 32, 64, 128, 256, 512, 1024)  # binary, in parts of the modulus
+_DISTANCES = (4, 8, 16, 32, 64, 128, 256, 512, 1024, 4096, 16384)  # binary, in parts of the modulus
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 
 

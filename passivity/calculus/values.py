@@ -76,7 +76,8 @@ def in_floats(
     order = needed(graph, value[1]) if order is None else order
     spend((1 + len(order)) * (10_000 + 20 * s.size), "a search for a counterexample")
     with np.errstate(all="ignore"):
-        at = _Evaluation(graph, names, s, np.ones_like(s), lambda name, x: getattr(np, name)(x), double)
+        known = {name: np.float64(x) for name, x in names.items()}  # 1/0 is infinite
+        at = _Evaluation(graph, known, s, np.ones_like(s), lambda name, x: getattr(np, name)(x), double)
         return at.values([value], order)[0] * np.ones_like(s)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import friction as fr
 from friction import Armstrong, MaxwellSlip, Ramp, Sine, Spring, Status, Testbench, simulate
 from friction.mechanism import Mechanism
 
@@ -141,3 +142,22 @@ def test_elements_are_play_operators_of_the_place(seed):
     assert run.status is Status.DONE
     np.testing.assert_allclose(run.F_f, exact + 0.1 * run.v, atol=1e-4)  # turns lie between samples
     assert np.diff(run.W_f - run.stored).min() > -1e-12
+
+
+def test_velocity_a_lag_earlier_is_found_behind_thousands_of_legs():
+    """A table of 7000 pieces: it sticks in the first 6000, and slides steadily at last."""
+    law, v = Armstrong(F_c=1.0, F_s=1.5, F_v=0.2, v_s=0.05, sigma0=1e3, lag=0.01), 0.02
+    t = np.linspace(0.0, 7.0, 7001)
+    shaken = fr.Table(t, np.where(t < 6.0, 1e-6 * np.sin(40.0 * t), v * np.minimum(10.0 * (t - 6.0), 1.0)))
+    run = fr.prescribe(law, velocity=shaken, t_end=7.0, times=[7.0])
+    np.testing.assert_allclose(run.F_f, 1.0 + 0.2 * v + 0.5 / (1.0 + (v / 0.05) ** 2), rtol=1e-12)
+
+
+def test_a_dry_contact_beside_springs_begins_as_it_moves():
+    """It stops at v0 m/F_c, as alone, which is told."""
+    m = Mechanism()
+    v, w = m.state(1.0), m.state(0.0)
+    for law, of in ((fr.Coulomb(F_c=1.0), v), (LAWS["elements"], w)):
+        m.integrate(of, m.contact(law, of, m.input())[1])
+    _, _, changes = m.run(np.linspace(0.0, 2.0, 5), {"v": v}, places=[v, w], events=20)
+    np.testing.assert_allclose(changes, [[1.0, 0.0, 1.0, 0.0, 0.0]], atol=1e-12)

@@ -81,7 +81,8 @@ def test_crosstalk_of_the_pair_with_skin_effect():
             return (found[0] - found[1]) * ramp(s, 0.1e-9, 0.2e-9)
 
         wave[word] = in_time(difference, 8e-9)
-    probes = simulate(scene).probes
+    probes, notes = (result := simulate(scene)).probes, result.notes
+    assert not notes
     for word, (t, u) in wave.items():
         inside = t < 7.9e-9
         assert np.abs(probes[word].at(t[inside][::64]).u - u[inside][::64]).max() < 5e-4

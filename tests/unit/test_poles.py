@@ -25,6 +25,8 @@ from passivity.expression.number import written
         ("exp(-3*s)*(s+2)/(s-2)", Kind.BR),
         ("exp(-3*s)*(s+2)/(s-2)", Kind.PR),
         ("exp(-300*s)*(s+2)/(s-2)", Kind.BR),
+        ("exp(-3000*s)/(s-2)", Kind.BR),
+        ("1e-400*exp(-s)/(s-1)", Kind.BR),
         ("exp(-3*s)*(s+2)/(s-2)/1000 + 1", Kind.PR),
         ("1 + exp(-20*s)/(s^2 - 2*s + 5)", Kind.PR),
         ("1e-15*exp(-3*s)/(s^2 + 1)", Kind.BR),

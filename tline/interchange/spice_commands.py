@@ -64,7 +64,7 @@ def transient(cards: list[Card], frequencies: list[Card], path: str, found: Find
 def _without_run(card: Card, found: Findings) -> Transient:
     """A period of the lowest frequency, where only frequencies are asked for."""
     words, spread = card.words, bool(card.words) and card.words[0].lower() in ("dec", "oct", "lin")
-    if len(words) < 3 + spread:
+    if not (len(words) in (4, 5) if spread else len(words) > 2):
         expected = ".ac dec POINTS FROM TO, or FROM TO STEP"
         raise card.refuse("not a range of frequencies", expected, f"'{' '.join(words):.40}'")
     if spread:
@@ -74,8 +74,8 @@ def _without_run(card: Card, found: Findings) -> Transient:
         low, high = map(card.value, words[:2])
         least = card.value(words[2]) if len(words) == 3 else low
     if not 0 <= low <= high or min(least, high) <= 0:
-        expected = "FROM 0 or more, TO not below it"
-        raise card.refuse("its frequencies are not in order", expected, f"{low:g}, {high:g} Hz")
+        expected = "FROM 0 or more, TO not below it, points or a step above 0"
+        raise card.refuse("not a range of frequencies", expected, f"'{' '.join(words):.40}'")
     low = low or least
     first, last, period = engineering(low, "Hz"), engineering(high, "Hz"), engineering(1 / low, "s")
     advice = f'tline frequency SCENE.toml --from "{first}" --to "{last}"'

@@ -94,7 +94,7 @@ def accounts_of(description: Description) -> "Again | None":
     chosen = resolution(description)
     slabs = Slabs.until(description.t_end, chosen.h).number
     passed = sum(line.delay / chosen.h for line in description.lines.values() if line.losses is not None)
-    return Again(description.scene, chosen, slabs, {}, DEAR * chosen.s * slabs * passed, False)
+    return Again(description.scene, chosen, slabs, {}, DEAR * chosen.s * slabs * passed, bool(description.coupled))
 
 
 def _run(

@@ -112,7 +112,7 @@ class Convolved:
         return alone and straight and affordable(self.network)
 
     def follows(self, h: float) -> bool:
-        """Whether it is, on slabs of width h: laws move at edges of slabs, and not all else does."""
+        """Whether it is, on slabs of width h: laws move at edges, and meet fronts there if delays are whole slabs."""
         at = self.instants if self.aligned(h) else self.moves
         return self.layered and not leads(at / h).any()
 
