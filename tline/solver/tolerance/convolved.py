@@ -26,6 +26,7 @@ ORDER = 5
 CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
 ROUNDED = 1e-12  # slabs; the end of a slab is taken this far inside it
 LEAST_SHARE = 0.1  # smallest share of a difference that a step is assumed to leave
+MIXED_SHARE = 0.25  # the same of mixing conductors: wide slabs do not show the fronts that these smooth
 FIRST = 8  # fewest slabs in the shortest delay
 SETTLED, FINER = 0.02, 0.1  # of the tolerance: least change for which slabs beside fronts are halved; factor per run
 LEAST_LAYERS, MOST_NEAR = 1e-6, 20  # of the tolerance: least such change; most slabs of a width behind a front
@@ -109,7 +110,8 @@ class Convolutions(Grids):
             for name, probe in finer.probes.items()
         }
         found = Accuracy(self.search.tol, *relative(differences))
-        left = SLOWEST if self._bends(finer.resolution.h) else LEAST_SHARE
+        left = MIXED_SHARE if self.scene.network.bundles else LEAST_SHARE
+        left = SLOWEST if self._bends(finer.resolution.h) else left
         share = max(found.worst / self.off, left) if self.off < inf else self.share
         self.share, self.off = min(share, SLOWEST), found.worst
         by = BETWEEN * self.share / (1 - self.share)

@@ -34,7 +34,9 @@ ROUNDED = 1e-12  # of the largest wave; smaller values have no sign
 STILL = 1e-9  # of the largest wave; a smaller flow does not turn
 PLACES = np.array([1 / 16, 1 / 4])  # of cuts, from the end of a piece
 NEARER = 2.0  # times as near to a kink: the end that is meant
+ROUGHER = 100.0  # times the median of all pieces; where most are alike the order is too low for all
 MOST, CROWD = 20, 9  # slabs in which a piece is cut after one run; pieces in one that is cut no more
+FULL = 24  # cuts in a slab, at most: of more pieces waves would be smeared
 LEAST = 1e-9  # slabs; narrower pieces are not cut
 MOST_HALVED = 50_000  # pieces of an element; beyond, none is halved
 
@@ -81,10 +83,11 @@ class Cuts:
         kinks = kinks_of(last, self.kinked)
         if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
             self.layers = together(self.layers, middles_of(last, self.elements))
-        if not later:
-            return together(kinks, self.layers)
-        self.layers = together(self.layers, layers_of(last, self.elements, self._tol))
-        return {**together(kinks, self.layers), **turns_of(last, self._ends)}
+        if later:
+            self.layers = together(self.layers, layers_of(last, self.elements, self._tol))
+        self.layers = {where: _thinned(cuts / chosen.h) * chosen.h for where, cuts in self.layers.items()}
+        turns = turns_of(last, self._ends) if later else {}
+        return {**together(kinks, self.layers), **turns}
 
 
 def kinking(description: Description) -> list[PlacedLaw]:
@@ -123,12 +126,16 @@ def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kin
 
 
 def layers_of(result: Result, elements: Sequence[PlacedLaw], tol: float) -> Kinks:
-    """Instants at which to cut pieces whose last terms are beyond the tolerance, s."""
+    """Instants at which to cut pieces whose last terms are beyond the tolerance, and far beyond those of most, s."""
     found = {}
     for element in elements:
         into, rough = _roughness(result, element)
         slab = ((into.start + into.width / 2) / result.resolution.h).astype(int)
-        coarse = (rough > tol) & (np.bincount(slab)[slab] <= CROWD) & (into.width > LEAST * result.resolution.h)
+        coarse = (
+            (rough > max(tol, ROUGHER * np.median(rough)))
+            & (np.bincount(slab)[slab] <= CROWD)
+            & (into.width > LEAST * result.resolution.h)
+        )
         order = np.flatnonzero(coarse)[np.argsort(-rough[coarse])]
         worst = order[np.sort(np.unique(slab[order], return_index=True)[1])][:MOST]
         if len(worst):
@@ -171,12 +178,19 @@ def _roughness(result: Result, element: PlacedLaw) -> tuple[PiecewiseQuantity, N
 
 
 def _ends(result: Result, element: PlacedLaw, into: PiecewiseQuantity, these: NDArray) -> tuple[NDArray, NDArray]:
-    """Those of some pieces to be cut toward their start, and toward their end."""
+    """Pieces among some that are to be cut toward their start, and toward their end."""
     away = np.full((2, len(these)), np.inf)
     for bend in element.kind.bends(element.constants, result.elements[element.where].impedance):
         off = np.abs(_beyond(into, bend, element, result.resolution.s).values)
         away = np.minimum(away, [off[these, 0], off[these, -1]])
     return these[~(away[0] > NEARER * away[1])], these[~(away[1] > NEARER * away[0])]
+
+
+def _thinned(cuts: NDArray) -> NDArray:
+    """Every nth of ascending cuts in each slab, so that there are `FULL` at most."""
+    _, first, count = np.unique(cuts.astype(int), return_index=True, return_counts=True)
+    rank = np.arange(len(cuts)) - np.repeat(first, count)
+    return cuts[rank % np.repeat(-(-count // FULL), count) == 0]
 
 
 def together(one: Kinks, other: Kinks) -> Kinks:
