@@ -87,7 +87,7 @@ def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterato
         yield False, graph.product([value(p / common), value(q / common), rest], [1, -1, 1]), cut
 
 
-def _rooted(powers: dict[int, int], squares: dict[int, dict[int, int]]) -> dict[int, int]:
+def _rooted(powers: dict[int, Any], squares: dict[int, dict[int, Any]]) -> dict[int, Any]:
     """The powers with squares of roots in place of what is under these."""
     for root, inside in squares.items():
         for sign in (1, -1):

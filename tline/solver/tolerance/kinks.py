@@ -74,16 +74,17 @@ class Cuts:
         """Whether slabs of a run were in pieces at elements, which do not become narrower with the slabs."""
         return any(len(last.elements[where].wave.pieces.slab) for where in self.places)
 
-    def ahead(self, last: Result, chosen: Resolution, later: bool) -> Kinks:
+    def ahead(self, last: Result, chosen: Resolution, later: bool, stuck: bool) -> Kinks:
         """Instants at which slabs of the next run are cut: where laws kinked in the last one.
 
         Pieces are halved with their slabs if the order stays. With `later` also where flow turned at ends of recorded
-        lines with friction, and where layers were not resolved in any run.
+        lines with friction. Where a higher order did not help, the search is `stuck`, layers that the run does not
+        resolve are cut, and stay so.
         """
         kinks = kinks_of(last, self.kinked)
         if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
             self.layers = together(self.layers, middles_of(last, self.elements))
-        if later:
+        if stuck:
             self.layers = together(self.layers, layers_of(last, self.elements, self._tol))
         self.layers = {where: _thinned(cuts / chosen.h) * chosen.h for where, cuts in self.layers.items()}
         turns = turns_of(last, self._ends) if later else {}
