@@ -20,7 +20,8 @@ from typing import Any
 
 from tline.errors import InputError, MissingExtraError
 from tline.interchange import epanet_run
-from tline.interchange.water_network import Position
+from tline.interchange.positional_valves import as_throttles
+from tline.interchange.water_network import Position, Travel
 from tline.scene.text_file import LARGEST_FILE
 from tline.words.wording import shown
 
@@ -114,6 +115,7 @@ class EpanetText:
     controls: list[list[str]] = field(default_factory=list)  # words of the lines of controls
     positions: dict[str, Position] = field(default_factory=dict)  # of nodes
     vertices: dict[str, list[Position]] = field(default_factory=dict)  # of links
+    travels: dict[str, Travel] = field(default_factory=dict)  # of positional valves
 
 
 def read_text(path: str) -> str:
@@ -161,6 +163,7 @@ def parse(text: str, path: str) -> EpanetText:
             _sort(said, section, where, found, kept)
     if titles:
         found.title = "".join(c for c in titles[0] if c.isprintable())[:TITLE] or found.title
+    kept, found.travels = as_throttles(kept, path)
     found.network = "\n".join([*kept, "[TIMES]", "DURATION 0", "[OPTIONS]", "QUALITY NONE", "[REPORT]", "STATUS NO",
                                "[END]", ""])  # fmt: skip
     return found
