@@ -113,7 +113,7 @@ def test_the_command_reads_the_file_beside_its_network(study, folder, tmp_path):
     told = json.loads(done.stdout)["scenarios"]
     assert [each["name"] for each in told] == ["shut ease"]
     assert done.exit_code == (told[0]["pressure_class"] is None)
-    assert (tmp_path / "table.csv").read_text().startswith("scenario,rise [bar]")
+    assert (tmp_path / "table.csv").read_text().startswith("scenario,rise [bar],at,after [s],fall [bar]")
 
 
 def test_pipes_pumps_valves_and_nodes_in_turn():

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from networks import ring
 
+import tline as tl
+from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_network import WaterNetwork, friction_of
 from tline.scene.line import Pipe
@@ -117,3 +119,69 @@ def test_laminar_transitional_turbulent(tmp_path, drawn, low, high):
     pipe = network.pipes["pipe"]
     assert low < 4 * pipe.flow / (pi * pipe.diameter * network.viscosity) < high
     losses_agree(network)
+
+
+VALVE, COORDINATES, LIFTING = "ease a d 100 TCV 12 0", "[COORDINATES]", "lifting 90 75"
+LOOP = {"spare a b 700 100 120 0 Closed": "spare b d 700 100 120 0 Open"}
+CURVE = f"{LIFTING}\n kv 20 5\n kv 50 30\n kv 90 100"
+
+
+STATUS, CONTROL = "[STATUS]\n ease {}", "[CONTROLS]\n LINK ease {} AT TIME 1"
+RULE = """[RULES]
+ RULE 1
+ IF SYSTEM TIME > 9
+ AND VALVE ease STATUS IS OPEN
+ THEN PUMP duty STATUS IS CLOSED
+ ELSE VALVE ease SETTING = {}"""
+
+
+@pytest.mark.parametrize(
+    ("percent", "curve", "share", "others", "percent_then", "share_then"),
+    [
+        (40, "", 0.4, "", 40, 0.4),
+        (100, "", 1.0, "", 100, 1.0),
+        (10, "kv", 0.025, "", 10, 0.025),
+        (35, "kv", 0.175, "", 35, 0.175),
+        (0, "kv", 0.1, STATUS, 60, 0.3 + 0.7 / 4),
+        (35, "kv", 0.175, CONTROL, 25, 0.05 + 0.25 / 6),
+        (35, "", 0.35, RULE, 22, 0.22),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::tline.errors.LeftOutWarning")
+def test_positional_valves(tmp_path, percent, curve, share, others, percent_then, share_then):
+    """Lose what a throttle valve does whose K is that wide open over the square of the share, and say their opening."""
+    networks = []
+    for valve, then in (
+        (f"TCV {2.5 / share**2} 2.5", 2.5 / share_then**2),
+        (f"PCV {percent} 2.5 {curve}", percent_then),
+    ):
+        changes = {VALVE: f"ease a d 100 {valve}", COORDINATES: f"{others.format(then)}\n{COORDINATES}", LIFTING: CURVE}
+        networks.append(read_epanet(path := ring(tmp_path, changes=LOOP | changes), hour=2))
+    expected, found = networks
+    assert found.valves["ease"].flow == pytest.approx(expected.valves["ease"].flow, rel=1e-9)
+    for name, node in expected.nodes.items():
+        assert found.nodes[name].head == pytest.approx(node.head, rel=1e-9)
+    link = tl.read(path, hour=2, wave_speed=1000).links["ease"]
+    assert link.opening.level == pytest.approx(percent_then / 100, rel=1e-9)
+
+
+def test_a_positional_valve_at_nought_is_shut(tmp_path):
+    network = read_epanet(ring(tmp_path, changes={VALVE: "ease a d 100 PCV 0 2.5"} | LOOP))
+    assert (network.valves["ease"].flow, network.valves["ease"].share) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("setting", "others", "said"),
+    [
+        ("-1 2", "", "ease.*percentage.*-1"),
+        ("40 2 none", "", "curve 'none'"),
+        ("40 2 kv", "[CURVES]\n kv 95 90", "curve 'kv'.*rise to 100"),
+        ("40 2", "[STATUS]\n a z 40", "range of links"),
+        ("40 2", "[RULES]\n RULE 1\n IF VALVE ease SETTING > 2\n THEN PUMP duty STATUS IS OPEN", "how far"),
+        ("wide 2", "", "Error 202"),
+    ],
+)
+def test_positional_valves_that_are_not_translated(tmp_path, setting, others, said):
+    changes = {VALVE: f"ease a d 100 PCV {setting}", LIFTING: CURVE, COORDINATES: f"{others}\n{COORDINATES}"}
+    with pytest.raises(InputError, match=said):
+        read_epanet(ring(tmp_path, changes=changes))

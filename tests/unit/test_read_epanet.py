@@ -39,6 +39,13 @@ class TestWithWntr:
             file.write(padded)
         assert read_epanet(path) == whole
 
+    def test_what_epanet_2_3_writes_beside(self, tmp_path):
+        whole = read_epanet(ring(tmp_path))
+        newer = "[LEAKAGE]\n[CONTROLS]\n LINK spare OPEN AT TIME 0 Disabled\n[COORDINATES]"
+        assert read_epanet(ring(tmp_path, changes={"[COORDINATES]": newer})).pipes == whole.pipes
+        with pytest.raises(InputError, match="line 34: leakage along a pipe is not computed"):
+            read_epanet(ring(tmp_path, changes={"[COORDINATES]": "[LEAKAGE]\n ab 2 0.1\n[COORDINATES]"}))
+
     def test_open_links_and_their_nodes(self, tmp_path):
         network = read_epanet(ring(tmp_path))
         assert set(network.nodes) == {"lake", "suction", "lift", "a", "b", "c", "d", "tower"}

@@ -20,7 +20,8 @@ from typing import Any
 
 from tline.errors import InputError, MissingExtraError
 from tline.interchange import epanet_run
-from tline.interchange.water_network import Position
+from tline.interchange.positional_valves import as_throttles
+from tline.interchange.water_network import Position, Travel
 from tline.scene.text_file import LARGEST_FILE
 from tline.words.wording import shown
 
@@ -39,6 +40,7 @@ HELD = {"PATTERNS", "CONTROLS", "RULES"}
 LEFT = ("ROUGHNESS", "ENERGY", "QUALITY", "REACTIONS", "SOURCES", "MIXING", "REPORT", "LABELS", "BACKDROP",
         "TAGS")  # fmt: skip
 OWN = ("TITLE", "COORDINATES", "VERTICES", "OPTIONS", "TIMES", "END")
+NEWER = "LEAKAGE"  # section of EPANET 2.3, which writes it whether or not there is any
 # options and times by how EPANET tells them, from their first letters
 OPTIONS = ("UNIT", "PRES", "HEADL", "VISC", "SPEC", "CHECKF", "MAXCH", "DAMP", "PATT", "DEMA", "EMIT", "MINI", "REQU")
 OTHER_OPTIONS = ("HYDR", "QUAL", "MAP", "VERI", "SEGM", "DIFF", "TOLE", "TRIA", "ACCU", "UNBA", "HEADE", "FLOWC",
@@ -101,7 +103,7 @@ def _library() -> Path:
     return folder / "linux-x64" / "libepanet22.so"
 
 
-SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN)}
+SECTIONS = {name.rstrip("S"): name for name in (*GIVEN, *LEFT, *OWN, NEWER)}
 
 
 @dataclass
@@ -114,6 +116,7 @@ class EpanetText:
     controls: list[list[str]] = field(default_factory=list)  # words of the lines of controls
     positions: dict[str, Position] = field(default_factory=dict)  # of nodes
     vertices: dict[str, list[Position]] = field(default_factory=dict)  # of links
+    travels: dict[str, Travel] = field(default_factory=dict)  # of positional valves
 
 
 def read_text(path: str) -> str:
@@ -154,13 +157,14 @@ def parse(text: str, path: str) -> EpanetText:
             section = _section(said, where)
             if section == "END":
                 break
-            kept.append(f"[{section}]")
+            kept += [f"[{section}]"] if section != NEWER else []
         elif section == "TITLE":
             titles += [line.strip()] if line.strip() else []
         elif said:
             _sort(said, section, where, found, kept)
     if titles:
         found.title = "".join(c for c in titles[0] if c.isprintable())[:TITLE] or found.title
+    kept, found.travels = as_throttles(kept, path)
     found.network = "\n".join([*kept, "[TIMES]", "DURATION 0", "[OPTIONS]", "QUALITY NONE", "[REPORT]", "STATUS NO",
                                "[END]", ""])  # fmt: skip
     return found
@@ -174,11 +178,13 @@ def _sort(line: str, section: str | None, where: str, found: EpanetText, kept: l
     if section in LEFT:
         return
     words = _words(line, where)
+    if section == NEWER:
+        raise InputError(where, "leakage along a pipe is not computed", "emitters in place of it", shown(line))
     if section == "COORDINATES":
         found.positions[words[0]] = _position(words, where)
     elif section == "VERTICES":
         found.vertices.setdefault(words[0], []).append(_position(words, where))
-    elif _bears(section, words, where):
+    elif _bears(section, words, where) and not (section == "CONTROLS" and words[-1].upper().startswith("DISABLED")):
         kept.append(_joined(words, where))
         if section == "CONTROLS":
             found.controls.append(words)

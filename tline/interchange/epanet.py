@@ -1,7 +1,8 @@
 """Water networks from EPANET files, at the operating point that EPANET itself finds."""
 
 from collections.abc import Collection, Iterator, Mapping
-from math import inf, nan
+from dataclasses import replace
+from math import inf, nan, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,6 +10,7 @@ from tline.errors import InputError
 from tline.interchange.confined import EpanetText, parse, read_text, solved
 from tline.interchange.water_controls import water_controls
 from tline.interchange.water_network import (
+    EPANETS,
     FOOT,
     LEAST_DROP,
     STILL,
@@ -18,6 +20,7 @@ from tline.interchange.water_network import (
     Pipe,
     Polyline,
     PowerLaw,
+    Travel,
     Valve,
     WaterJunction,
     WaterNetwork,
@@ -26,7 +29,7 @@ from tline.interchange.water_network import (
     pump_curve,
 )
 from tline.scene.connected import connected
-from tline.scene.site import GRAVITY as STANDARD
+from tline.scene.site import GRAVITY
 from tline.units import to_si
 from tline.words.wording import shown
 
@@ -64,7 +67,7 @@ class FileUnits(NamedTuple):
 
 
 def read_epanet(path: str | Path, hour: float = 0.0, opened: Collection[str] = ()) -> WaterNetwork:
-    """Read an EPANET file (2.0 or 2.2) and its operating point: the steady flow at an hour, 0 to 8784, after its start.
+    """Read an EPANET file (2.0 to 2.3) and its operating point: the steady flow at an hour, 0 to 8784, after its start.
 
     Levels of tanks, demand patterns, controls and rules count as at that hour. Links closed then are left out, except
     check valves, regulating valves and pipes that are to be `opened`, and the notes name them. EPANET works in a
@@ -132,11 +135,15 @@ def _network(
         pumps={
             name: _pump(f"{path}: pump '{name}'", link, units) for name, link in used.items() if link["type"] == PUMP
         },
-        valves={name: _valve(link, nodes, scale, units) for name, link in used.items() if link["type"] > PUMP},
+        valves={
+            name: _valve(link, nodes, scale, units, text.travels.get(name, ()))
+            for name, link in used.items()
+            if link["type"] > PUMP
+        },
         sound=not (abs(lost) > STILL or torn),
         notes=tuple(_notes(answer["warning"], hour if text.held else None, closed - kept, cut_off, dry, lost, torn)),
         units=_told(answer["units"]),
-        controls=water_controls(answer, text.controls, nodes, scale, units.length, density * STANDARD),
+        controls=water_controls(answer, text.controls, nodes, scale, units.length, density * GRAVITY),
     )
 
 
@@ -243,13 +250,17 @@ def _curve(where: str, points: list[tuple[float, float]], units: FileUnits) -> P
         raise InputError(where, error.problem, error.expected, error.got) from None
 
 
-def _valve(link: Mapping[str, Any], nodes: Mapping[str, Any], scale: float, units: FileUnits) -> Valve:
+def _valve(link: Mapping[str, Any], nodes: Mapping[str, Any], scale: float, units: FileUnits, way: Travel) -> Valve:
     kind = VALVES[link["type"] - PUMP - 1]
     flow = link["flow"] if link["status"] else 0.0
     here, there = (scale * (nodes[end]["head"] - nodes[end]["elevation"]) for end in link["ends"])
     kept = {"PRV": there, "PSV": here, "FCV": flow / units.flow}.get(kind, nan)
     active = flow > TRICKLE and abs(kept - link["setting"]) <= KEPT * max(abs(kept), KEPT)
-    return Valve(_ends(link), kind, link["diameter"] * units.diameter, flow, link["drop"], active)
+    valve = Valve(_ends(link), kind, link["diameter"] * units.diameter, flow, link["drop"], active)
+    if not way or not link["minor"]:
+        return valve
+    share = sqrt(link["minor"] / max(link["setting"], link["minor"])) if link["status"] else 0.0
+    return replace(valve, loss=link["minor"] * GRAVITY / EPANETS, share=share, travel=way)
 
 
 def _junction(

@@ -105,6 +105,7 @@ def pump_curve(points: Sequence[tuple[float, float]]) -> PowerLaw | Polyline:
 
 
 Position = tuple[float, float]
+Travel = tuple[tuple[float, float], ...]  # openings and shares of the capacity, both from 0 to 1
 
 
 def listed(names: Collection[str]) -> str:
@@ -187,6 +188,9 @@ class Valve:
     flow: float  # m³/s; none where it is shut
     drop: float  # head lost from the first node to the second, m
     active: bool = False  # whether it keeps the pressure or the flow that it is set to
+    loss: float = 0.0  # loss, share, travel, of a positional valve: K wide open, and how far it is open
+    share: float = 1.0
+    travel: Travel = ()
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ def with_bores(network: WaterNetwork, notes: list[str]) -> list[tuple[str, Valve
     found, changed = [], []
     for name, valve in network.valves.items():
         usual = max(beside.get(node, 0.0) for node in valve.nodes)
-        if usual and valve.diameter > WIDE * usual:
+        if usual and valve.diameter > WIDE * usual and not valve.travel:
             changed.append(name)
             valve = replace(valve, diameter=usual)
         found.append((name, valve))
@@ -43,19 +43,20 @@ def is_shut(valve: Valve) -> bool:
 def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dict[str, Any]:
     """Return a valve at the opening that gives its loss at the operating point.
 
-    If that is less than the loss of such a valve wide open, its loss is smaller in proportion all along its travel. One
-    that keeps a pressure or a flow goes on to keep it, in the usual time at any loss.
+    If that is less than the loss of such a valve wide open, its loss is smaller in proportion all along its travel. A
+    positional valve has that of the file. One that keeps a pressure or a flow goes on to keep it, in the usual time at
+    any loss.
     """
     if valve.flow * valve.drop < 0 and abs(valve.flow) > TRICKLE and abs(valve.drop) > LEAST_DROP:
         return _adding(name, valve, density * GRAVITY, notes)
     kind = TRAVELS[valve.kind]
-    usual, speed = open_loss(kind, valve.diameter), abs(valve.flow) / (pi / 4 * valve.diameter**2)
-    opening, loss = 0.0 if is_shut(valve) else 1.0, usual
+    loss, speed = valve.loss or open_loss(kind, valve.diameter), abs(valve.flow) / (pi / 4 * valve.diameter**2)
+    opening = 0.0 if is_shut(valve) or not valve.share else opening_of(valve.travel, valve.share)
     if abs(valve.flow) > TRICKLE:
         per_head = 2 * GRAVITY / speed**2
         lost = max(abs(valve.drop), WIDE_OPEN) * per_head
-        loss = min(lost, usual)
-        opening = opening_of(shares(kind, loss), sqrt(loss / lost))
+        loss = lost * valve.share**2 if valve.travel else min(lost, loss)
+        opening = opening_of(valve.travel or shares(kind, loss), sqrt(loss / lost))
     if valve.active and 0 < opening < 1:
         regulates = _regulates(valve, opening, density * GRAVITY)
     else:
@@ -66,7 +67,7 @@ def valve_link(name: str, valve: Valve, density: float, notes: list[str]) -> dic
         "diameter": valve.diameter,
         "density": density,
         "opening": opening,
-        "characteristic": kind,
+        "characteristic": [[*point] for point in valve.travel] or kind,
     }
 
 

@@ -11,8 +11,7 @@ from tline.presentation import as_image
 
 STYLE = """body{font:15px/1.45 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#222}
 table{border-collapse:collapse;font-size:13px;margin:.6rem 0}th,td{padding:.2rem .6rem;border-bottom:1px solid #ddd;
-text-align:right;vertical-align:top}th:first-child,td:first-child,td:last-child,th:last-child{text-align:left}
-td:first-child{white-space:nowrap}tr.no{background:#fbe9e0}.two{display:flex;gap:3rem;flex-wrap:wrap}img{max-width:100%;height:auto}
+vertical-align:top}td:first-child{white-space:nowrap}tr.no{background:#fbe9e0}.two{display:flex;gap:3rem;flex-wrap:wrap}img{max-width:100%;height:auto}
 code{font-size:12px}@media print{body{margin:0;max-width:none;font-size:11px}table{font-size:9px}
 tr,figure,img{break-inside:avoid}h2{break-after:avoid}}"""
 
@@ -36,10 +35,21 @@ def save_page(text: str, path: str | Path) -> None:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], marks: Sequence[str] = ()) -> str:
-    """Format cells of text below their headings; marks are attributes of the rows."""
-    cells = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
-    lines = [f"<tr{mark}>{row}</tr>" for mark, row in zip(marks or [""] * len(cells), cells, strict=True)]
-    return f"<table><tr>{''.join(f'<th>{escape(cell)}</th>' for cell in head)}</tr>{''.join(lines)}</table>"
+    """Format cells of text below their headings, columns of numbers to the right; marks are attributes of the rows."""
+    rows = [*rows]
+    sides = ["left", *("right" if all(map(_is_number, cells)) else "left" for cells in [*zip(*rows, strict=True)][1:])]
+    sides += ["left"] * (len(head) - len(sides))
+
+    def cells(tag: str, row: Sequence[str]) -> str:
+        both = zip(sides, row, strict=True)
+        return "".join(f'<{tag} align="{side}">{escape(cell)}</{tag}>' for side, cell in both)
+
+    lines = (f"<tr{mark}>{cells('td', row)}</tr>" for mark, row in zip(marks or [""] * len(rows), rows, strict=True))
+    return f"<table><tr>{cells('th', head)}</tr>{''.join(lines)}</table>"
+
+
+def _is_number(cell: str) -> bool:
+    return not cell.lstrip("-+.") or cell.lstrip("-+.")[0].isdigit()
 
 
 def drawn(draw: Any, *given: Any) -> str:

@@ -11,7 +11,7 @@ from tline.style import INK
 
 MARGIN, WIDE = 16, 500  # mm; points, of pictures
 SIZES = {"h1": 17.0, "h2": 12.5, "p": 9.0, "li": 9.0, "ul": 9.0}  # points
-CELL = 7.5  # points
+CELL, WRAPPED, PADDING = 6.5, 16, 3  # points; characters of cells with several words, and beside them
 FAILED = "#fbe9e0"  # rows of scenarios that fail
 FONTS = {"": "DejaVuSans", "b": "DejaVuSans-Bold"}  # those of Matplotlib: they have Greek letters and signs
 
@@ -46,6 +46,17 @@ def _plain(text: str) -> str:
     text = re.sub(r"<!doctype.*?</style>|</html>|</?(?:div|figure|code)[^>]*>", "", text, flags=re.DOTALL)
     text = re.sub(r"<h2>([^<]*</h2>\s*<img)", r'<h2 style="break-before: page">\1', text)
     text = re.sub(r'width="\d+"', f'width="{WIDE}"', text)
-    cell = f'<td bgcolor="{FAILED}">'
-    text = re.sub(r'<tr class="no">.*?</tr>', lambda row: row[0].replace("<td>", cell), text, flags=re.DOTALL)
-    return re.sub(r"<table>(.*?)</table>", rf'<font size="{CELL}"><table>\1</table></font>', text, flags=re.DOTALL)
+    cell = f'<td bgcolor="{FAILED}"'
+    text = re.sub(r'<tr class="no">.*?</tr>', lambda row: row[0].replace("<td", cell), text, flags=re.DOTALL)
+    text = text.replace("</table><table>", "</table><br><table>")
+    return re.sub(r"<table>(.*?)</table>", _sized, text, flags=re.DOTALL)
+
+
+def _sized(found: re.Match[str]) -> str:
+    """Give a table's columns widths by what is in them: words stay whole, and long texts are wrapped."""
+    rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in found[1].split("</tr>")[:-1]]
+    wide = [max(max(map(len, cell.split()), default=0) for cell in column) for column in zip(*rows, strict=True)]
+    most = [max(map(len, column)) for column in zip(*rows[1:], strict=True)] or wide
+    widths = iter([max(least, min(long, WRAPPED)) + PADDING for least, long in zip(wide, most, strict=True)])
+    sized = re.sub("<th", lambda _: f'<th width="{next(widths)}"', found[1])
+    return f'<font size="{CELL}"><table>{sized}</table></font>'

@@ -102,7 +102,9 @@ class SurgeStudy(Presentation):
     def table(self) -> tuple[list[str], list[list[str]]]:
         """Head and rows of the table of scenarios, in the units of the network."""
         size, unit = self.unit
-        head = ["scenario", f"rise [{unit}]", "at", "after [s]", "fall", "at", "after [s]", "highest", "±", "at"]
+        words = "rise", "at", "after", "fall", "at", "after", "highest", "±", "at", "lowest", "at"
+        units = {"at": "", "after": " [s]"}
+        head = ["scenario", *(word + units.get(word, f" [{unit}]") for word in words), "class"]
         rows = []
         for outcome in self.outcomes:
             cells = [""] * 11
@@ -114,7 +116,7 @@ class SurgeStudy(Presentation):
                 cells += [f"{top['highest'] / size:.4g}", f"{round(error / size, SHOWN):.1g}", top["node"]]
                 cells += [f"{low['lowest'] / size:.4g}", low["node"]]
             rows.append([outcome.scenario.name, *cells, outcome.verdict])
-        return [*head, "lowest", "at", "class"], rows
+        return head, rows
 
     def moved(self, outcome: Outcome, *words: str) -> list[str]:
         """Largest rise, "rise", or fall, "fall", of pressures, in the unit in which they are read."""

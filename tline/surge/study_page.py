@@ -84,7 +84,7 @@ def _worst_nodes(study: "SurgeStudy", found: Sequence["Outcome"]) -> str:
             ]
             for node in worst
         ]
-        parts.append(table([f"{word} pressures", f"before [{unit}]", f"{word}", "after [s]", "in"], rows))
+        parts.append(table([f"{word} pressures", f"before [{unit}]", f"{word} [{unit}]", "after [s]", "in"], rows))
     return f'<div class="two">{"".join(parts)}</div>'
 
 

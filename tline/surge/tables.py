@@ -2,10 +2,10 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from html import escape
 from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
-from xml.sax.saxutils import escape, quoteattr
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
@@ -38,8 +38,8 @@ def is_known(value: Any) -> bool:
 def write_workbook(path: Path, sheets: Mapping[str, Sequence[Sequence[Any]]]) -> None:
     """Write sheets of rows of texts and numbers; numbers that are not finite leave a cell empty."""
     files = {f"xl/worksheets/sheet{k}.xml": _sheet(rows) for k, rows in enumerate(sheets.values(), 1)}
-    numbered = [(k, quoteattr(name)) for k, name in enumerate(sheets, 1)]
-    names = "".join(f'<sheet name={name} sheetId="{k}" r:id="r{k}"/>' for k, name in numbered)
+    numbered = [(k, escape(name)) for k, name in enumerate(sheets, 1)]
+    names = "".join(f'<sheet name="{name}" sheetId="{k}" r:id="r{k}"/>' for k, name in numbered)
     files["xl/workbook.xml"] = f'<workbook xmlns="{MAIN}" xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>'
     files["xl/_rels/workbook.xml.rels"] = _relations(
         {f"r{k}": f"worksheet worksheets/sheet{k}.xml" for k, _ in numbered}
