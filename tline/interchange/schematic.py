@@ -103,8 +103,8 @@ class Sheet:
 
     def _place(self, line: int, words: list[str], where: str) -> None:
         """Place a symbol: rotated, then mirrored from left to right, if at all, then moved."""
-        name, orientation = words[0], words[3].upper()
-        symbol = SYMBOLS.get(name.lower().replace("\\\\", "/").replace("\\", "/"))
+        name, orientation = re.sub(r"\\+", "/", words[0]), words[3].upper()
+        symbol = SYMBOLS.get(name.lower())
         if symbol is None:
             raise InputError(where, "a symbol that is not known here", nearest(name, sorted(SYMBOLS)), shown(name))
         if orientation[:1] not in ("R", "M") or orientation[1:] not in ROTATED:
