@@ -71,7 +71,8 @@ def test_a_closed_eye_exits_with_1(folder: Path) -> None:
 def test_a_statistical_eye_with_equalisers(folder: Path) -> None:
     """A matched line: 2/3 V high, but for the edges as wide as a bit, whatever the equalisers; noise takes 14 of it."""
     line = "eye cable.toml --probe far --bit '1 ns' --rise '0.2 ns' --tol 1e-4 --statistical --ber 1e-12"
-    done = run(line + " --ffe best:0,1 --dfe 1 --ctle '0 dB, 100 GHz, 100 GHz, 1e12' --noise '5 mV' --plot e.png")
+    filters = "--ffe best:0,1 --dfe 1 --ctle '0 dB, 100 GHz, 100 GHz, 1e12' --low-pass '0.5 THz'"
+    done = run(f"{line} {filters} --noise '5 mV' --plot e.png")
     assert done.exit_code == 0, done.output
     height = float(re.search(r"height (\S+) V around 0.33", done.stdout)[1])
     assert height == pytest.approx(2 / 3 - 2 * 7.034 * 5e-3, abs=3e-3)  # of a normal distribution, 1e-12 below -7.034
@@ -122,6 +123,8 @@ def test_load_lines(folder: Path) -> None:
         (f"{STATISTICAL} --ber 2", "--ber: no error rate of an eye"),
         (f"{STATISTICAL} --ffe best:1", "--ffe: not how many taps"),
         (f"{STATISTICAL} --ctle 1,2", "--ctle: not an equaliser"),
+        (f"{STATISTICAL} --low-pass '1 Hz'", "--low-pass: not a bandwidth for such bits"),
+        ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --low-pass 1e9", "--low-pass: is for --statistical alone"),
         (f"{STATISTICAL} --noise -1", "--noise: out of range"),
     ],
 )

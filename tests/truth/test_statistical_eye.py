@@ -123,6 +123,26 @@ def test_a_linear_equaliser_is_its_differential_equation():
     assert seen.u.ravel()[:: FINE // 4][: len(exact)] == pytest.approx(exact, abs=1e-5)
 
 
+def test_a_low_pass_is_the_sum_of_its_residues():
+    """A triangle two bits wide through 1/(1 - 3.4142 x^2 + x^4 + j(2.6131 x - 2.6131 x^3)), x = f/fr, (93A-20)."""
+    triangle, bandwidth = np.interp(np.arange(12 * FINE) / FINE, [0, 1, 2], [0, 1, 0]), 0.75 / T
+    seen = PulseResponse(T, triangle.reshape(-1, FINE), 0.0, 0.0).with_low_pass(bandwidth)
+    a, b = 1 + sqrt(2) / 2, 2 * np.cos(np.pi / 8) + 2 * np.cos(3 * np.pi / 8)  # 3.4142 = 2 a, 2.6131 = b
+    scale = 2 * np.pi * bandwidth * T
+    polynomial = np.array([scale**-4, b * scale**-3, 2 * a * scale**-2, b / scale, 1.0])
+    p = np.roots(polynomial)
+    residues = 1 / np.polyval(np.polyder(polynomial), p)
+    t = np.arange(12 * FINE)[:, None] / FINE
+
+    def ramp(t):
+        return np.where(t > 0, residues * (np.exp(p * np.maximum(t, 0)) - 1 - p * t) / p**2, 0).sum(axis=1).real
+
+    assert seen.u.ravel() == pytest.approx(ramp(t) - 2 * ramp(t - 1) + ramp(t - 2), abs=1e-9)
+    assert np.abs(np.polyval(polynomial, 2j * np.pi * bandwidth * T)) == pytest.approx(sqrt(2), rel=1e-9)
+    with pytest.raises(InputError, match="low_pass: not a bandwidth for such bits, expected 1e"):
+        seen.with_low_pass("1 Hz")
+
+
 @pytest.mark.parametrize("dfe", [0, 1])
 def test_no_taps_of_a_fine_grid_open_the_eye_wider(dfe):
     pulse = exact_pulse()

@@ -28,8 +28,8 @@ Examples:
 def import_(file: str, *, output: str | None = None, **given: Any) -> None:
     """Turn another program's file into a scene.
 
-    FILE is a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a network of EPANET (.inp). Elements that scenes lack are
-    refused, all at once, by line or name. Parts left out without harm are noted.
+    FILE is a SPICE netlist (.cir, .ckt, .net, .sp, .spi), a schematic of LTspice (.asc) or a network of EPANET (.inp).
+    Elements that scenes lack are refused, all at once, by line or name. Parts left out without harm are noted.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ CONDUCTORS = {
     "plot": picture("Driven and quiet conductors, and modes of a pair"),
 }
 OF_EYE = "ber", "dfe", "noise", "jitter", "sinusoidal", "duty_cycle"
-OF_STATISTICS = (*OF_EYE, "ffe", "ctle", "neighbours")
+OF_STATISTICS = (*OF_EYE, "ffe", "ctle", "low_pass", "neighbours")
 
 
 @command(
@@ -87,6 +87,7 @@ def eye(
     statistical: bool = False,
     ffe: str | None = None,
     ctle: str | None = None,
+    low_pass: str | None = None,
     neighbours: str | None = None,
     **given: Any,
 ) -> Output:
@@ -111,18 +112,20 @@ def eye(
     ctle : DB,HZ,HZ,…
         Gain at rest, zero and poles of a receiver's equaliser, as '-6, 2 GHz, 5 GHz, 15 GHz'; 'best' for the gain tries
         0 to -12 dB.
+    low_pass : HZ
+        Bandwidth of the receiver's noise filter, Butterworth's of fourth order.
     neighbours : SOURCE,…
         Other sources that send bits of their own, of the same levels and edges, through the same equalisers.
     """
     from tline.signal import eye_diagram, mask_hits, pulse_response
 
     given |= {key: _number_or_text(given[key]) for key in ("low", "high") if key in given}
-    _check_options(statistical, given | {"ffe": ffe, "ctle": ctle, "neighbours": neighbours})
+    _check_options(statistical, given | {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "neighbours": neighbours})
     if statistical:
         asked = {key: given.pop(key) for key in OF_EYE if key in given}
         sources = [given.pop("source", None), *(name.strip() for name in (neighbours or "").split(",") if name)]
         pulses = [pulse_response(scene, source=name, **given, progress=True) for name in sources]
-        seen, taps, gain = _equalised(pulses, ffe, ctle, asked)
+        seen, taps, gain = _equalised(pulses, ffe, ctle, low_pass, asked)
         told, closed = _told(seen, taps, gain, mask)
         plot = drawn(seen.picture, seen, mask=None if mask is None else _mask(mask, seen))
         return eye.shown(seen, *told, told={"ffe": taps, "ctle_gain": gain}, exit_code=closed, plot=plot)
@@ -160,11 +163,13 @@ def _check_options(statistical: bool, given: dict[str, Any]) -> None:
 
 
 def _equalised(
-    pulses: "list[PulseResponse]", ffe: str | None, ctle: str | None, asked: dict[str, Any]
+    pulses: "list[PulseResponse]", ffe: str | None, ctle: str | None, low_pass: str | None, asked: dict[str, Any]
 ) -> "tuple[StatisticalEye, list[float], float | None]":
     """Highest eye of all equalisers tried, sender's taps, and gain of the receiver's filter."""
     from tline.signal import statistical_eye
 
+    if low_pass is not None:
+        pulses = [each.with_low_pass(_number_or_text(low_pass)) for each in pulses]
     gains: list[float | None] = [None]
     corners: list[float] = []
     if ctle is not None:
@@ -219,6 +224,7 @@ def channel(
     rise: str | None = None,
     ffe: str | None = None,
     ctle: str | None = None,
+    low_pass: str | None = None,
     mask: str | None = None,
     **given: Any,
 ) -> Output:
@@ -239,6 +245,8 @@ def channel(
         As of `tline.cli.signal.eye`.
     ctle : DB,HZ,HZ,…
         As of `tline.cli.signal.eye`.
+    low_pass : HZ
+        As of `tline.cli.signal.eye`.
     mask : TIME,LEVEL
         As of `tline.cli.signal.eye`.
     """
@@ -248,7 +256,7 @@ def channel(
     check_readable(file)
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
     levels = {key: _number_or_text(given.pop(key)) for key in ("low", "high") if key in given}
-    equalisers = {"ffe": ffe, "ctle": ctle, "mask": mask}
+    equalisers = {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "mask": mask}
     for name, value in (asked | equalisers).items():
         if bit is None and value is not None:
             raise InputError(f"--{name.replace('_', '-')}", "is of an eye", "--bit beside it")
@@ -260,7 +268,7 @@ def channel(
         neighbours = range(2, len(found.names))
         with options_named({"period": "--bit", "rise": "--rise"}):
             pulses = [found.pulse(bit, edge, source=k, **levels) for k in (0, *neighbours)]
-        eye_seen, taps, gain = _equalised(pulses, ffe, ctle, asked)
+        eye_seen, taps, gain = _equalised(pulses, ffe, ctle, low_pass, asked)
         told, closed = _told(eye_seen, taps, gain, mask)
         exit_code = max(exit_code, closed)
         lines = [*eye_seen.text_lines(), *told]

@@ -28,8 +28,8 @@ def read(
     Parameters
     ----------
     path : str or Path
-        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp, .spi) or a water network of EPANET (.inp). Where
-        there is no such file, the name of a scene of `tl.examples`.
+        A scene in TOML; or a SPICE netlist (.cir, .ckt, .net, .sp, .spi), a schematic of LTspice (.asc) or a water
+        network of EPANET (.inp). Where there is no such file, the name of a scene of `tl.examples`.
     wave_speed, material, hour, moving_tanks
         Of an .inp file, as of `tline.interchange.read_inp`.
     progress : bool

@@ -4,9 +4,9 @@ No parser from elsewhere: those that are maintained list devices and leave sourc
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -129,9 +129,13 @@ class Deck(NamedTuple):
 def read_deck(path: str | Path, found: Findings) -> Deck:
     """Read a netlist and the files that it includes from its own folder; the first line is always the title."""
     title, *lines = _lines(Path(path))
+    return deck_of(title.strip().lstrip("*").strip(), lines, count(2), str(path), found)
+
+
+def deck_of(title: str, lines: list[str], numbers: Iterable[int], path: str, found: Findings) -> Deck:
+    """Read the lines of a netlist, which messages give these numbers."""
     reader = _Reader(Folder(Path(path).parent, confined=True), found)
-    cards = list(reader.cards(lines, str(path), 2))
-    return Deck(title.strip().lstrip("*").strip(), _without_control(cards, found))
+    return Deck(title, _without_control(list(reader.cards(lines, path, numbers)), found))
 
 
 def nodes_of(words: list[str]) -> int:
@@ -149,11 +153,11 @@ class _Reader:
     def __init__(self, folder: Folder, found: Findings):
         self.folder, self.found, self.files, self.count = folder, found, 0, 0
 
-    def cards(self, lines: list[str], path: str, first: int, depth: int = 0) -> Iterator[Card]:
+    def cards(self, lines: list[str], path: str, numbers: Iterable[int], depth: int = 0) -> Iterator[Card]:
         """Cards up to .end or another run."""
         sections = _sections(lines)
         skipped = ended = ""  # the section of a library that is passed over, and whether .end was met
-        for line, text in _joined(lines, path, first, self.found):
+        for line, text in _joined(zip(numbers, lines, strict=False), path, self.found):
             name, *words = WORD.findall(text) or [text]
             where, lower = f"{path}, line {line}, {name:.40}", name.lower()
             if lower in PARAMETERS:
@@ -202,7 +206,7 @@ class _Reader:
             if bounds is None:
                 raise card.refuse("no such section in this library", ".lib NAME … .endl", f"'{section:.40}'")
             first, lines = bounds[0] + 2, lines[bounds[0] + 1 : bounds[1]]
-        yield from self.cards(lines, str(path), first, depth + 1)
+        yield from self.cards(lines, str(path), count(first), depth + 1)
 
 
 def _sections(lines: list[str]) -> dict[str, tuple[int, int]]:
@@ -218,10 +222,10 @@ def _sections(lines: list[str]) -> dict[str, tuple[int, int]]:
     return found
 
 
-def _joined(lines: list[str], path: str, first: int, found: Findings) -> Iterator[tuple[int, str]]:
+def _joined(lines: Iterable[tuple[int, str]], path: str, found: Findings) -> Iterator[tuple[int, str]]:
     """Line numbers and texts of cards, with continuation lines in their places."""
     number, parts = 0, []
-    for at, line in enumerate(lines, first):
+    for at, line in lines:
         text = COMMENT.sub("", line).strip()
         if not text or text[0] in "*#":
             continue

@@ -18,6 +18,7 @@ from tline.interchange.netlist import (
     with_open_ends,
     without_idle_stores,
 )
+from tline.interchange.schematic import read_schematic
 from tline.interchange.spice_commands import (
     MEASURE,
     SHOWN,
@@ -35,7 +36,7 @@ from tline.interchange.spice_impedance import add_coupled, couplings, names_coup
 from tline.interchange.spice_linear import with_linear_sources
 from tline.interchange.spice_source import Transient, with_generator
 from tline.interchange.subcircuits import opened
-from tline.scene.file import scene_from
+from tline.scene.file import SCHEMATIC, scene_from
 from tline.scene.scene import Scene
 from tline.words.wording import nearest, place
 
@@ -54,7 +55,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
     Parameters
     ----------
     path : str or Path
-        The netlist, in UTF-8, UTF-16 or Latin-1.
+        The netlist, in UTF-8, UTF-16 or Latin-1; of LTspice also the schematic, .asc.
 
     Returns
     -------
@@ -76,7 +77,7 @@ def read_spice(path: str | Path) -> tuple[Scene, tuple[str, ...]]:
     (50.0, 25.0, 'b', ())
     """
     found = Findings()
-    deck = read_deck(path, found)
+    deck = (read_schematic if Path(path).suffix.lower() == SCHEMATIC else read_deck)(path, found)
     cards = with_first_values(deck.cards)
     table, net = _read(cards, deck.title, Path(path), found)
     scene = _scene(table, net)

@@ -10,7 +10,8 @@ from tline.scene.text_file import Folder, read_toml
 from tline.scene.user_defined import user_elements
 from tline.words.wording import shown
 
-SPICE, EPANET = (".cir", ".ckt", ".net", ".sp", ".spi"), (".inp",)  # suffixes of files that are imported
+SCHEMATIC = ".asc"  # of LTspice
+SPICE, EPANET = (".cir", ".ckt", ".net", ".sp", ".spi", SCHEMATIC), (".inp",)  # suffixes of files that are imported
 PLAIN = bool, int, float, str, list, tuple, dict  # types that TOML can represent
 
 

@@ -39,6 +39,8 @@ def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
     try:
         if legacy and data.startswith((b"\xff\xfe", b"\xfe\xff")):
             return data.decode("utf-16")
+        if legacy and data[1:2] == b"\0":
+            return data.decode("utf-16-le")
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         if legacy and b"\0" not in data:

@@ -120,7 +120,7 @@ class StatisticalEye(Presentation):
     def margin(self) -> float:
         """Signal over disturbance at the error rate, 20 log(A_s/A_ni), dB: the last step of an operating margin.
 
-        IEEE Std 802.3, annex 93A, (93A-1); packages, filters and the search of equalisers of that annex are the user's.
+        IEEE Std 802.3, annex 93A, (93A-1); packages, the sender's filter and the search of that annex are the user's.
         """
         signal = float(self.levels[-1] - self.levels[0]) / 2
         disturbed = signal - self.height / 2

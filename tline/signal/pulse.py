@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,8 @@ from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
 from tline.signal.eye_diagram import above_zero, edge_within, levels_of, probed
 from tline.solver.simulate import simulate
+from tline.units import to_si
+from tline.words.wording import shown
 
 FINE = 64  # instants in a bit
 BITS = 64, 128, 256, 512  # that the response may last; more while too much is missing
@@ -90,17 +93,41 @@ class PulseResponse:
         ----------
         IEEE Std 802.3, annex 93A, (93A-22).
         """
-        from scipy.signal import ZerosPolesGain, lsim
-
         g, w = 10 ** (gain / 20), 2 * np.pi * np.asarray(poles, float)
         if not len(w) or not (w > 0).all() or not zero > 0:
             raise InputError("ctle", "not an equaliser", "gain in dB, then a zero and poles above 0 Hz")
         unit = FINE / self.period  # of time
         w0 = 2 * np.pi * zero / unit
-        system = ZerosPolesGain([-g * w0], -w / unit, float(np.prod(w / unit)) / w0)
+        return self._behind([-g * w0], -w / unit, float(np.prod(w / unit)) / w0, g)
+
+    def with_low_pass(self, bandwidth: float | str) -> "PulseResponse":
+        """Response behind a receiver's noise filter, Butterworth's of fourth order.
+
+        Parameters
+        ----------
+        bandwidth : float or str
+            Frequency at which it takes 3 dB, Hz, 0.1/period to 1000/period; 0.75/period in most standards.
+
+        References
+        ----------
+        IEEE Std 802.3, annex 93A, (93A-20).
+        """
+        from scipy.signal import buttap
+
+        frequency = to_si(bandwidth, "Hz", "low_pass")
+        if not 0.1 / self.period <= frequency <= 1000 / self.period:
+            expected = f"{0.1 / self.period:g} to {1000 / self.period:g} Hz"
+            raise InputError("low_pass", "not a bandwidth for such bits", expected, shown(bandwidth))
+        corner = 2 * np.pi * frequency * self.period / FINE
+        return self._behind([], corner * buttap(4)[1], corner**4, 1.0)
+
+    def _behind(self, zeros: Any, poles: Any, factor: float, at_rest: float) -> "PulseResponse":
+        """Response behind a filter by its zeros and poles, in radians an instant, and its gain at rest."""
+        from scipy.signal import ZerosPolesGain, lsim
+
         flat = np.append(self.u.ravel(), self.u[-1, -1])
-        _, u, _ = lsim(system.to_ss(), flat, np.arange(len(flat), dtype=float))
-        return replace(self, u=u[:-1].reshape(-1, FINE), base=self.base * g, missing=self.missing * g)
+        _, u, _ = lsim(ZerosPolesGain(zeros, poles, factor).to_ss(), flat, np.arange(len(flat), dtype=float))
+        return replace(self, u=u[:-1].reshape(-1, FINE), base=self.base * at_rest, missing=self.missing * at_rest)
 
 
 def pulse_response(
