@@ -113,7 +113,7 @@ class Orders(Grids):
         follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
         helped, stay = (ladder.helps or layered) and not cuts.governed, cuts.in_pieces(last) or cuts.governed
         chosen = self.grids.send((helped, layered, ladder.told.met, stay))
-        kinks = cuts.ahead(last, chosen, ladder.compared > 0, not ladder.helps)
+        kinks = cuts.ahead(last, chosen, ladder.compared > 0, not (ladder.helps or layered))
         same = chosen.same * (FAINT if cuts.layers else 1.0)
         chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0, same=same)
         return self.search.run(chosen, kinks, cuts.places)
