@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from friction.kernel.signals import ARMSTRONG
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 
 
 @dataclass(frozen=True)
-class Armstrong(Sprung, example=("Armstrong(F_c=0.9).F_s", "1.2")):
+class Armstrong(SpringContact, example=("Armstrong(F_c=0.9).F_s", "1.2")):
     """A spring while it sticks; then F_c + F_v·|v| + P/(1 + (v(t − lag)/v_s)²) against the motion.
 
     P = P_a + (F_s − F_c − P_a)·t_2/(t_2 + dwell) after a rest of t_2, with P_a its value when the contact came to

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 from friction.kernel.signals import MAXWELL
 from friction.parameters import check_number
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from tline.errors import InputError
 
 
 @dataclass(frozen=True)
-class MaxwellSlip(Sprung):
+class MaxwellSlip(SpringContact):
     """Generalised Maxwell slip: elements that stick like springs until their limit, then slide at it until v turns.
 
     Element i sticks with F_i growing by k_i·v, up to W_i·g(v)/F_c, where g is the Stribeck curve; there it slides, with

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from friction.kernel import signals as d
 from friction.kernel.automaton import automaton
 from friction.models import Model
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from tline.compiled.structure import pack
 
 Signal = int
@@ -102,13 +102,13 @@ class Mechanism:
             return u
         return self.smaller(self.larger(u, self.add({}, -limit)), self.add({}, limit))
 
-    def contact(self, law: Model | Sprung, v: Signal, applied: Signal | None = None) -> tuple[Signal, Signal]:
+    def contact(self, law: Model | SpringContact, v: Signal, applied: Signal | None = None) -> tuple[Signal, Signal]:
         """Add a contact that moves with v; return its friction, and the applied force less it.
 
-        Dry friction acts on a state v, which the second of these has to accelerate. A sprung law takes any velocity.
+        Dry friction acts on a state v, which the second of these has to accelerate; a law with springs on any velocity.
         """
         owner = self.owners[-1] + 1 if self.owners else 0
-        if isinstance(law, Sprung):
+        if isinstance(law, SpringContact):
             self.watched.append(v)
             parts = [self._part(law.signal, owner, row, v, v) for row in law.elements]
             self.watched += parts

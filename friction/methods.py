@@ -5,7 +5,7 @@ from typing import NamedTuple
 from friction.armstrong import Armstrong
 from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from tline.errors import InputError
 
 STATIC, SMOOTH, BRISTLES = (Coulomb, Karnopp), (LuGre, Dahl, ElastoPlastic, Tanh), (LuGre, Dahl, ElastoPlastic)
@@ -31,7 +31,7 @@ class Method(NamedTuple):
 
     name: str
     order: int
-    models: tuple[type[Model | Sprung], ...]
+    models: tuple[type[Model | SpringContact], ...]
     step: str  # "fixed", "adaptive" or "events"
     failure: str
 
@@ -56,7 +56,7 @@ METHODS = {
 }
 
 
-def method_for(model: Model | Sprung, name: str | None) -> Method:
+def method_for(model: Model | SpringContact, name: str | None) -> Method:
     """The method of that name, or the model's default."""
     if name is None:
         name = next(each for each in ("events", "taylor", "rosenbrock") if isinstance(model, METHODS[each].models))

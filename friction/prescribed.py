@@ -12,7 +12,7 @@ from friction.models import MODELS, Karnopp, Model
 from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
 from friction.simulation import checked_times
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
@@ -53,7 +53,7 @@ class Prescribed(History):
         Steps of the integration.
     """
 
-    model: Model | Sprung
+    model: Model | SpringContact
     t: NDArray
     x: NDArray
     v: NDArray
@@ -93,7 +93,7 @@ class Prescribed(History):
 
 
 def prescribe(
-    model: Model | Sprung,
+    model: Model | SpringContact,
     *,
     velocity: Force | Callable[[NDArray], ArrayLike] | None = None,
     position: Force | Callable[[NDArray], ArrayLike] | None = None,
@@ -152,7 +152,7 @@ def prescribe(
         motion = rougher = (moved_with if where == "velocity" else moved_along)(given)  # type: ignore[arg-type]
     if isinstance(model, (*STATIC, *SPRUNG)) and z0:
         raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
-    if isinstance(model, Sprung):
+    if isinstance(model, SpringContact):
         force, zeros = model.moved(motion, at, t_end), np.zeros(at.size)
         return Prescribed(model, at, motion.place(at), motion.velocity(at), zeros, force, force, force, errors, 0)
     if isinstance(model, STATIC):

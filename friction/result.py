@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from friction.methods import Method
 from friction.models import Model
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from friction.testbench import Testbench
 from tline.history import History
 from tline.presentation import plain
@@ -142,7 +142,7 @@ class Result(History):
         Energy in the springs of `MaxwellSlip` or `Armstrong` [J].
     """
 
-    model: Model | Sprung
+    model: Model | SpringContact
     bench: Testbench
     method: Method
     status: Status
@@ -187,7 +187,7 @@ class Result(History):
 
     @property
     def _stiffness(self) -> float:
-        return 0.0 if isinstance(self.model, Sprung) else self.model.law.sigma0
+        return 0.0 if isinstance(self.model, SpringContact) else self.model.law.sigma0
 
     @property
     def ledger(self) -> Ledger:

@@ -13,7 +13,7 @@ from friction.methods import Method, method_for
 from friction.models import Model
 from friction.parameters import check_number
 from friction.result import COLUMNS, Result, Status, events_of
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from friction.testbench import Testbench
 from tline.compiled.structure import pack
 from tline.errors import InputError
@@ -30,7 +30,7 @@ OWN = {"rosenbrock": 1e-12, "taylor": 1e-14}  # with error estimates; tolerance 
 
 
 def simulate(
-    model: Model | Sprung,
+    model: Model | SpringContact,
     bench: Testbench,
     t_end: float = 10.0,
     method: str | None = None,
@@ -90,7 +90,7 @@ def simulate(
     unknown = "controller" if bench.controller else "play" if bench.spring and bench.spring.play else None
     if unknown and chosen.step != "events":
         raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp or springs")
-    if bench.z0 and (isinstance(model, Sprung) or not law.law.sigma0):
+    if bench.z0 and (isinstance(model, SpringContact) or not law.law.sigma0):
         raise InputError("bench.z0", f"the {model.name} model has no bristles", "0", f"{bench.z0:g}")
     if chosen.step == "fixed":
         for option, given in (("tol", tol), ("times", times), ("budget", budget)):
@@ -229,7 +229,7 @@ def _events(task: _Task, times: NDArray, room: int) -> tuple[Result, NDArray]:
     mechanism, run = on_testbench(model, task.bench, task.t_end, times, room + 1)
     status, record, met = automaton(pack(run), task.budget), run.record, int(run.counts[EVENTS])
     changes, z, stored = run.events[: min(met, MOST_EVENTS)], np.zeros(times.size), None
-    if isinstance(model, Sprung):
+    if isinstance(model, SpringContact):
         n = len(model.elements)
         record, springs, modes = record[:, : -2 * n], record[:, -2 * n : -n], record[:, -n:]
         z, stored = model.bent(springs, modes, record[:, V])
@@ -241,7 +241,7 @@ def _events(task: _Task, times: NDArray, room: int) -> tuple[Result, NDArray]:
 
 
 def on_testbench(
-    model: Model | Sprung, bench: Testbench, t_end: float, times: NDArray, events: int
+    model: Model | SpringContact, bench: Testbench, t_end: float, times: NDArray, events: int
 ) -> "tuple[Mechanism, HybridRun]":
     """Make a mechanism of the mass with its contact, the applied force, and the spring or controller.
 
@@ -279,7 +279,7 @@ def on_testbench(
         m.integrate(work, m.multiply(force, v))
     power = np.stack([drive.value, drive.slope], axis=-1)[:, None]
     inputs = Inputs(drive.start, power, drive.amplitude, drive.omega, drive.phase)
-    shown = [x, v, f_a, f_f, *works, *(m.springs if isinstance(model, Sprung) else [])]
+    shown = [x, v, f_a, f_f, *works, *(m.springs if isinstance(model, SpringContact) else [])]
     return m, m.prepared(times, shown, inputs, t_end=t_end, places=[x], events=events)
 
 

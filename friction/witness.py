@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, ElastoPlastic, Karnopp, Model, Tanh
-from friction.sprung import Sprung
+from friction.spring_contact import SpringContact
 from friction.testbench import Force, Ramp, Sine, Steps, Table, Testbench
 
 WINDOWS, SEED = 32, 5
@@ -34,7 +34,7 @@ FINE, ROUGH = _weights(9), _weights(5)
 RANDOM = np.random.default_rng(SEED)
 STARTS, WIDTHS = np.sort(RANDOM.random(WINDOWS)), RANDOM.uniform(0.3, 1.0, WINDOWS)
 Columns = Mapping[str, NDArray]
-Rubbing: TypeAlias = Model | Sprung
+Rubbing: TypeAlias = Model | SpringContact
 Held: TypeAlias = tuple[
     list[str], NDArray, NDArray, NDArray
 ]  # names; given, by the laws, and how far these may be apart
@@ -63,7 +63,7 @@ def doubt(
 
     Parameters
     ----------
-    model : Model or Sprung
+    model : Model or SpringContact
     bench : Testbench
     run : mapping of str to ndarray
         Columns of the result, by name.
@@ -148,7 +148,7 @@ def _of_forces(model: Rubbing, bench: Testbench, run: Columns) -> Iterator[Held]
         names = ["the speed while stuck", "the speed of sliding", "the force that holds"]
         by_laws, off = [still, moving, np.where(held, within, f_a)], [[speed], [speed], [grain + DIGITS * size]]
         yield names, np.array([v, v, f_a]), np.array(by_laws), np.array(off)
-    elif isinstance(model, Sprung):
+    elif isinstance(model, SpringContact):
         known, way, most = isinstance(model, MaxwellSlip), np.sign(mode), model.stiction
         free = run["F_f"] - _of(model, "F_v") * v * ((mode != 0) | known)
         ends = [way * _steady(model, v)] * 2 if known else [way * model.sliding, way * most]
@@ -191,7 +191,7 @@ def _of_motion(
             at[name] = at["F_a"] - _applied(bench.force, at["t"])
             rate = np.zeros_like(rate)
         rates.append((name, rate, pid.proportional * off["v"] + pid.integral * off["x"]))
-    stiffness = 0.0 if isinstance(model, Sprung) else _of(model, "sigma0")
+    stiffness = 0.0 if isinstance(model, SpringContact) else _of(model, "sigma0")
     if stiffness:
         slip = _slip(model, at["v"], at["z"])
         soft = 1.0 + stiffness * peak["z"] / _of(model, "F_c")

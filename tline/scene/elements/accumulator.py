@@ -13,7 +13,7 @@ from tline.scene.quantity import Quantity, Role
 AT_STOP = 1e-9  # relative to the stroke
 
 
-class Sprung(LawKind):
+class SpringLoaded(LawKind):
     """Law of a spring accumulator; constants: effort beyond, capacitance, efforts of the spring at its two stops.
 
     The state is the effort of the spring.

@@ -16,7 +16,7 @@ MOST_LEGS = 5_000_000
 
 
 @dataclass(frozen=True)
-class Sprung(Parameters):
+class SpringContact(Parameters):
     """A law of `events` that has springs."""
 
     name: ClassVar[str]
