@@ -19,7 +19,7 @@ from tline.solver.radau import Basis
 
 POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
-MOST_ANSWERS = 3e6  # answers of the rest at all points
+MOST_ANSWERS = 4e6  # answers of the rest at all points
 MOST_LAYERS = 600  # rays of all fronts
 NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are dropped
 
@@ -54,7 +54,8 @@ class Layer(NamedTuple):
 class Layers:
     """Rays of all sources of a scene, on grids of slabs of a width and of its parts.
 
-    Rows of the record are pairs of a node and a line end, or -1; `slabs` are whole ones by which lines move waves.
+    Rows of the record are pairs of a node and a line end, or -1; `moved` are delays of lines and their whole slabs, by
+    which waves are moved.
     Behind `near` slabs of each width those of twice the width follow a front; slabs are halved `halvings` times at
     most, and transforms are `padded` times as long as the slabs. Where laws have `kinks`, waves may have corners.
     """
@@ -66,7 +67,7 @@ class Layers:
         rows: list[tuple[int, int]],
         order: Basis,
         h: float,
-        slabs: NDArray,
+        moved: tuple[NDArray, NDArray],
         near: int,
         padded: int,
         halvings: int = LEVELS,
@@ -77,7 +78,7 @@ class Layers:
         self.near, self.halvings, self.kinks = near, halvings, kinks
         self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
         points = 2.0 ** np.arange(self.halvings + 1)[:, None] * self.rule.points
-        self.rays = Rays(network, points.ravel(), h, slabs, rows)
+        self.rays = Rays(network, points.ravel(), h, moved, rows)
 
     def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
         """A record (rows, 2, n s) on whole slabs, of sources as they are projected there, and its pieces beside fronts.
