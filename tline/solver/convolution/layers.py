@@ -19,6 +19,7 @@ from tline.solver.radau import Basis
 
 POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
+AT_ONCE = 3  # such times that are looked at together
 MOST_ANSWERS = 4e6  # answers of the rest at all points
 MOST_LAYERS = 600  # rays of all fronts
 NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are dropped
@@ -107,8 +108,7 @@ class Layers:
     def _layers(self, left: NDArray, source: Source, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
         """Yield layers of one source at one group of nodes, and subtract their part on whole slabs from `left`."""
         waves = np.stack([ray.waves.reshape(self.halvings + 1, len(self.rule.points), -1) for ray in rays], axis=2)
-        answers = self._answers(waves)
-        levels = self._levels(answers, source, least)
+        answers, levels = self._followed(waves, source.sizes(1.0), least)
         kept = np.flatnonzero(levels >= 0)
         if not len(kept):
             return
@@ -135,32 +135,50 @@ class Layers:
         front = Straight(changes.at[k : k + 1] - first * self.h, *np.pad(weights[:, None], ((0, 0), (1, 0))))
         return self.rule.forward(projected(front, self.order, self.h, 0, self.rule.n)[:, :, None])[:, 0], weights
 
-    def _answers(self, waves: NDArray) -> NDArray:
-        """Responses to step and ramp on slabs by width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
+    def _followed(self, waves: NDArray, sizes: NDArray, least: float) -> tuple[list[NDArray], NDArray]:
+        """Responses of each ray to step and ramp by width, (levels, 2, n, s, 2 rows), and halvings that it needs.
+
+        `waves` have the shape (levels, points, rays, 2 rows). -1: the scene's own slabs follow.
+        """
+        every = np.arange(waves.shape[2])
+        answers = self._answers(waves, range(min(AT_ONCE, self.halvings) + 1))
+        begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ sizes > least
+        found, levels = list(answers), begins - 1
+        while len(every):
+            level = len(found[every[0]])
+            late = self._changes(answers) @ sizes > least  # (rays, levels)
+            last = level - 1 - np.argmax(late[:, ::-1], axis=1)
+            levels[every] = np.where(late.any(axis=1), last, levels[every])
+            every = every[late[:, -1]] if level <= self.halvings else every[:0]
+            if len(every):
+                more = range(level, min(level + AT_ONCE, self.halvings + 1))
+                narrower = self._answers(waves[:, :, every], more)
+                answers = np.concatenate([np.stack([found[k][-1:] for k in every]), narrower], axis=1)
+                for k, each in zip(every.tolist(), narrower, strict=True):
+                    found[k] = np.concatenate([found[k], each])
+        return found, levels
+
+    def _answers(self, waves: NDArray, levels: range) -> NDArray:
+        """Responses to step and ramp on slabs of some widths, (rays, levels, 2, n, s, 2 rows)."""
         ramp = (np.arange(self.rule.n)[:, None] + self.order.c) * self.h
         step, ramp = self.rule.forward(np.stack([np.ones_like(ramp), ramp], axis=2)).T
-        narrow = 0.5 ** np.arange(self.halvings + 1)[:, None]
-        into = np.stack(
-            [np.broadcast_to(step, (self.halvings + 1, len(step))), ramp * narrow], axis=1
-        )  # (levels, 2, points)
-        found = self._backward((waves[:, None] * into[..., None, None]).transpose(2, 3, 0, 1, 4))
-        return found.reshape(*found.shape[:3], self.halvings + 1, 2, -1).transpose(0, 3, 4, 1, 2, 5)
+        into = np.stack([np.stack([step, ramp * 0.5**level]) for level in levels])  # (levels, 2, points)
+        found = self._backward(
+            (waves[levels.start : levels.stop, None] * into[..., None, None]).transpose(2, 3, 0, 1, 4)
+        )
+        return found.reshape(*found.shape[:3], len(levels), 2, -1).transpose(0, 3, 4, 1, 2, 5)
 
     def _backward(self, transforms: NDArray) -> NDArray:
         """Values (rays, n, s, …) of transforms (points, rays, …)."""
         found = self.rule.backward(transforms.reshape(len(transforms), -1))
         return np.moveaxis(found.reshape(self.rule.n, self.order.s, transforms.shape[1], -1), 2, 0)
 
-    def _levels(self, answers: NDArray, source: Source, least: float) -> NDArray:
-        """Halvings of slabs that each ray needs, (rays,); -1 where the scene's own slabs follow the arrival."""
-        r, s = len(answers), self.order.s
-        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, self.halvings, 2, self.near, 2, s, -1)
+    def _changes(self, answers: NDArray) -> NDArray:
+        """Largest changes of responses from each width to the next, (rays, levels - 1, 2)."""
+        (r, levels), s = answers.shape[:2], self.order.s
+        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, levels - 1, 2, self.near, 2, s, -1)
         wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, : self.near], optimize=True)
-        size = source.sizes(1.0)
-        late = np.abs(narrow - wide).max(axis=(3, 4, 5, 6)) @ size > least  # (rays, levels)
-        begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ size > least
-        last = self.halvings - np.argmax(late[:, ::-1], axis=1)
-        return np.where(late.any(axis=1), last, begins - 1)
+        return np.abs(narrow - wide).max(axis=(3, 4, 5, 6))
 
     def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer], corners: Corners) -> Noted:
         """Pieces of slabs at one group of nodes: the remaining record with its corners, plus all layers there."""

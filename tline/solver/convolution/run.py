@@ -106,9 +106,8 @@ class Convolved:
     @cached_property
     def layered(self) -> bool:
         """Whether the response beside fronts may be followed on narrower slabs there, along rays."""
-        straight = self.laws is not None or not any(changes.curved for changes in self.changes)
         alone = self.laws is None or not self.network.bundles
-        return alone and straight and not self.clock and not self.slow and affordable(self.network)
+        return alone and not self.clock and not self.slow and affordable(self.network)
 
     def follows(self, h: float) -> bool:
         """Whether it is, on slabs of width h: laws move at edges, and meet fronts there if delays are whole slabs."""
