@@ -23,8 +23,9 @@ from tline.solver.convolution.families import (
     leads,
     summed,
 )
+from tline.solver.convolution.fronts import Fronts, Tangents
 from tline.solver.convolution.laws import LawsAtPorts
-from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
+from tline.solver.convolution.layers import LEVELS, Layers, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, fast, gain
 from tline.solver.description.description import Description
@@ -106,8 +107,7 @@ class Convolved:
     @cached_property
     def layered(self) -> bool:
         """Whether the response beside fronts may be followed on narrower slabs there, along rays."""
-        alone = self.laws is None or not self.network.bundles
-        return alone and not self.clock and not self.slow and affordable(self.network)
+        return not self.clock and not self.slow and affordable(self.network)
 
     def follows(self, h: float) -> bool:
         """Whether it is, on slabs of width h: laws move at edges, and meet fronts there if delays are whole slabs."""
@@ -179,13 +179,13 @@ class Convolved:
         records = self._records(rule, order, lines, ahead)
         follows = self.follows(h)
         if follows:
-            waves, noted = self._layers(order, h, (fronts, whole), chosen.near).corrected(
-                next(records), n, description.t_end, chosen.layers
-            )
+            record, tangents = next(records)
+            layers = self._layers(order, h, (fronts, whole), chosen.near, tangents)
+            waves, noted = layers.corrected(record, n, description.t_end, chosen.layers)
         elif len(ahead) > 1 or ahead.any():
-            waves, noted = summed(records, ahead, n, order, chosen.layers)
+            waves, noted = summed((record for record, _ in records), ahead, n, order, chosen.layers)
         else:
-            waves, noted = next(records), concatenated([], order.s)
+            waves, noted = next(records)[0], concatenated([], order.s)
         seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
         at_nodes = {
             node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
@@ -203,19 +203,23 @@ class Convolved:
             result = replace(result, lines=kept, envelope=envelope_of(description, result))
         return result
 
-    def _layers(self, order: Basis, h: float, moved: tuple[NDArray, NDArray], near: int) -> Layers:
+    def _layers(
+        self, order: Basis, h: float, moved: tuple[NDArray, NDArray], near: int, tangents: Tangents | None
+    ) -> Layers:
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
         rows = [(int(self.network.node_of[end]), end) for end in ends]
         rows += [(self.network.names.index(node), -1) for node in self.description.probed_nodes]
-        sources = [
-            Source(node, held, share, changes)
+        fronts = [
+            Fronts([(node, 1.0)], held, changes.at, share * changes.jump, share * changes.bend)
             for held, each in ((True, self.held), (False, self.flows))
             for node, parts in enumerate(each)
             for changes, share in parts
         ]
+        if self.laws and tangents:
+            fronts += self.laws.fronts(tangents, order, h, self.description.t_end)
         kinks = any([*element.kind.bends(element.constants, 1.0)] for element in self.description.elements)
-        return Layers(self.network, sources, rows, order, h, moved, near, self.padded, self._halvings, kinks)
+        return Layers(self.network, fronts, rows, order, h, moved, near, self.padded, self._halvings, kinks, tangents)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> list[list[Excitation]]:
         """Efforts held and flows at nodes due to one family of fronts, or to all for laws; slabs begin earlier."""
@@ -230,7 +234,7 @@ class Convolved:
 
     def _records(
         self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], ahead: NDArray
-    ) -> Iterator[NDArray]:
+    ) -> Iterator[tuple[NDArray, Tangents | None]]:
         """Yield the responses to waveforms, on all slabs of the rule: (rows, 2, slabs * s) arriving and leaving waves.
 
         Slabs begin by one lead earlier each; `lines` are admittances at all points. Rows are ends of recorded lines,
@@ -243,16 +247,16 @@ class Convolved:
             held, flows = driven.transpose(2, 0, 3, 1)
             found = self.network.efforts(s, self.driving, held, flows, lines)
             for column, k in enumerate(some.tolist()):
-                efforts = found.driven[:, :, column]
+                efforts, tangents = found.driven[:, :, column], None
                 if self.laws and k == last:
-                    waves = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
+                    waves, tangents = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
                     efforts = efforts * (last == 0) + (found.from_laws @ waves[:, :, None])[:, :, 0]
                 record = self._recorded(rule, efforts, lines)
                 if self.laws is None:  # otherwise laws may drive
                     sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
                     least = SILENT * max(sizes * [1.0, self.network.z0.max()])
                     record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
-                yield record
+                yield record, tangents
 
     def _driven(self, rule: Quadrature, order: Basis, parts: list[list[Excitation]]) -> NDArray:
         """Efforts held at nodes with sources, and behind them flows there, on slabs, (n, s, 2 nodes)."""
