@@ -58,6 +58,15 @@ def test_a_switch_that_never_moves_in_time_gives_the_same():
     assert one.probes["far"].at(t).u == pytest.approx(other.probes["far"].at(t).u, abs=1e-5)
 
 
+def test_a_second_run_is_the_first_to_the_last_bit():
+    opens = {"w": {"at": "b", "kind": "switch", "time": "0.271 ns", "before": 50, "after": "inf"}}
+    runs = Convolved(describe(with_loads(opens)), [])
+    one, other = (runs.run(Resolution(5, 0.05e-9, layers=1e-3)).probes["far"] for _ in range(2))
+    for wave, same in zip(one.waves, other.waves, strict=True):
+        assert np.array_equal(wave.values, same.values)
+        assert np.array_equal(wave.pieces.values, same.pieces.values)
+
+
 def test_jumps_arrive_after_every_delay():
     line = {"z0": 50, "length": "0.1 m", **SKIN}
     source = {"kind": "voltage", "resistance": 25}

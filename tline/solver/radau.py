@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Matrix = NDArray
 MAX_ORDER = 16
 LEAST_PLACES = 8  # of `chebyshev`
-ALONE = 5000  # rows, for which BLAS takes no threads
+ALONE = 2000  # rows, for which BLAS takes no threads
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +86,8 @@ class Basis:
         return legendre.legvander(2 * np.asarray(x, float) - 1, self.s - 1)
 
 
-def thin_product(rows: NDArray, matrix: Matrix) -> NDArray:
-    """Product of many short rows, (..., n, s), with a small matrix, without threads: these wait for each other."""
+def thin_product(rows: NDArray, matrix: NDArray) -> NDArray:
+    """Product of many short rows, (..., n, s), with small matrices (..., s, m), without threads, which wait."""
     if rows.shape[-2] <= ALONE:
         return rows @ matrix
     parts = np.array_split(rows, rows.shape[-2] // ALONE + 1, axis=-2)

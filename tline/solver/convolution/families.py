@@ -138,7 +138,8 @@ def summed(
     """Sum records, on slabs that begin `ahead` slabs earlier each, on n slabs from t = 0 on.
 
     Records have the shape (rows, 2, slabs * s), one for each of `ahead`. Where one polynomial a slab misses a record by
-    `least` at most it is added as that; elsewhere the sum has pieces between the places at which slabs begin.
+    `least` of its largest value at most it is added as that; elsewhere the sum has pieces between the places at which
+    slabs begin.
     """
     edges = np.append(np.unique([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
     whole, kept = np.zeros((1, 1, n, order.s)), []
@@ -148,7 +149,7 @@ def summed(
             whole = whole + waves[:, :, :n]
             continue
         mean, off = _projected(waves, slabs, n, order)
-        bent = np.flatnonzero(off > max(least, ROUNDED * float(np.abs(record).max())))
+        bent = np.flatnonzero(off > max(least, ROUNDED) * float(np.abs(record).max()))
         kept.append((bent, _pieces(waves, bent, slabs, edges, order)))
         mean[:, :, bent] = 0.0
         whole = whole + mean

@@ -10,7 +10,7 @@ E. Hairer, C. Lubich, M. Schlichte: Fast numerical solution of nonlinear Volterr
 Stat. Comput. 6 (1985) 532-541, doi:10.1137/0906037.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from tline.compiled.structure import Packed, empty, pack
 from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
+from tline.solver.convolution.fronts import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
@@ -33,6 +34,7 @@ from tline.solver.steady.steady_state import Before
 
 BLOCK = 32  # slabs whose past is summed directly
 APART = 1e-11  # of a wave; laws that send each other less within a slab do not interact at once
+STEEP = 1e-9  # least share of a wave that a law sends back with its sign, for its tangent
 
 
 class LawsAtPorts:
@@ -48,6 +50,7 @@ class LawsAtPorts:
                 through[element.where] = element.law.factor.before * (e - element.above_level)
         laws = Group([*description.nodes.values()], [], self.elements, [])
         packed, self.controls = laws_of([laws], network.impedances.tolist(), 0, 0)
+        self.moving = np.flatnonzero(packed.excitation_row >= 0).tolist()
         self.packed = started(packed, self.elements, before.effort, through, before.openings)
         self.states = states_of(self.elements, before.effort, before.openings)
         self.sent_before = 2 * across - self.packed.before
@@ -57,10 +60,20 @@ class LawsAtPorts:
         moves = np.unique(np.concatenate([np.empty(0), *(control.breaks(t_end) for control in self.controls)]))
         return moves[moves > 0]
 
+    def fronts(self, tangents: Tangents, order: Basis, h: float, t_end: float) -> Iterator[Fronts]:
+        """Yield what each law that moves at an edge of slabs sends there."""
+        for k, control in zip(self.moving, self.controls, strict=True):
+            at = control.breaks(t_end)
+            at = at[(at > 0) & (at < t_end)]
+            found = [tangents.front(k, round(t / h), order, h) for t in at.tolist()]
+            node, weight = np.nonzero(self.network.ports[k])[0], -self.network.ports[k]
+            jump, bend = np.array(found).reshape(-1, 2).T
+            yield Fronts([(n, float(weight[n])) for n in node.tolist()], False, at, jump, bend)
+
     def waves(
         self, rule: Quadrature, order: Basis, h: float, ahead: float, driven: NDArray, from_laws: NDArray
-    ) -> NDArray:
-        """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K).
+    ) -> tuple[NDArray, Tangents]:
+        """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K); and laws on slabs.
 
         Slabs of width h, s, begin `ahead` of them before t = 0; efforts are those at all points of the rule,
         under sources (points, N) and under each law (points, N, K).
@@ -76,10 +89,14 @@ class LawsAtPorts:
         weights = np.ascontiguousarray(weights[:, points[:, None], points])
         given = np.ascontiguousarray(given[:, :, chosen].transpose(0, 2, 1).reshape(rule.n, -1))
         first = np.append(np.searchsorted(part[chosen], np.arange(part.max() + 1)), K)
-        sent = self._marched(weights, given, (chosen, first), order, h, ahead)
-        back = np.empty((rule.n, order.s, K))
-        back[:, :, chosen] = sent.reshape(rule.n, K, order.s).transpose(0, 2, 1)
-        return rule.forward(back)
+        found = self._marched(weights, given, (chosen, first), order, h, ahead)
+        back = np.argsort(chosen)
+        sent, flow, slope = (each.reshape(rule.n, K, order.s).transpose(0, 2, 1)[:, :, back] for each in found)
+        rho = self.network.impedances
+        stateless = np.array([not element.kind.states for element in self.elements])
+        slope = np.where(stateless, slope, 0.5 / rho)
+        tangents = Tangents(sent + self.sent_before + rho * flow, flow, slope / np.maximum(1 - rho * slope, STEEP))
+        return rule.forward(sent), tangents
 
     def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> Laws:
         laws = with_basis(self.packed, order, h, self.packed.record_row)
@@ -89,8 +106,8 @@ class LawsAtPorts:
 
     def _marched(
         self, weights: NDArray, given: NDArray, grouped: tuple[NDArray, NDArray], order: Basis, h: float, ahead: float
-    ) -> NDArray:
-        """Waves out of the laws, beyond those before t = 0, shape (n, K s)."""
+    ) -> tuple[NDArray, NDArray, NDArray]:
+        """Waves out of the laws, beyond those before t = 0, flows through them and slopes of these, (n, K s) each."""
         (chosen, first), s, n = grouped, order.s, len(given)
         laws, rest = self._laws(order, h, chosen, first), np.repeat(self.sent_before[chosen], s)
         maps, given = [], given + np.repeat(laws.before, s)
@@ -99,14 +116,15 @@ class LawsAtPorts:
             maps.append((np.eye(high - low) + at_once).ravel() / 2)
             given[:, low:high] -= at_once @ rest[low:high]
         map_at, sent = np.cumsum([0, *map(len, maps)])[:-1], np.zeros_like(given)
+        flow, slope = np.zeros_like(given), np.zeros_like(given)
         signals = [self.controls[row] if row >= 0 else None for row in laws.excitation_row]
         each = zip(signals, laws.control.tolist(), strict=True)
         control = np.array([_over_time(signal, now, order, h, ahead, n) for signal, now in each])
         run = _run(laws, np.concatenate(maps), self.states.copy(), s)
         run.work.circuit.largest[0] = np.abs(given).max()
-        job = pack(Convolution(run, weights[1:], map_at, given, rest, sent, control))
+        job = pack(Convolution(run, weights[1:], map_at, given, rest, sent, flow, slope, control))
         _Past(weights, given, sent).advance(0, n, lambda begin, end: self._advance(job, begin, end, h))
-        return sent
+        return sent, flow, slope
 
     def _advance(self, job: Packed, begin: int, end: int, h: float) -> None:
         slab = advance_convolved(job, begin, end, h)

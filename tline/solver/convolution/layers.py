@@ -2,14 +2,14 @@
 
 from collections import defaultdict
 from collections.abc import Iterator
-from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.convolution.corners import Corners, corners_of
-from tline.solver.convolution.families import Changes, Straight
+from tline.solver.convolution.families import Straight
+from tline.solver.convolution.fronts import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.convolution.rays import Ray, Rays
@@ -19,6 +19,7 @@ from tline.solver.radau import Basis
 
 POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
+AT_ONCE = 3  # such times that are looked at together
 MOST_ANSWERS = 3e6  # answers of the rest at all points
 MOST_LAYERS = 600  # rays of all fronts
 NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are dropped
@@ -27,20 +28,6 @@ NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are dropped
 def affordable(network: LinearRest) -> bool:
     """Whether the answers of all nodes to each other fit in memory at all points."""
     return len(network.names) ** 2 * (LEVELS + 1) * POINTS <= MOST_ANSWERS
-
-
-class Source(NamedTuple):
-    """A waveform at a node, which holds the effort there or drives a flow."""
-
-    node: int
-    held: bool
-    share: float
-    changes: Changes
-
-    def sizes(self, h: float) -> NDArray:
-        """Largest jump and bend of the waveform, the latter within a time h."""
-        found = [np.abs(each).max(initial=0.0) for each in (self.changes.jump, self.changes.bend * h)]
-        return abs(self.share) * np.array(found)
 
 
 class Layer(NamedTuple):
@@ -52,9 +39,10 @@ class Layer(NamedTuple):
 
 
 class Layers:
-    """Rays of all sources of a scene, on grids of slabs of a width and of its parts.
+    """Rays of all fronts of a scene, on grids of slabs of a width and of its parts.
 
-    Rows of the record are pairs of a node and a line end, or -1; `slabs` are whole ones by which lines move waves.
+    Rows of the record are pairs of a node and a line end, or -1; `moved` are delays of lines and their whole slabs, by
+    which waves are moved.
     Behind `near` slabs of each width those of twice the width follow a front; slabs are halved `halvings` times at
     most, and transforms are `padded` times as long as the slabs. Where laws have `kinks`, waves may have corners.
     """
@@ -62,22 +50,23 @@ class Layers:
     def __init__(
         self,
         network: LinearRest,
-        sources: list[Source],
+        fronts: list[Fronts],
         rows: list[tuple[int, int]],
         order: Basis,
         h: float,
-        slabs: NDArray,
+        moved: tuple[NDArray, NDArray],
         near: int,
         padded: int,
         halvings: int = LEVELS,
         kinks: bool = False,
+        tangents: Tangents | None = None,
     ):
-        self.sources = [source for source in sources if len(source.changes.at)]
+        self.fronts = [each for each in fronts if each.sizes(h).any()]
         self.order, self.h, self.rule = order, h, Quadrature(order, h, 2 * near + 4, padded)
         self.near, self.halvings, self.kinks = near, halvings, kinks
         self.halves = np.stack([order.restriction(0.0, 0.5), order.restriction(0.5, 1.0)])
         points = 2.0 ** np.arange(self.halvings + 1)[:, None] * self.rule.points
-        self.rays = Rays(network, points.ravel(), h, slabs, rows)
+        self.rays = Rays(network, points.ravel(), h, moved, rows, tangents)
 
     def corrected(self, record: NDArray, n: int, t_end: float, least: float) -> tuple[NDArray, Noted]:
         """A record (rows, 2, n s) on whole slabs, of sources as they are projected there, and its pieces beside fronts.
@@ -86,15 +75,11 @@ class Layers:
         """
         s, least = self.order.s, least * float(np.abs(record).max())
         left = record.reshape(len(record), 2, -1, s).copy()
-        most = MOST_LAYERS // max(sum(len(source.changes.at) for source in self.sources), 1)
         layers: dict[tuple[int, ...], list[Layer]] = defaultdict(list)
-        for source in self.sources:
-            rays: dict[tuple[int, ...], list[Ray]] = defaultdict(list)
-            scale = float(source.sizes(self.h).max())
-            for ray in islice(self.rays.of(source.node, source.held, t_end, least / scale), most):
-                rays[tuple(ray.rows)].append(ray)
-            for rows, found in rays.items():
-                layers[rows] += self._layers(left, source, found, t_end, least)
+        for fronts in self.fronts:
+            for some, rays in self._traced(fronts, t_end, least / float(fronts.sizes(self.h).max())):
+                for rows, found in rays.items():
+                    layers[rows] += self._layers(left, some, found, t_end, least)
         kinks = least if self.kinks else np.inf
         pieces = [
             self._pieces(left, rows, layers[rows], corners_of(left[list(rows)], kinks, self.order))
@@ -103,19 +88,33 @@ class Layers:
         ]
         return left.reshape(record.shape), concatenated(pieces, s)
 
-    def _layers(self, left: NDArray, source: Source, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
+    def _traced(
+        self, fronts: Fronts, t_end: float, least: float
+    ) -> Iterator[tuple[Fronts, dict[tuple[int, ...], list[Ray]]]]:
+        """Yield rays by rows, each with fronts for which they are the same."""
+        most, left = MOST_LAYERS // max(sum(len(each.at) for each in self.fronts), 1), list(range(len(fronts.at)))
+        while left:
+            t = float(fronts.at[left[0]])
+            found, path = self.rays.of(fronts.into, fronts.held, t, t_end, least)
+            alike = [k for k in left if self.rays.alike(path, t, float(fronts.at[k]))]
+            rays: dict[tuple[int, ...], list[Ray]] = defaultdict(list)
+            for ray in found[:most]:
+                rays[tuple(ray.rows)].append(ray)
+            yield fronts.some(alike), rays
+            left = [k for k in left if k not in alike]
+
+    def _layers(self, left: NDArray, source: Fronts, rays: list[Ray], t_end: float, least: float) -> Iterator[Layer]:
         """Yield layers of one source at one group of nodes, and subtract their part on whole slabs from `left`."""
         waves = np.stack([ray.waves.reshape(self.halvings + 1, len(self.rule.points), -1) for ray in rays], axis=2)
-        answers = self._answers(waves)
-        levels = self._levels(answers, source, least)
+        answers, levels = self._followed(waves, source.sizes(1.0), least)
         kept = np.flatnonzero(levels >= 0)
         if not len(kept):
             return
-        firsts = np.floor(source.changes.at / self.h + EDGE).astype(int)
+        firsts = np.floor(source.at / self.h + EDGE).astype(int)
         fronts = [self._front(source, k, first) for k, first in enumerate(firsts.tolist())]
         late = np.exp(-self.rule.points[:, None] * self.h * np.array([rays[k].rest for k in kept]))
         alone = waves[0][:, kept] * late[:, :, None]
-        for (front, weights), t, first in zip(fronts, source.changes.at, firsts, strict=True):
+        for (front, weights), t, first in zip(fronts, source.at, firsts, strict=True):
             coarse = self._backward(alone * front[:, None, None])
             for k, values in zip(kept, coarse, strict=True):
                 ray, begin = rays[k], int(first) + rays[k].moved
@@ -127,39 +126,56 @@ class Layers:
                 edges = (t + ray.delay) / self.h + self._edges(levels[k], (t + ray.delay) / self.h, begin + self.rule.n)
                 yield Layer(edges, begin + self.rule.n, self._joined(answers[k], levels[k], weights))
 
-    def _front(self, source: Source, k: int, first: int) -> tuple[NDArray, NDArray]:
+    def _front(self, source: Fronts, k: int, first: int) -> tuple[NDArray, NDArray]:
         """Transform of a front on whole slabs, from its own slab on; and its jump and bend."""
-        changes = source.changes
-        weights = source.share * np.array([changes.jump[k], changes.bend[k]])
-        front = Straight(changes.at[k : k + 1] - first * self.h, *np.pad(weights[:, None], ((0, 0), (1, 0))))
+        weights = np.array([source.jump[k], source.bend[k]])
+        front = Straight(source.at[k : k + 1] - first * self.h, *np.pad(weights[:, None], ((0, 0), (1, 0))))
         return self.rule.forward(projected(front, self.order, self.h, 0, self.rule.n)[:, :, None])[:, 0], weights
 
-    def _answers(self, waves: NDArray) -> NDArray:
-        """Responses to step and ramp on slabs by width, (rays, levels, 2, n, s, 2 rows), of (levels, points, rays)."""
+    def _followed(self, waves: NDArray, sizes: NDArray, least: float) -> tuple[list[NDArray], NDArray]:
+        """Responses of each ray to step and ramp by width, (levels, 2, n, s, 2 rows), and halvings that it needs.
+
+        `waves` have the shape (levels, points, rays, 2 rows). -1: the scene's own slabs follow.
+        """
+        every = np.arange(waves.shape[2])
+        answers = self._answers(waves, range(min(AT_ONCE, self.halvings) + 1))
+        begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ sizes > least
+        found, levels = list(answers), begins - 1
+        while len(every):
+            level = len(found[every[0]])
+            late = self._changes(answers) @ sizes > least  # (rays, levels)
+            last = level - 1 - np.argmax(late[:, ::-1], axis=1)
+            levels[every] = np.where(late.any(axis=1), last, levels[every])
+            every = every[late[:, -1]] if level <= self.halvings else every[:0]
+            if len(every):
+                more = range(level, min(level + AT_ONCE, self.halvings + 1))
+                narrower = self._answers(waves[:, :, every], more)
+                answers = np.concatenate([np.stack([found[k][-1:] for k in every]), narrower], axis=1)
+                for k, each in zip(every.tolist(), narrower, strict=True):
+                    found[k] = np.concatenate([found[k], each])
+        return found, levels
+
+    def _answers(self, waves: NDArray, levels: range) -> NDArray:
+        """Responses to step and ramp on slabs of some widths, (rays, levels, 2, n, s, 2 rows)."""
         ramp = (np.arange(self.rule.n)[:, None] + self.order.c) * self.h
         step, ramp = self.rule.forward(np.stack([np.ones_like(ramp), ramp], axis=2)).T
-        narrow = 0.5 ** np.arange(self.halvings + 1)[:, None]
-        into = np.stack(
-            [np.broadcast_to(step, (self.halvings + 1, len(step))), ramp * narrow], axis=1
-        )  # (levels, 2, points)
-        found = self._backward((waves[:, None] * into[..., None, None]).transpose(2, 3, 0, 1, 4))
-        return found.reshape(*found.shape[:3], self.halvings + 1, 2, -1).transpose(0, 3, 4, 1, 2, 5)
+        into = np.stack([np.stack([step, ramp * 0.5**level]) for level in levels])  # (levels, 2, points)
+        found = self._backward(
+            (waves[levels.start : levels.stop, None] * into[..., None, None]).transpose(2, 3, 0, 1, 4)
+        )
+        return found.reshape(*found.shape[:3], len(levels), 2, -1).transpose(0, 3, 4, 1, 2, 5)
 
     def _backward(self, transforms: NDArray) -> NDArray:
         """Values (rays, n, s, …) of transforms (points, rays, …)."""
         found = self.rule.backward(transforms.reshape(len(transforms), -1))
         return np.moveaxis(found.reshape(self.rule.n, self.order.s, transforms.shape[1], -1), 2, 0)
 
-    def _levels(self, answers: NDArray, source: Source, least: float) -> NDArray:
-        """Halvings of slabs that each ray needs, (rays,); -1 where the scene's own slabs follow the arrival."""
-        r, s = len(answers), self.order.s
-        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, self.halvings, 2, self.near, 2, s, -1)
+    def _changes(self, answers: NDArray) -> NDArray:
+        """Largest changes of responses from each width to the next, (rays, levels - 1, 2)."""
+        (r, levels), s = answers.shape[:2], self.order.s
+        narrow = answers[:, 1:, :, : 2 * self.near].reshape(r, levels - 1, 2, self.near, 2, s, -1)
         wide = np.einsum("hij,rlknjx->rlknhix", self.halves, answers[:, :-1, :, : self.near], optimize=True)
-        size = source.sizes(1.0)
-        late = np.abs(narrow - wide).max(axis=(3, 4, 5, 6)) @ size > least  # (rays, levels)
-        begins = np.abs(answers[:, 0, :, 0]).max(axis=(2, 3)) @ size > least
-        last = self.halvings - np.argmax(late[:, ::-1], axis=1)
-        return np.where(late.any(axis=1), last, begins - 1)
+        return np.abs(narrow - wide).max(axis=(3, 4, 5, 6))
 
     def _pieces(self, left: NDArray, rows: tuple[int, ...], layers: list[Layer], corners: Corners) -> Noted:
         """Pieces of slabs at one group of nodes: the remaining record with its corners, plus all layers there."""

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from tline.loss import LossyLine
 from tline.solver.description.bundle import Bundle
-from tline.solver.radau import Basis, basis
+from tline.solver.radau import Basis, basis, thin_product
 from tline.solver.stability.scattering import carried
 
 PADDED = 1, 2, 3, 7, 15  # lengths of a transform over the number of slabs
@@ -38,8 +38,8 @@ EPS = float(np.finfo(float).eps)
 MOST_GAIN = 1 + 1e-9  # largest gain of a line that creates no energy, with rounding
 SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of fast transforms
 KEPT_SLABS = 1000  # slabs of transforms whose modes are kept for the next scene
-ALONE = 2000  # columns, for which BLAS takes no threads: these would only wait for each other
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
+FAST, SPARSE = 0.3, 8  # smallest eigenvalue of a change within a few slabs; one in so many is looked at
 
 
 def rounding(padded: int) -> float:
@@ -153,8 +153,7 @@ class Quadrature:
     def backward(self, transforms: NDArray) -> NDArray:
         """Values, shape (n, s, k), of transforms of shape (points, k)."""
         every = transforms.reshape(*self._from_eigen.shape[:2], -1)
-        few = np.array_split(every, every.shape[2] // ALONE + 1, axis=2) if every.shape[2] > ALONE else [every]
-        sums = np.concatenate([self._from_eigen @ part for part in few], axis=2)
+        sums = np.swapaxes(thin_product(*(np.swapaxes(each, 1, 2) for each in (every, self._from_eigen))), 1, 2)
         return np.fft.irfft(sums, self.length, axis=0)[: self.n] / self.decay[:, None, None]
 
     def weights(self, transfer: NDArray) -> NDArray:
@@ -197,6 +196,13 @@ def bundle_creates_energy(bundle: Bundle, order: Basis, h: float, slabs: NDArray
         except np.linalg.LinAlgError:
             return True
     return False
+
+
+@lru_cache
+def fast(s: int) -> NDArray:
+    """Some eigenvalues of D on |ζ| = 1, of changes within a few slabs."""
+    rates = circle(s)[0].ravel()
+    return rates[np.abs(rates) > FAST][::SPARSE]
 
 
 @lru_cache

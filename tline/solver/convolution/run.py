@@ -23,10 +23,11 @@ from tline.solver.convolution.families import (
     leads,
     summed,
 )
+from tline.solver.convolution.fronts import Fronts, Tangents
 from tline.solver.convolution.laws import LawsAtPorts
-from tline.solver.convolution.layers import LEVELS, Layers, Source, affordable
+from tline.solver.convolution.layers import LEVELS, Layers, affordable
 from tline.solver.convolution.nodal import LinearRest
-from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, gain
+from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, fast, gain
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.given import Height, Shape
@@ -84,7 +85,6 @@ class Convolved:
     ):
         self.description, self.padded, self.envelope = description, padded, envelope
         self.clocked, self.slow = clocked, slow
-        self.largest = 0.0  # wave of the last run
         self.kept = {*record, *description.probed}
         self.lines = [name for name in description.lines if envelope or name in self.kept]
         self.before: Before = above_level(description) if description.steady else rest(description)
@@ -107,9 +107,7 @@ class Convolved:
     @cached_property
     def layered(self) -> bool:
         """Whether the response beside fronts may be followed on narrower slabs there, along rays."""
-        straight = self.laws is not None or not any(changes.curved for changes in self.changes)
-        alone = not self.network.bundles and not self.clock and not self.slow
-        return alone and straight and affordable(self.network)
+        return not self.clock and not self.slow and affordable(self.network)
 
     def follows(self, h: float) -> bool:
         """Whether it is, on slabs of width h: laws move at edges, and meet fronts there if delays are whole slabs."""
@@ -175,20 +173,19 @@ class Convolved:
         description, order, h = self.description, basis(chosen.s), chosen.h
         slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
         n = slabs.number
-        whole = self._whole(order, h)
+        fronts, whole = self._moved(order, h)
         rule = Quadrature(order, h, n + 1 if ahead.any() else n, self.padded)
         lines = self.network.admittances(rule.points * self.network.second, np.outer(rule.late, whole))
         records = self._records(rule, order, lines, ahead)
         follows = self.follows(h)
         if follows:
-            waves, noted = self._layers(order, h, whole, chosen.near).corrected(
-                next(records), n, description.t_end, chosen.layers
-            )
+            record, tangents = next(records)
+            layers = self._layers(order, h, (fronts, whole), chosen.near, tangents)
+            waves, noted = layers.corrected(record, n, description.t_end, chosen.layers)
         elif len(ahead) > 1 or ahead.any():
-            waves, noted = summed(records, ahead, n, order, chosen.layers * self.largest)
+            waves, noted = summed((record for record, _ in records), ahead, n, order, chosen.layers)
         else:
-            waves, noted = next(records), concatenated([], order.s)
-        self.largest = float(np.abs(waves).max(initial=0.0))
+            waves, noted = next(records)[0], concatenated([], order.s)
         seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
         at_nodes = {
             node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
@@ -206,19 +203,23 @@ class Convolved:
             result = replace(result, lines=kept, envelope=envelope_of(description, result))
         return result
 
-    def _layers(self, order: Basis, h: float, whole: NDArray, near: int) -> Layers:
+    def _layers(
+        self, order: Basis, h: float, moved: tuple[NDArray, NDArray], near: int, tangents: Tangents | None
+    ) -> Layers:
         numbers = {name: j for j, name in enumerate(self.description.lines)}
         ends = [2 * numbers[name] + side for name in self.lines for side in (0, 1)]
         rows = [(int(self.network.node_of[end]), end) for end in ends]
         rows += [(self.network.names.index(node), -1) for node in self.description.probed_nodes]
-        sources = [
-            Source(node, held, share, changes)
+        fronts = [
+            Fronts([(node, 1.0)], held, changes.at, share * changes.jump, share * changes.bend)
             for held, each in ((True, self.held), (False, self.flows))
             for node, parts in enumerate(each)
             for changes, share in parts
         ]
+        if self.laws and tangents:
+            fronts += self.laws.fronts(tangents, order, h, self.description.t_end)
         kinks = any([*element.kind.bends(element.constants, 1.0)] for element in self.description.elements)
-        return Layers(self.network, sources, rows, order, h, whole, near, self.padded, self._halvings, kinks)
+        return Layers(self.network, fronts, rows, order, h, moved, near, self.padded, self._halvings, kinks, tangents)
 
     def _parts(self, h: float, ahead: NDArray, k: int) -> list[list[Excitation]]:
         """Efforts held and flows at nodes due to one family of fronts, or to all for laws; slabs begin earlier."""
@@ -233,7 +234,7 @@ class Convolved:
 
     def _records(
         self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], ahead: NDArray
-    ) -> Iterator[NDArray]:
+    ) -> Iterator[tuple[NDArray, Tangents | None]]:
         """Yield the responses to waveforms, on all slabs of the rule: (rows, 2, slabs * s) arriving and leaving waves.
 
         Slabs begin by one lead earlier each; `lines` are admittances at all points. Rows are ends of recorded lines,
@@ -246,16 +247,16 @@ class Convolved:
             held, flows = driven.transpose(2, 0, 3, 1)
             found = self.network.efforts(s, self.driving, held, flows, lines)
             for column, k in enumerate(some.tolist()):
-                efforts = found.driven[:, :, column]
+                efforts, tangents = found.driven[:, :, column], None
                 if self.laws and k == last:
-                    waves = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
+                    waves, tangents = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
                     efforts = efforts * (last == 0) + (found.from_laws @ waves[:, :, None])[:, :, 0]
                 record = self._recorded(rule, efforts, lines)
                 if self.laws is None:  # otherwise laws may drive
                     sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
                     least = SILENT * max(sizes * [1.0, self.network.z0.max()])
                     record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
-                yield record
+                yield record, tangents
 
     def _driven(self, rule: Quadrature, order: Basis, parts: list[list[Excitation]]) -> NDArray:
         """Efforts held at nodes with sources, and behind them flows there, on slabs, (n, s, 2 nodes)."""
@@ -275,21 +276,24 @@ class Convolved:
         u = rule.backward(efforts[:, [*self.network.node_of[ends], *probed]])
         return np.stack([arrives, 2 * u - arrives]).transpose(3, 0, 1, 2).reshape(len(ends) + len(probed), 2, -1)
 
-    def _whole(self, order: Basis, h: float) -> NDArray:
-        """Whole slabs of each line's delay by which waves are moved as they are, where that cannot create energy.
+    def _moved(self, order: Basis, h: float) -> tuple[NDArray, NDArray]:
+        """Delays of fronts in each line, s, and whole slabs of them by which waves are moved as they are.
 
-        Where no law answers that is no matter: nothing is fed back.
+        The latter where that cannot create energy. Where no law answers that is no matter: nothing is fed back.
         """
-        slabs = np.floor([line.delay / h * (1 + WHOLE) for line in self.description.lines.values()])
+        fronts = np.array([line.delay for line in self.description.lines.values()])
+        for bundle in self.network.bundles.values():
+            fronts[bundle.lines] = bundle.fronts(fast(order.s) / h)
+        slabs = np.floor(fronts / h * (1 + WHOLE))
         if self.laws is None:
-            return slabs
+            return fronts, slabs
         for k, line in self.network.lossy.items():
             if gain(line, self.network.z0[k], order, h, slabs[k]) > MOST_GAIN:
                 slabs[k] = 0.0
         for bundle in self.network.bundles.values():
             if bundle_creates_energy(bundle, order, h, slabs[bundle.lines]):
                 slabs[bundle.lines] = 0.0
-        return slabs
+        return fronts, slabs
 
     def _start(self, line: int) -> NDArray:
         """Waves (a1, b1, a2, b2) of a line before t = 0, counted from the level."""

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from tline.scene.coupled import Coupled
 from tline.solver.description.description import Description
 
+SAME_DELAY = 1e-9  # of the longest; modes of delays so alike are not told apart
+ALIKE = 0.7  # least share of a mode without losses in one with losses that is followed by itself
+
 
 class Bundle(NamedTuple):
     """Coupled conductors with losses: numbers of their modes' lines, and parameters per metre: R, K of K √s, and G."""
@@ -39,21 +42,56 @@ class Bundle(NamedTuple):
             lost = (vectors * np.sqrt(squares)[:, None, :]) @ np.linalg.inv(vectors)
         return s * np.diag(self.inductance) + unit * lost
 
-    def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
-        """Return Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n, k) is the part of each mode's delay beyond sT.
+    @property
+    def delays(self) -> NDArray:
+        """Delays of fronts in the modes, (k,) s."""
+        return self.length * np.sqrt(self.inductance * self.capacitance)
 
-        The delay of each mode by itself, as R, K and G on the diagonal make it, is its own; that of their mixing is the
-        shortest, for a part of it arrives with the fastest mode.
+    def modes(self, s: NDArray, of: NDArray) -> "Eigenmodes":
+        """Eigenmodes at s (n,) in 1/s, in the order of those without losses that they resemble.
+
+        Modes with the same number in `of` (k,) are not told apart.
         """
         Z, Y = self.series(s), self.conductance + s[:, None, None] * np.diag(self.capacitance)
         squares, vectors = np.linalg.eig(Z @ Y)
-        gamma, inverse, first = np.sqrt(squares), np.linalg.inv(vectors), late[:, [np.abs(late).sum(axis=0).argmin()]]
-        alone = np.sqrt(np.einsum("nkk,nkk->nk", Z, Y)) * self.length
-        passed = (vectors * np.exp(-gamma * self.length - first)[:, None, :]) @ inverse
-        np.einsum("nkk->nk", passed)[:] += np.exp(-alone - late) - np.exp(-alone - first)
-        admittance = np.linalg.solve(Z, (vectors * gamma[:, None, :]) @ inverse)
-        twice = 2 * admittance @ np.linalg.inv(np.eye(len(self.z0)) - passed @ passed)
-        return twice - admittance, -twice @ passed
+        inverse, kind = np.linalg.inv(vectors), np.unique(of, return_inverse=True)[1]
+        share = (kind == np.arange(len(kind))[:, None]) @ (vectors * np.swapaxes(inverse, 1, 2)).real
+        order = np.argsort(share.argmax(axis=1), axis=1, kind="stable")
+        order = order[:, np.argsort(np.argsort(kind, kind="stable"))]
+        alike = np.take_along_axis(share, order[:, None], axis=2)[:, kind, np.arange(len(kind))].min()
+        gamma = np.take_along_axis(np.sqrt(squares), order, axis=1)
+        vectors = np.take_along_axis(vectors, order[:, None], axis=2)
+        inverse = np.take_along_axis(inverse, order[:, :, None], axis=1)
+        return Eigenmodes(gamma, vectors, inverse, np.linalg.solve(Z, vectors * gamma[:, None]), float(alike))
+
+    def fronts(self, s: NDArray) -> NDArray:
+        """Delays of fronts in the modes, (k,) s: of those that are not told apart at s (n,), the shortest."""
+        found = self.delays
+        while len(apart := np.unique(found)) > 1:
+            k = np.diff(apart).argmin()
+            if apart[k + 1] - apart[k] > SAME_DELAY * apart[-1] and self.modes(s, found).alike > ALIKE:
+                break
+            found = np.where(found == apart[k + 1], apart[k], found)
+        return found
+
+    def admittances(self, s: NDArray, late: NDArray) -> tuple[NDArray, NDArray]:
+        """Return Y11 and Y12 (n, k, k) for s (n,) in 1/s; `late` (n, k) is the part of each mode's delay beyond sT."""
+        modes = self.modes(s, np.abs(late).max(axis=0))
+        total = modes.gamma * self.length + late
+        twice = -np.expm1(-2 * total)
+        each = (2 - twice) / twice, -2 * np.exp(-total) / twice
+        own, other = ((modes.flow * part[:, None]) @ modes.inverse for part in each)
+        return own, other
+
+
+class Eigenmodes(NamedTuple):
+    """Eigenvectors of Z Y at n places: efforts `vectors` and flows `flow` (n, k, k) of k waves, exp(-gamma x) each."""
+
+    gamma: NDArray  # (n, k) per metre
+    vectors: NDArray
+    inverse: NDArray  # of `vectors`
+    flow: NDArray
+    alike: float  # least share that one has of the mode that it resembles, or of those not told from it
 
 
 def bundles_of(description: Description) -> dict[str, Bundle]:

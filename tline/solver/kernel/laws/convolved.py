@@ -23,6 +23,8 @@ class Convolution(NamedTuple):
     given: Floats2  # (n, M) waves into laws, less S_0 times `rest`
     rest: Floats  # (M,) waves out of laws before t = 0
     sent: Floats2  # (n, M) waves out of laws beyond those
+    flow: Floats2  # (n, M) through laws
+    slope: Floats2  # (n, M) of it over the wave into the law; only of laws without a state
     control: Floats2  # (K, n s)
 
 
@@ -57,4 +59,5 @@ def advance_convolved(job: Convolution, begin: int, end: int, h: float) -> int:
             for a in range(m * s):
                 o = first * s + a
                 work.waves[o], job.sent[k, o] = work.aimed[a], work.sent[a] - job.rest[o]
+                job.flow[k, o], job.slope[k, o] = work.flow[a], work.slope[a]
     return -1
