@@ -8,9 +8,14 @@ References
 ----------
 E. Hairer, C. Lubich, M. Schlichte: Fast numerical solution of nonlinear Volterra convolution equations, SIAM J. Sci.
 Stat. Comput. 6 (1985) 532-541, doi:10.1137/0906037.
+
+Where laws jump at instants that no slabs of one width have at edges, each of these has a clock of slabs with it at an
+edge. On one clock a law stays as it is before its next jump; on the next only the change due to that jump is sought.
 """
 
 from collections.abc import Callable, Iterator
+from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +23,12 @@ from numpy.typing import NDArray
 from tline.compiled.structure import Packed, empty, pack
 from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
+from tline.solver.convolution.families import SAME_FAMILY, changes_of, leads
 from tline.solver.convolution.fronts import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import EDGE, Shape
+from tline.solver.description.excitation import EDGE
 from tline.solver.description.groups import Group, parts
 from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.description.switches import Moving
@@ -35,6 +41,15 @@ from tline.solver.steady.steady_state import Before
 BLOCK = 32  # slabs whose past is summed directly
 APART = 1e-11  # of a wave; laws that send each other less within a slab do not interact at once
 STEEP = 1e-9  # least share of a wave that a law sends back with its sign, for its tangent
+MOST_CLOCKS = 16  # clocks of slabs for jumps of laws
+
+
+class Clock(NamedTuple):
+    """Slabs that begin earlier than those of the scene: the first on which laws answer, and the next jump of one."""
+
+    ahead: float  # slabs
+    first: int
+    until: float = inf  # s
 
 
 class LawsAtPorts:
@@ -54,11 +69,24 @@ class LawsAtPorts:
         self.packed = started(packed, self.elements, before.effort, through, before.openings)
         self.states = states_of(self.elements, before.effort, before.openings)
         self.sent_before = 2 * across - self.packed.before
-
-    def moves(self, t_end: float) -> NDArray:
-        """Instants at which control signals jump or bend, s."""
+        t_end = description.t_end
         moves = np.unique(np.concatenate([np.empty(0), *(control.breaks(t_end) for control in self.controls)]))
-        return moves[moves > 0]
+        self.moves = moves[moves > 0]  # instants at which control signals jump or bend, s
+        changes = [changes_of(control, True, t_end) for control in self.controls]
+        self.jumps = [each.at[(each.jump != 0) & (each.at > 0)] for each in changes]
+
+    def clocks(self, h: float) -> list[Clock]:
+        """Slabs of width h from t = 0 on, and for each jump of a law that is at no edge of those before."""
+        first = leads(self.moves / h)
+        several = len(first) > 1 and not len(self.states)
+        jumps = np.unique(np.concatenate([*self.jumps, np.empty(0)])) if several else np.empty(0)
+        first = leads(jumps[:1] / h) if len(jumps) else first
+        found = [Clock(float(first[0]) if len(first) == 1 else 0.0, 0)]
+        for at in jumps.tolist():
+            ahead = float(leads(np.array([at / h]))[0])
+            if abs((ahead - found[-1].ahead + 0.5) % 1.0 - 0.5) > SAME_FAMILY:
+                found = [*found[:-1], found[-1]._replace(until=at), Clock(ahead, round(at / h + ahead))]
+        return found if len(found) <= MOST_CLOCKS else [Clock(0.0, 0)]
 
     def fronts(self, tangents: Tangents, order: Basis, h: float, t_end: float) -> Iterator[Fronts]:
         """Yield what each law that moves at an edge of slabs sends there."""
@@ -71,12 +99,14 @@ class LawsAtPorts:
             yield Fronts([(n, float(weight[n])) for n in node.tolist()], False, at, jump, bend)
 
     def waves(
-        self, rule: Quadrature, order: Basis, h: float, ahead: float, driven: NDArray, from_laws: NDArray
-    ) -> tuple[NDArray, Tangents]:
-        """Transforms of the waves out of all laws, beyond those before t = 0, shape (points, K); and laws on slabs.
+        self, rule: Quadrature, order: Basis, clocks: list[Clock], driven: NDArray, from_laws: NDArray
+    ) -> Iterator[tuple[NDArray, Tangents]]:
+        """Yield transforms of the waves out of all laws, beyond those before t = 0, (points, K); and laws on slabs.
 
-        Slabs of width h, s, begin `ahead` of them before t = 0; efforts are those at all points of the rule,
-        under sources (points, N) and under each law (points, N, K).
+        These are parts that add up, on one clock each.
+
+        Efforts are those at all points of the rule, under sources on the first clock (points, N) and under each law
+        (points, N, K).
         """
         ports, K = self.network.ports, len(self.elements)
         given = rule.backward(2 * np.einsum("pn,kn->pk", driven, ports))  # no threads of BLAS for so thin a product
@@ -87,16 +117,26 @@ class LawsAtPorts:
         chosen = np.argsort(part, kind="stable")
         points = (chosen[:, None] * order.s + np.arange(order.s)).ravel()
         weights = np.ascontiguousarray(weights[:, points[:, None], points])
-        given = np.ascontiguousarray(given[:, :, chosen].transpose(0, 2, 1).reshape(rule.n, -1))
         first = np.append(np.searchsorted(part[chosen], np.arange(part.max() + 1)), K)
-        found = self._marched(weights, given, (chosen, first), order, h, ahead)
-        back = np.argsort(chosen)
-        sent, flow, slope = (each.reshape(rule.n, K, order.s).transpose(0, 2, 1)[:, :, back] for each in found)
+        laws = self._laws(order, rule.h, chosen, first)
+        given = given[:, :, chosen].transpose(0, 2, 1).reshape(rule.n, -1) + np.repeat(laws.before, order.s)
+        out = np.tile(np.repeat(self.sent_before[chosen], order.s), (rule.n, 1))
+        before, back = clocks[0], np.argsort(chosen)
+        for clock in clocks:
+            if clock is not before:
+                given, out = (_on_clock(each, before.ahead - clock.ahead, order) for each in (given, out))
+            given, sent, flow, slope = self._marched(weights, given, out, laws, order, rule.h, clock)
+            before, out = clock, out + sent
+            found = (each.reshape(rule.n, K, order.s).transpose(0, 2, 1) for each in (sent, out, flow, slope))
+            sent_there, *answers = (each[:, :, back] for each in found)
+            yield rule.forward(sent_there), self._tangents(*answers)
+
+    def _tangents(self, out: NDArray, flow: NDArray, slope: NDArray) -> Tangents:
+        """Laws by waves out of them, flows, and slopes of these, (n, s, K)."""
         rho = self.network.impedances
         stateless = np.array([not element.kind.states for element in self.elements])
         slope = np.where(stateless, slope, 0.5 / rho)
-        tangents = Tangents(sent + self.sent_before + rho * flow, flow, slope / np.maximum(1 - rho * slope, STEEP))
-        return rule.forward(sent), tangents
+        return Tangents(out + rho * flow, flow, slope / np.maximum(1 - rho * slope, STEEP))
 
     def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> Laws:
         laws = with_basis(self.packed, order, h, self.packed.record_row)
@@ -105,26 +145,36 @@ class LawsAtPorts:
         return laws._replace(first=first, governed=np.zeros(len(first) - 1, bool), **moved)
 
     def _marched(
-        self, weights: NDArray, given: NDArray, grouped: tuple[NDArray, NDArray], order: Basis, h: float, ahead: float
-    ) -> tuple[NDArray, NDArray, NDArray]:
-        """Waves out of the laws, beyond those before t = 0, flows through them and slopes of these, (n, K s) each."""
-        (chosen, first), s, n = grouped, order.s, len(given)
-        laws, rest = self._laws(order, h, chosen, first), np.repeat(self.sent_before[chosen], s)
-        maps, given = [], given + np.repeat(laws.before, s)
-        for low, high in zip(first[:-1] * s, first[1:] * s, strict=True):
-            at_once = weights[0, low:high, low:high]
-            maps.append((np.eye(high - low) + at_once).ravel() / 2)
-            given[:, low:high] -= at_once @ rest[low:high]
-        map_at, sent = np.cumsum([0, *map(len, maps)])[:-1], np.zeros_like(given)
-        flow, slope = np.zeros_like(given), np.zeros_like(given)
-        signals = [self.controls[row] if row >= 0 else None for row in laws.excitation_row]
-        each = zip(signals, laws.control.tolist(), strict=True)
-        control = np.array([_over_time(signal, now, order, h, ahead, n) for signal, now in each])
+        self, weights: NDArray, given: NDArray, out: NDArray, laws: Laws, order: Basis, h: float, clock: Clock
+    ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+        """Waves into laws and, from a clock's first slab on, those out of them beyond `out`, flows, and slopes."""
+        given, (sent, flow, slope), s, n = given.copy(), np.zeros((3, *given.shape)), order.s, len(given)
+        spans = list(zip(laws.first[:-1] * s, laws.first[1:] * s, strict=True))
+        at_once = [weights[0, low:high, low:high] for low, high in spans]
+        for (low, high), own in zip(spans, at_once, strict=True):
+            given[:, low:high] -= out[:, low:high] @ own.T
+        maps = [(np.eye(len(own)) + own).ravel() / 2 for own in at_once]
+        map_at = np.cumsum([0, *map(len, maps)])[:-1]
+        each = zip(laws.excitation_row.tolist(), laws.control.tolist(), strict=True)
+        control = np.array([self._over_time(row, now, order, h, clock, n) for row, now in each])
         run = _run(laws, np.concatenate(maps), self.states.copy(), s)
         run.work.circuit.largest[0] = np.abs(given).max()
-        job = pack(Convolution(run, weights[1:], map_at, given, rest, sent, flow, slope, control))
-        _Past(weights, given, sent).advance(0, n, lambda begin, end: self._advance(job, begin, end, h))
-        return sent, flow, slope
+        job = pack(Convolution(run, weights[1:], map_at, given, out, sent, flow, slope, control))
+        _Past(weights, given, sent).advance(clock.first, n, lambda begin, end: self._advance(job, begin, end, h))
+        for (low, high), own in zip(spans, at_once, strict=True):
+            given[:, low:high] += (out + sent)[:, low:high] @ own.T
+        return given, sent, flow, slope
+
+    def _over_time(self, row: int, now: float, order: Basis, h: float, clock: Clock, n: int) -> NDArray:
+        """A control signal at the points of n slabs, up to a jump at the end of the clock; or its one value."""
+        if row < 0:
+            return np.full(n * order.s, now)
+        inside = np.minimum(order.c, 1 - EDGE)  # at a slab's end the value before it
+        slab, until = np.arange(n)[:, None] - clock.ahead, clock.until
+        t, inside = (((slab + places) * h).ravel() for places in (order.c, inside))
+        if (np.abs(self.jumps[row] - until) <= SAME_FAMILY * h).any():
+            t, inside = np.minimum(t, until), np.minimum(inside, until - EDGE * h)
+        return np.where(inside < 0, now, self.controls[row].value(np.maximum(t, 0.0), np.maximum(inside, 0.0)))
 
     def _advance(self, job: Packed, begin: int, end: int, h: float) -> None:
         slab = advance_convolved(job, begin, end, h)
@@ -167,10 +217,10 @@ def _run(laws: Laws, step: NDArray, states: NDArray, s: int) -> Run:
     return Run(network, state, units, work_for(network, state), np.empty((0, 0)), np.empty((0, 2, 0)))
 
 
-def _over_time(signal: Shape | None, now: float, order: Basis, h: float, ahead: float, n: int) -> NDArray:
-    """A control signal at the points of n slabs, or the value that it always has."""
-    if signal is None:
-        return np.full(n * order.s, now)
-    slab, inside = np.arange(n)[:, None] - ahead, np.minimum(order.c, 1 - EDGE)  # at a slab's end the value before it
-    t, inside = (((slab + places) * h).ravel() for places in (order.c, inside))
-    return np.where(inside < 0, now, signal.value(np.maximum(t, 0.0), np.maximum(inside, 0.0)))
+def _on_clock(waves: NDArray, late: float, order: Basis) -> NDArray:
+    """Waves (n, K s) on slabs that begin later by that share of a slab, by least squares."""
+    each = waves.reshape(len(waves), -1, order.s)
+    back = int(late < 0)
+    later, sooner = order.shift(1.0 - late % 1.0)
+    each = np.concatenate([each[:1]] * back + [each, each[-1:]])
+    return (each[:-1] @ sooner.T + each[1:] @ later.T)[: len(waves)].reshape(waves.shape)

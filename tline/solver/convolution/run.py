@@ -24,7 +24,7 @@ from tline.solver.convolution.families import (
     summed,
 )
 from tline.solver.convolution.fronts import Fronts, Tangents
-from tline.solver.convolution.laws import LawsAtPorts
+from tline.solver.convolution.laws import Clock, LawsAtPorts
 from tline.solver.convolution.layers import LEVELS, Layers, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, fast, gain
@@ -140,27 +140,27 @@ class Convolved:
     @cached_property
     def moves(self) -> NDArray:
         """Instants at which laws move, s."""
-        return self.laws.moves(self.description.t_end) if self.laws else np.empty(0)
+        return self.laws.moves if self.laws else np.empty(0)
 
     @cached_property
     def instants(self) -> NDArray:
         """Instants at which laws move, and all fronts of sources, s."""
         return np.unique(np.concatenate([self.moves, *(changes.at for changes in self.changes)]))
 
-    def leads(self, h: float) -> NDArray:
-        """Leads by which slabs of width h begin earlier, in slabs; with one of them each front is at an edge.
+    def leads(self, h: float) -> tuple[NDArray, list[Clock]]:
+        """Leads by which slabs of width h begin earlier, in slabs, for families of fronts; and clocks of laws.
 
-        Laws respond to all fronts at once, on slabs at whose edges they move. Fronts of sources elsewhere come before.
-        Where narrower slabs follow fronts there is no need for any.
+        With one lead each front is at an edge. Laws respond to all fronts at once, on slabs at whose edges they move.
+        Fronts of sources elsewhere come before. Where narrower slabs follow fronts there is no need for any.
         """
-        if self.follows(h):
-            return np.zeros(1)
-        found = leads(self.instants / h)
-        if self.laws is None or len(found) < 2:
-            return found if len(found) else np.zeros(1)
-        moves = leads(self.moves / h)
+        found = np.zeros(1) if self.follows(h) else leads(self.instants / h)
+        found = found if len(found) else np.zeros(1)
+        if self.laws is None:
+            return found, []
+        if len(found) < 2:
+            return np.empty(0), [Clock(float(found[0]), 0)]
         fronts = leads(np.concatenate([changes.at for changes in self.changes]) / h)
-        return np.append(fronts if self.parts_into(len(fronts)) else [], moves if len(moves) == 1 else 0.0)
+        return fronts if self.parts_into(len(fronts)) else np.empty(0), self.laws.clocks(h)
 
     def parts_into(self, families: int) -> bool:
         """Whether the excitation can be split into that many families; a curved waveform with several fronts cannot."""
@@ -171,12 +171,12 @@ class Convolved:
         """The result on slabs of a given order and width."""
         started = time.perf_counter()
         description, order, h = self.description, basis(chosen.s), chosen.h
-        slabs, ahead = Slabs.until(description.t_end, h), self.leads(h)
-        n = slabs.number
+        slabs, (families, clocks) = Slabs.until(description.t_end, h), self.leads(h)
+        ahead, n = np.array([*families, *(clock.ahead for clock in clocks)]), slabs.number
         fronts, whole = self._moved(order, h)
-        rule = Quadrature(order, h, n + 1 if ahead.any() else n, self.padded)
+        rule = Quadrature(order, h, n + max(len(clocks), 1) * bool(ahead.any()), self.padded)
         lines = self.network.admittances(rule.points * self.network.second, np.outer(rule.late, whole))
-        records = self._records(rule, order, lines, ahead)
+        records = self._records(rule, order, lines, families, clocks)
         follows = self.follows(h)
         if follows:
             record, tangents = next(records)
@@ -221,42 +221,45 @@ class Convolved:
         kinks = any([*element.kind.bends(element.constants, 1.0)] for element in self.description.elements)
         return Layers(self.network, fronts, rows, order, h, moved, near, self.padded, self._halvings, kinks, tangents)
 
-    def _parts(self, h: float, ahead: NDArray, k: int) -> list[list[Excitation]]:
-        """Efforts held and flows at nodes due to one family of fronts, or to all for laws; slabs begin earlier."""
-        families = ahead[:-1] if self.laws and len(ahead) > 1 else ahead
-        all_ = self.laws is not None and k == len(ahead) - 1
+    def _parts(self, h: float, families: NDArray, k: int, ahead: float) -> list[list[Excitation]]:
+        """Efforts held and flows at nodes due to one family of fronts, or behind the last to all of them."""
 
         def part(changes: Changes) -> Waveform:
-            chosen = np.full(len(changes.at), True) if all_ else family_of(changes.at / h, families) == k
-            return changes.part(chosen, float(ahead[k]) * h)
+            every = k == len(families)
+            chosen = np.full(len(changes.at), True) if every else family_of(changes.at / h, families) == k
+            return changes.part(chosen, ahead * h)
 
         return [[[(part(c), share) for c, share in each] for each in rows] for rows in (self.held, self.flows)]
 
     def _records(
-        self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], ahead: NDArray
+        self, rule: Quadrature, order: Basis, lines: tuple[NDArray, NDArray], families: NDArray, clocks: list[Clock]
     ) -> Iterator[tuple[NDArray, Tangents | None]]:
         """Yield the responses to waveforms, on all slabs of the rule: (rows, 2, slabs * s) arriving and leaving waves.
 
         Slabs begin by one lead earlier each; `lines` are admittances at all points. Rows are ends of recorded lines,
         and behind them probed nodes without a line.
         """
+        ahead = [*families.tolist(), *(clock.ahead for clock in clocks[:1])]  # of what sources drive
         s, N, last = rule.points * self.network.second, len(self.network.names), len(ahead) - 1
         for some in np.array_split(np.arange(last + 1), min(int(len(s) * N * (last + 1) / MOST_HELD) + 1, last + 1)):
-            given = [self._driven(rule, order, self._parts(rule.h, ahead, k)) for k in some.tolist()]
+            given = [self._driven(rule, order, self._parts(rule.h, families, k, ahead[k])) for k in some.tolist()]
             driven = rule.forward(np.concatenate(given, axis=2)).reshape(len(s), len(some), 2, -1)
             held, flows = driven.transpose(2, 0, 3, 1)
             found = self.network.efforts(s, self.driving, held, flows, lines)
             for column, k in enumerate(some.tolist()):
-                efforts, tangents = found.driven[:, :, column], None
+                efforts = found.driven[:, :, column]
                 if self.laws and k == last:
-                    waves, tangents = self.laws.waves(rule, order, rule.h, float(ahead[k]), efforts, found.from_laws)
-                    efforts = efforts * (last == 0) + (found.from_laws @ waves[:, :, None])[:, :, 0]
+                    for waves, tangents in self.laws.waves(rule, order, clocks, efforts, found.from_laws):
+                        due = (found.from_laws @ waves[:, :, None])[:, :, 0]
+                        yield self._recorded(rule, due + efforts * (last == 0), lines), tangents
+                        last = -1
+                    continue
                 record = self._recorded(rule, efforts, lines)
                 if self.laws is None:  # otherwise laws may drive
                     sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
                     least = SILENT * max(sizes * [1.0, self.network.z0.max()])
                     record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
-                yield record, tangents
+                yield record, None
 
     def _driven(self, rule: Quadrature, order: Basis, parts: list[list[Excitation]]) -> NDArray:
         """Efforts held at nodes with sources, and behind them flows there, on slabs, (n, s, 2 nodes)."""
@@ -347,10 +350,11 @@ def _stays(description: Description) -> bool:
 
 def is_affordable(scene: Convolved, s: int, h: float) -> bool:
     """Whether a scene is convolved on slabs of an order and a width within some seconds."""
-    leads = scene.leads(h)
-    points, ends = scene.description.t_end / h * s * max(len(leads) / SHARED, 1.0), scene.network.size
+    families, clocks = scene.leads(h)
+    runs, ends = max((len(families) + len(clocks)) / SHARED, 1.0), scene.network.size
+    points = scene.description.t_end / h * s * runs
     if scene.description.t_end / h * (len(scene.network.laws) * s) ** 2 > MOST_BESIDE_LAWS:
         return False
-    return (scene.laws is not None or scene.parts_into(len(leads))) and points * ends * max(
+    return (scene.laws is not None or scene.parts_into(len(families))) and points * ends * max(
         ends / CUBE_POINTS, 1
     ) ** 2 <= MOST_POINTS

@@ -6,7 +6,7 @@ waves. S_0 acts at once, in place of the map of a circuit over a slab in Newton'
 
 from typing import NamedTuple
 
-from tline.compiled.structure import Floats, Floats2, Floats3, Integers
+from tline.compiled.structure import Floats2, Floats3, Integers
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.laws.answers import exchange_states
 from tline.solver.kernel.laws.circuit import found
@@ -21,7 +21,7 @@ class Convolution(NamedTuple):
     weights: Floats3  # (slabs, M, M) S_1, S_2, …
     map_at: Integers  # (groups,) place of (1 + S_0)/2 in the network's maps
     given: Floats2  # (n, M) waves into laws, less S_0 times `rest`
-    rest: Floats  # (M,) waves out of laws before t = 0
+    rest: Floats2  # (n, M) waves out of laws without what is sought
     sent: Floats2  # (n, M) waves out of laws beyond those
     flow: Floats2  # (n, M) through laws
     slope: Floats2  # (n, M) of it over the wave into the law; only of laws without a state
@@ -31,7 +31,7 @@ class Convolution(NamedTuple):
 @function
 def recall(job, k, begin):
     """Add to the waves given to slab k the contribution of slabs from `begin` on."""
-    weights, sent, given, size = job.weights, job.sent, job.given, job.rest.size
+    weights, sent, given, size = job.weights, job.sent, job.given, job.rest.shape[1]
     for j in range(begin, k):
         for a in range(size):
             total = 0.0
@@ -58,6 +58,6 @@ def advance_convolved(job: Convolution, begin: int, end: int, h: float) -> int:
                 return k
             for a in range(m * s):
                 o = first * s + a
-                work.waves[o], job.sent[k, o] = work.aimed[a], work.sent[a] - job.rest[o]
+                work.waves[o], job.sent[k, o] = work.aimed[a], work.sent[a] - job.rest[k, o]
                 job.flow[k, o], job.slope[k, o] = work.flow[a], work.slope[a]
     return -1
