@@ -10,6 +10,7 @@ from remembering_scenes import SCENES, two_clamps
 
 from tline import Scene, simulate
 from tline.scene.file import as_scene
+from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
@@ -161,3 +162,22 @@ def test_nothing_is_there_before_it_arrives_on_slabs_at_whose_edges_switches_do_
     seen = scene.run(Resolution(5, h)).probes["far"].at(np.array([0.9e-9, 1.1e-9, 1.3e-9, 1.5e-9])).u
     assert np.abs(seen[:3]).max() < 1e-6
     assert seen[3] > 0.5
+
+
+@pytest.mark.parametrize(("opens", "again"), [("1.907 ns", "2.531 ns"), ("0.171 ns", "1.913 ns")])
+def test_switches_at_edges_of_no_common_slabs(opens, again):
+    """On slabs of 14 ps as on those of 1 ps, which have all instants at edges; not just behind fronts."""
+    table = cable(t_end="3.2 ns", skin={"resistance": 60, "frequency": "10 GHz"}).table()
+    table["sources"] = {"s": {"at": "s", "kind": "voltage", "value": 1}}
+    table["links"] = {"w": {"kind": "switch", "nodes": ["s", "a"], "before": "inf", "after": 25, "time": "0.331 ns"}}
+    for name, before, after, instant in (("w", 50, 1000, opens), ("x", "inf", 30, again)):
+        table["loads"][name] = {"at": "b", "kind": "switch", "before": before, "after": after, "time": instant}
+    description = describe(as_scene(table))
+    scene, h = Convolved(description, []), 1e-9 / 70
+    wide, narrow, fronts = scene.run(Resolution(5, h)), scene.run(Resolution(5, 1e-12)), arrivals(description)
+    assert len(scene.laws.clocks(h)) == 3
+    t = np.linspace(0.01e-9, 3.19e-9, 400)
+    t = t[np.abs(t[:, None] - np.concatenate(list(fronts.values()))).min(axis=1) > 6 * h]
+    for name, probe in wide.probes.items():
+        u = narrow.probes[name].at(t).u
+        assert np.abs(probe.at(t).u - u).max() < 2e-6 * np.abs(u).max()
