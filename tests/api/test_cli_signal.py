@@ -106,7 +106,7 @@ def test_load_lines(folder: Path) -> None:
         ("tdr cable.toml --port near --rise 1e-10 --plot a.txt", "--plot: unknown kind of file"),
         ("tdr none.toml --port near --rise 1e-10", "none.toml: cannot be read"),
         ("eye cable.toml --probe for --bit 1e-9 --rise 1e-10", "--probe: no such probe, expected 'far'"),
-        ("eye cable.toml --probe far --bit 0 --rise 1e-10", "--bit: not above zero"),
+        ("eye cable.toml --probe far --bit 0 --rise 1e-10", "--bit: not positive"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 2e-9", "--rise: not a time within a bit, expected above zero"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 0120", "--bits: not a bit pattern"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 111", "--bits: not a bit pattern"),

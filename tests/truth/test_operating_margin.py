@@ -35,7 +35,7 @@ def a_cable(f=F, length=0.4, swapped=False, crosstalk=0.0):
 def given(**more):
     """KR4 with one package and one setting of equalisers, and changes of it."""
     one = {
-        "package": KR4.table()["package"] | {"z_p": ["12 mm"], "z_p_next": ["12 mm"]},
+        "package": KR4.table()["package"] | {"z_p": [["12 mm", "12 mm"]]},
         "g_DC": [-6, -6, 1],
         "ffe": {},
     }
@@ -70,7 +70,7 @@ def test_voltages_at_the_die_are_those_of_chain_matrices(name, kind):
     by, rng = clause(name), np.random.default_rng(4)
     f, S = np.array([1e8, 5e9, 14e9, 33e9]), rng.normal(size=(4, 2, 2, 2)) @ [0.3, 0.3j]
     S[:, 0, 1] = S[:, 1, 0]
-    found = transfer(by, Way(kind, f, S, np.array([100.0, 100.0])), by.cases[1])
+    found = transfer(by, Way(kind, f, S, np.array([100.0, 100.0])), by.package.z_p[1])
     lengths = (0.012 if kind == "next" else 0.030, 0.030)
     boards = None if by.board is None else (0.072 if kind == "next" else 0.151, 0.151)
     exact = [abcd_transfer(by, S[k], 100, f[k], lengths, boards) for k in range(4)]
@@ -81,7 +81,7 @@ def test_voltages_do_not_depend_on_the_references():
     """The same network against 100 and 80 ohm at its ports, by scikit-rf."""
     skrf = pytest.importorskip("skrf")
     net = skrf.Network(f=F[:5], f_unit="Hz", s=a_cable(F[:5]).between([[0, 2], [1, 3]]).values[:, :2, :2], z0=100)
-    by, case = given(), given().cases[0]
+    by, case = given(), given().package.z_p[0]
     one = transfer(by, Way("tx", F[:5], net.s.copy(), np.array([100.0, 100.0])), case)
     net.renormalize([100, 80], s_def="power")
     assert transfer(by, Way("tx", F[:5], net.s, np.array([100.0, 80.0])), case) == pytest.approx(one, rel=1e-9)
@@ -90,7 +90,7 @@ def test_voltages_do_not_depend_on_the_references():
 def test_edges_rise_from_20_to_80_percent_in_their_time():
     by = given(T_r="20 ps")
     way = Way("tx", F, np.tile(np.eye(2)[::-1], (len(F), 1, 1)), np.array([100.0, 100.0]))
-    shape = transfer(by, way, by.cases[0]) / transfer(given(), way, by.cases[0])
+    shape = transfer(by, way, by.package.z_p[0]) / transfer(given(), way, by.package.z_p[0])
     t = np.linspace(-20e-12, 20e-12, 401)
     step = 0.5 + (np.real(shape) / (np.pi * F) * np.sin(2 * np.pi * F * t[:, None])).sum(axis=1) * 1e7
     inner = (step > 0.2) & (step < 0.8)
@@ -185,7 +185,7 @@ def test_whole_margins_are_those_of_another_program(name):
     """PyChOpMarg takes levels 10 µV apart, and leaves out cursors below a thousandth of the signal."""
     gains, margin, signal, disturbance, sigmas, dfe = KNOWN[name]
     f = np.arange(0, 5001) * 1e7
-    package = clause(name).table()["package"] | {"z_p": ["30 mm"], "z_p_next": ["12 mm"]}
+    package = clause(name).table()["package"] | {"z_p": [["30 mm", "12 mm"]]}
     one = {"ffe": {"c(-1)": [-0.1, -0.1, 1], "c(1)": [-0.1, -0.1, 1]}, "package": package, "base": name}
     one |= {key: [gain, gain, 1] for key, gain in zip(("g_DC", "g_DC2"), gains, strict=True)}
     far, near = a_cable(f, crosstalk=0.25), a_cable(f, crosstalk=0.5)
@@ -202,9 +202,9 @@ def test_a_pulse_is_the_integral_over_its_spectrum():
     """Over a finer grid, by a sum, with the filters' own formulas."""
     by, f = given(), np.arange(1, 16001) * 2.5e6
     way = Way("tx", f, a_cable(f).between([[0, 2], [1, 3]]).values[:, :2, :2], np.array([100.0, 100.0]))
-    pulse = equalised(by, [way], by.cases[0]).pulses[0]
+    pulse = equalised(by, [way], by.package.z_p[0]).pulses[0]
     rate, x = float(by.f_b), f / 0.75 / float(by.f_b)
-    H = transfer(by, way, by.cases[0]) / (1 - 3.414214 * x**2 + x**4 + 2.613126j * (x - x**3))
+    H = transfer(by, way, by.package.z_p[0]) / (1 - 3.414214 * x**2 + x**4 + 2.613126j * (x - x**3))
     H = H * (10**-0.3 + 4j * f / rate) / (1 + 4j * f / rate) / (1 + 1j * f / rate)
     t = np.arange(2200, 2500, 20) / 32 / rate
     turned = H * np.sinc(f / rate) * np.exp(2j * np.pi * f * t[:, None])
@@ -238,14 +238,16 @@ def test_what_is_refused():
         ({"ffe": {"c(0)": [0, 0, 1]}}, "ffe: not a tap beside the main one"),
         ({"ffe": {"c(1)": [-0.9, -0.8, 0.1]}}, "c_0: larger than the main tap"),
         ({"g_DC": [0, -3, 1]}, "g_DC: not a range"),
-        ({"delta_f": "1 kHz"}, "delta_f: too small"),
+        ({"delta_f": "1 kHz"}, "Clause.delta_f: frequency out of range"),
         ({"base": "KR4"}, "clause: not known, expected one of '100GBASE-KR4'"),
     ):
         with pytest.raises(InputError, match=said):
             operating_margin(a_cable(), given(**more) if "base" not in more else more, "1,3 2,4")
     with pytest.raises(InputError, match="too few samples for a margin, expected four and more, up to 1"):
         operating_margin(a_cable(F[:1000]), KR4, "1,3 2,4")
-    with pytest.raises(InputError, match="no signal arrives"):
+    with pytest.raises(InputError, match="ports: nothing of the sender arrives"):
         operating_margin(SampledResponse(F, np.zeros((len(F), 4, 4)), "S"), given(), "1,3 2,4")
+    with pytest.raises(InputError, match="ports: the sender arrives inverted"):
+        operating_margin(a_cable(), KR4, "3,1 2,4")
     with pytest.raises(InputError, match="file: samples of Z, expected S"):
         measured_channel(SampledResponse(F, np.ones((len(F), 2, 2)), "Z"))

@@ -120,7 +120,6 @@ def eye(
     """
     from tline.signal import eye_diagram, mask_hits, pulse_response
 
-    given |= {key: _number_or_text(given[key]) for key in ("low", "high") if key in given}
     _check_options(statistical, given | {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "neighbours": neighbours})
     if statistical:
         asked = {key: given.pop(key) for key in OF_EYE if key in given}
@@ -142,17 +141,10 @@ def eye(
 def _mask(text: str, seen: "Eye | StatisticalEye") -> "Mask":
     from tline.signal.eye_statistics import mask_of
 
-    parts = [_number_or_text(part.strip()) for part in text.split(",")]
+    parts = [part.strip() for part in text.split(",")]
     if len(parts) != 2:
         raise InputError("--mask", "not a width and a height", "such as '0.4 ns, 0.3 V'", f"'{text}'")
     return mask_of(parts[0], parts[1], seen, seen.medium.units["effort"])
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _check_options(statistical: bool, given: dict[str, Any]) -> None:
@@ -170,7 +162,7 @@ def _equalised(
     from tline.signal import statistical_eye
 
     if low_pass is not None:
-        pulses = [each.with_low_pass(_number_or_text(low_pass)) for each in pulses]
+        pulses = [each.with_low_pass(low_pass) for each in pulses]
     gains: list[float | None] = [None]
     corners: list[float] = []
     if ctle is not None:
@@ -282,7 +274,7 @@ def channel(
         if bit is None and "report" not in files:
             return channel.shown(margin, exit_code=exit_code, report=None)
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
-    levels = {key: _number_or_text(given.pop(key)) for key in ("low", "high") if key in given}
+    levels = {key: given.pop(key) for key in ("low", "high") if key in given}
     equalisers = {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "mask": mask}
     for name, value in (asked | equalisers).items():
         if bit is None and value is not None:
@@ -331,11 +323,7 @@ def _numbers(text: str, name: str, *units: str) -> list[float]:
 
     found = []
     for k, part in enumerate(text.split(",")):
-        part, unit = part.strip(), units[min(k, len(units) - 1)] if units else ""
-        if unit == "dB":
-            part, unit = part.lower().removesuffix("db").strip(), ""
-        try:
-            found.append(float(part))
-        except ValueError:
-            found.append(to_si(part, unit, name))
+        unit = units[min(k, len(units) - 1)] if units else ""
+        part, unit = (part.lower().replace("db", ""), "") if unit == "dB" else (part, unit)
+        found.append(to_si(part.strip(), unit, name))
     return found

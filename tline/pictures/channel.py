@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tline.pictures.bode import plot_misfit
-from tline.pictures.page import drawn, page, table
+from tline.pictures.page import drawn, table
 from tline.pictures.signals import plot_reflections, plot_statistical_eye
 from tline.signal.all_patterns import StatisticalEye
 from tline.signal.channel import FLOOR, Channel
@@ -86,18 +86,8 @@ def report(
     eye: StatisticalEye | None,
     margin: OperatingMargin | None,
     inputs: Mapping[str, str],
-) -> str:
-    """Compose the whole report as HTML."""
-    return page(f"Channel {seen.title}".rstrip(), _parts(seen, profile, eye, margin, inputs))
-
-
-def _parts(
-    seen: Channel,
-    profile: Reflections,
-    eye: StatisticalEye | None,
-    margin: OperatingMargin | None,
-    inputs: Mapping[str, str],
 ) -> Iterator[str]:
+    """Compose the parts of a report's page."""
     f = seen.measured.f
     yield f"<p>{escape(next(iter(seen.text_lines())))}.</p>"
     yield "<h2>Losses</h2>" + table(*_losses(seen, None if eye is None else 0.5 / eye.period))

@@ -234,8 +234,9 @@ class Channel(Presentation):
 
         suffix_of(path, REPORTS)
         profile = self.reflections(0.5 / self.measured.f[-1] if rise is None else rise)
-        text = import_module("tline.pictures.channel").report(self, profile, seen, margin, inputs or {})
-        import_module("tline.pictures.page").save_page(text, path)
+        pages, parts = import_module("tline.pictures.page"), import_module("tline.pictures.channel").report
+        whole = pages.page(f"Channel {self.title}".rstrip(), parts(self, profile, seen, margin, inputs or {}))
+        pages.save_page(whole, path)
 
 
 def measured_channel(

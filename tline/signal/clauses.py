@@ -25,7 +25,8 @@ Decibels = Annotated[Quantity, Role("decibels", "", at_least=-100, at_most=100)]
 Tap = Annotated[Quantity, Role("tap", "", at_least=-1, at_most=1)]
 Loss = Annotated[Quantity, Role("attenuation", "", at_least=0)]
 PerMetre = Annotated[Quantity, Role("time per length", "s/m", at_least=0)]
-ONE, ZERO, TAPS = Quantity(1, ""), Quantity(0, ""), {f"c({k})": k for k in (*range(-9, 0), *range(1, 10))}
+ONE, ZERO, MM_12 = Quantity(1, ""), Quantity(0, ""), Quantity("12 mm", "m")
+TAPS = {f"c({k})": k for k in (*range(-9, 0), *range(1, 10))}
 MOST = 50_000  # settings of the sender's taps, and steps of a range
 
 
@@ -52,12 +53,16 @@ class LossyLine(Element):
 
 
 class Package(LossyLine):
-    """Package of a device: C_d of each conductor at its die, a line for each test case, C_p at the board."""
+    """Package of a device: C_d of each conductor at its die, a line, C_p at the board.
+
+    For each test case z_p has the length of all devices' lines but near-end aggressors', and of theirs.
+    """
 
     C_d: Farad
     C_p: Farad
-    z_p: tuple[Length, ...] = (Quantity("12 mm", "m"), Quantity("30 mm", "m"))
-    z_p_next: tuple[Length, ...] = (Quantity("12 mm", "m"), Quantity("12 mm", "m"))  # of near-end aggressors
+    z_p: tuple[tuple[Length, Length], ...] = Field(
+        default=((MM_12, MM_12), (Quantity("30 mm", "m"), MM_12)), min_length=1
+    )
 
 
 class Board(LossyLine):
@@ -78,8 +83,8 @@ class Clause(Element):
     """
 
     title: str = ""
-    f_b: Annotated[Quantity, Role("signaling rate", "Hz", above=0)]
-    delta_f: Annotated[Quantity, Role("frequency", "Hz", above=0)] = Quantity("10 MHz", "Hz")
+    f_b: Annotated[Quantity, Role("signaling rate", "Hz", above=0, at_most=2e11)]
+    delta_f: Annotated[Quantity, Role("frequency", "Hz", at_least=4e6)] = Quantity("10 MHz", "Hz")
     L: Annotated[int, Whole(2, 16)] = 2
     R_LM: Share = ONE
     M: Annotated[int, Whole(8, 128)] = 32
@@ -114,26 +119,14 @@ class Clause(Element):
             raise InputError("ffe", "not a tap beside the main one", "such as 'c(-1)' or 'c(1)'", shown(min(wrong)))
         ranges = {TAPS[name]: _steps(each, f"ffe.{name}") for name, each in self.ffe.items()}
         lead, last = -min([0, *ranges]), max([0, *ranges])
-        each = [ranges.get(k, np.zeros(1)) for k in range(-lead, last + 1)]
-        if np.prod([float(len(one)) for one in each]) > MOST:
+        if np.prod([float(len(each)) for each in ranges.values()]) > MOST:
             raise InputError("ffe", "too many settings", f"at most {MOST:,}")
-        found = np.array([*product(*each)])
+        found = np.array([*product(*(ranges.get(k, [0.0]) for k in range(-lead, last + 1)))])
         found[:, lead] = 1 - np.abs(found).sum(axis=1)
         found = found[found[:, lead] >= float(self.c_0) - 1e-9]
         if not len(found):
             raise InputError("c_0", "larger than the main tap of all settings", "1 less the moduli of the others")
         return found, lead
-
-    @property
-    def cases(self) -> list[dict[str, float]]:
-        """Lengths of packages in each test case, at the receiver, "rx", and at what sends, by its kind, m."""
-        lengths = self.package.z_p, self.package.z_p_next
-        if not 0 < len(lengths[0]) == len(lengths[1]):
-            raise InputError("package", "not as many lengths of z_p_next as of z_p", "one for each test case")
-        return [
-            dict.fromkeys(("rx", "tx", "fext"), float(z)) | {"next": float(near)}
-            for z, near in zip(*lengths, strict=True)
-        ]
 
     @property
     def gains(self) -> list[tuple[float, float]]:
@@ -173,21 +166,18 @@ def clause(named: "str | Path | dict[str, Any] | Clause") -> Clause:
     """
     if isinstance(named, Clause):
         return named
-    table: Any = named
     known = read_toml(Path(__file__).with_name("clauses.toml"), "parameters by clause")
-    if not isinstance(named, dict):
-        path = Path(named)
-        table = read_toml(path, "parameters") if path.suffix == ".toml" else {"base": str(named)}
-        if path.suffix == ".json":
-            text = read_text(path)
-            try:
-                table = json.loads(text)
-            except (ValueError, RecursionError) as error:
-                raise InputError(str(named), f"is not valid JSON: {error!s:.200}") from None
-    while isinstance(table, dict) and "base" in table:
+    table: Any = named if isinstance(named, dict) else {"base": str(named)}
+    if str(named).endswith(".toml"):
+        table = read_toml(Path(str(named)), "parameters")
+    elif str(named).endswith(".json"):
+        text = read_text(Path(str(named)))
+        try:
+            table = dict(json.loads(text))
+        except (TypeError, ValueError, RecursionError) as error:
+            raise InputError(str(named), f"is no table in JSON: {error!s:.200}", "keys such as f_b") from None
+    while "base" in table:
         if (base := str(table["base"])) not in known:
             raise InputError("clause", "not known", f"{nearest(base, [*known])}, or a .toml or .json file", shown(base))
         table = known[base] | {key: value for key, value in table.items() if key != "base"}
-    if not isinstance(table, dict):
-        raise InputError(str(named), "not a table", "keys such as f_b")
     return Clause(**table)

@@ -59,7 +59,7 @@ class OperatingMargin(Presentation):
     @property
     def rows(self) -> list[list[str]]:
         """Each thing found, and its value."""
-        lengths = [engineering(float(z), "m") for z in self.clause.package.z_p]
+        lengths = [engineering(float(z), "m") for z, _ in self.clause.package.z_p]
         told = [["channel operating margin", f"{self.margin:.3g} dB, to pass {float(self.clause.least):g} dB"]]
         told += [[f"with packages of {z}", f"{x:.3g} dB"] for z, x in zip(lengths, self.cases, strict=True)]
         volts = {"signal A_s": self.signal, "disturbance A_ni": self.disturbance}
@@ -77,9 +77,8 @@ class OperatingMargin(Presentation):
 
     def to_dict(self) -> dict[str, Any]:
         """All in SI units, with the parameters, which `clause` reads again."""
-        told = {
-            name: getattr(self, name) for name in ("margin", "cases", "signal", "disturbance", "sigmas", "dfe", "notes")
-        }
+        names = "margin cases signal disturbance sigmas dfe notes"
+        told = {name: getattr(self, name) for name in names.split()}
         told |= {"merit": 10 * np.log10(self.best.merit), "gains": self.best.gains, "taps": self.best.taps}
         return plain(told | {"pulse": self.best.pulses[0], "at": self.best.at, "parameters": self.clause.table()})
 
@@ -134,7 +133,7 @@ def operating_margin(
     ends, widest = min(way.f[-1] for way in ways), max(float(np.diff(way.f).max()) for way in ways)
     notes += [f"samples end at {ends:g} Hz, below the signaling rate: their loss goes on"] * bool(ends < f_b)
     notes += [f"samples are {widest:g} Hz apart, more than delta_f"] * bool(widest > 1.01 * float(given.delta_f))
-    found = [_margin(given, equalised(given, ways, lengths)) for lengths in given.cases]
+    found = [_margin(given, equalised(given, ways, lengths)) for lengths in given.package.z_p]
     cases = tuple(each.margin for each in found)
     return replace(found[int(np.argmin(cases))], cases=cases, notes=tuple(notes), title=title)
 

@@ -22,8 +22,6 @@ from tline.signal.clauses import Clause
 from tline.signal.density import power
 from tline.signal.pulse import ctle, low_pass
 
-MOST_SAMPLES = 4_000_000  # of a pulse response
-
 
 class Way(NamedTuple):
     """From a sender, mode 0, to the receiver, mode 1; kind is "tx", "fext" or "next"."""
@@ -45,20 +43,20 @@ class Equalised(NamedTuple):
     pulses: list[NDArray]  # (n, M) for each way, V
 
 
-def transfer(given: Clause, way: Way, lengths: dict[str, float]) -> NDArray:
+def transfer(given: Clause, way: Way, lengths: tuple[float, float]) -> NDArray:
     """Voltage at the receiver's die over half of the sender's, shape (n,); (93A-18), and (93A-46) of its edges.
 
     A sender is a source behind its package. Packages are reciprocal: a current into the receiver's makes at the die
     what a source there makes at the pads.
     """
-    f, R = way.f, 2 * float(given.R_d)
+    f, R, near = way.f, 2 * float(given.R_d), way.kind == "next"
 
-    def device(end: str) -> tuple[NDArray, NDArray]:
+    def device(end: str, length: float) -> tuple[NDArray, NDArray]:
         v, z = _beside(f, float(given.package.C_d), np.ones(len(f), complex), np.full(len(f), R, complex))
-        v, z = _beside(f, float(given.package.C_p), *given.package.behind(f, lengths[end], v, z))
+        v, z = _beside(f, float(given.package.C_p), *given.package.behind(f, length, v, z))
         return (v, z) if given.board is None else given.board.behind(f, float(getattr(given.board, f"z_{end}")), v, z)
 
-    (v, z), (v_rx, z_rx) = device(way.kind), device("rx")
+    (v, z), (v_rx, z_rx) = device(way.kind, float(lengths[near])), device("rx", float(lengths[0]))
     (S11, S12), (S21, S22) = np.moveaxis(way.S, 0, 2)
     one, two = (z - way.z0[0]) / (z + way.z0[0]), (z_rx - way.z0[1]) / (z_rx + way.z0[1])
     around = (1 - S11 * one) * (1 - S22 * two) - S12 * S21 * one * two
@@ -85,12 +83,10 @@ def on_grid(f: NDArray, H: NDArray, grid: NDArray) -> NDArray:
     return both(within) * np.exp(slope * (grid - within) - 2j * np.pi * grid * late)
 
 
-def equalised(given: Clause, ways: list[Way], lengths: dict[str, float]) -> Equalised:
+def equalised(given: Clause, ways: list[Way], lengths: tuple[float, float]) -> Equalised:
     """Search all equalisers of a clause for the largest figure of merit, the sender's way being the first."""
     f_b, M = float(given.f_b), given.M
     n = next_fast_len(max(round(f_b / float(given.delta_f)), 4 * (given.N_b + 20)))
-    if n * M > MOST_SAMPLES:
-        raise InputError("delta_f", "too small", f"at least {f_b * M / MOST_SAMPLES:g} Hz")
     grid, (taps, lead) = np.arange(n * M // 2 + 1) * f_b / n, given.taps
     amplitudes = {"tx": float(given.A_v), "fext": float(given.A_fe), "next": float(given.A_ne)}
     filtering = low_pass(float(given.f_r) * f_b).at(grid)
@@ -105,12 +101,14 @@ def equalised(given: Clause, ways: list[Way], lengths: dict[str, float]) -> Equa
         merit, k, at = _best_taps(given, taps, lead, [*zip((way.kind for way in ways), pulses, strict=True)], noise)
         if merit > best.merit:
             best = Equalised(merit, gains, taps[k], at, noise**0.5, pulses)
-    if not best.pulses:
-        raise InputError("file", "no signal arrives at the receiver", "a way from the first port to the second")
-    shifted = [[c * np.roll(each, k - lead, axis=0) for k, c in enumerate(best.taps)] for each in best.pulses]
-    sums = [each if way.kind == "next" else np.sum(parts, axis=0)
-            for way, each, parts in zip(ways, best.pulses, shifted, strict=True)]  # fmt: skip
-    return best._replace(pulses=sums)
+    if not best.pulses or -best.pulses[0].min() > best.pulses[0].max():
+        problem = "the sender arrives inverted" if best.pulses else "nothing of the sender arrives"
+        raise InputError("ports", problem, "sender and receiver, and pairs alike in both")
+    for k, way in enumerate(ways):
+        if way.kind != "next":
+            parts = [c * np.roll(best.pulses[k], shift - lead, axis=0) for shift, c in enumerate(best.taps)]
+            best.pulses[k] = np.sum(parts, axis=0)
+    return best
 
 
 def _best_taps(
