@@ -216,7 +216,9 @@ def test_a_measured_channel_and_its_report(folder: Path) -> None:
 
 def test_a_margin_alone(folder: Path) -> None:
     """No model is fitted, and its parameters are read again from what --json tells."""
-    (folder / "fast.toml").write_text('base = "200GAUI-4"\nf_b = "5 GHz"\nleast = -80\n', encoding="utf-8")
+    (folder / "fast.toml").write_text(
+        'base = "200GAUI-4"\nf_b = "5 GHz"\nleast = -80\ng_DC = [-6, -6, 1]\n', encoding="utf-8"
+    )
     done = run("channel scenes/filter.s2p --com fast.toml --next scenes/filter.s2p --json --plot pulse.png")
     assert done.exit_code == 0, done.output
     told = json.loads(done.stdout)

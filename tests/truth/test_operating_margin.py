@@ -235,9 +235,10 @@ def test_ports_in_any_order_and_neighbours_in_one_file():
 def test_what_is_refused():
     for more, said in (
         ({"L": 1, "f_zz": 0.5}, "Clause.L: .*\nClause.f_zz: unknown key"),
-        ({"ffe": {"c(0)": [0, 0, 1]}}, "ffe: not a tap beside the main one"),
-        ({"ffe": {"c(1)": [-0.9, -0.8, 0.1]}}, "c_0: larger than the main tap"),
-        ({"g_DC": [0, -3, 1]}, "g_DC: not a range"),
+        ({"ffe": {"c(0)": [0, 0, 1]}}, "Clause.ffe: not a tap beside the main one"),
+        ({"ffe": {"c(1)": [-0.9, -0.8, 0.1]}}, "Clause.c_0: larger than the main tap"),
+        ({"g_DC": [0, -3, 1]}, "Clause.g_DC: not a range"),
+        ({"f_p": [], "b_max": []}, "Clause.f_p: too few.*\nClause.b_max: too few"),
         ({"delta_f": "1 kHz"}, "Clause.delta_f: frequency out of range"),
         ({"base": "KR4"}, "clause: not known, expected one of '100GBASE-KR4'"),
     ):

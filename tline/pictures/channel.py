@@ -97,7 +97,7 @@ def report(
         yield "<h2>Eye of all bit patterns</h2><p>" + "<br>".join(map(escape, eye.text_lines())) + "</p>"
         yield drawn(plot_statistical_eye, eye)
     if margin is not None:
-        rows = [["parameters", margin.clause.title], *margin.rows, *(["note", note] for note in margin.notes)]
+        rows = [["parameters", margin.clause.title], *margin.rows]
         yield "<h2>Channel operating margin</h2>" + table(["what", "value"], rows) + drawn(plot_margin, margin)
     found, verdict = seen.found, seen.verdict
     yield f"<h2>Passivity</h2><p>{escape('; '.join(map(str.strip, verdict.text_lines())))}</p>"

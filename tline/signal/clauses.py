@@ -96,13 +96,13 @@ class Clause(Element):
     f_r: Frequency = Quantity(0.75, "")
     g_DC: tuple[Decibels, Decibels, Decibels]
     f_z: Frequency
-    f_p: tuple[Frequency, ...]
+    f_p: tuple[Frequency, ...] = Field(min_length=1)
     g_DC2: tuple[Decibels, Decibels, Decibels] = (ZERO, ZERO, ONE)
     f_LF: Frequency | None = None
     ffe: dict[str, tuple[Tap, Tap, Tap]] = Field(default_factory=dict)
     c_0: Share = ZERO
     N_b: Annotated[int, Whole(0, 200)]
-    b_max: tuple[Share, ...] = (ONE,)
+    b_max: tuple[Share, ...] = Field(default=(ONE,), min_length=1)
     sigma_RJ: Share
     A_DD: Share
     eta_0: Annotated[Quantity, Role("noise density", "V^2/Hz", at_least=0)]
@@ -116,23 +116,27 @@ class Clause(Element):
     def taps(self) -> tuple[NDArray, int]:
         """All settings of the sender's taps in order of time, shape (n, m), and which is the main one."""
         if wrong := self.ffe.keys() - TAPS:
-            raise InputError("ffe", "not a tap beside the main one", "such as 'c(-1)' or 'c(1)'", shown(min(wrong)))
-        ranges = {TAPS[name]: _steps(each, f"ffe.{name}") for name, each in self.ffe.items()}
+            raise InputError(
+                "Clause.ffe", "not a tap beside the main one", "such as 'c(-1)' or 'c(1)'", shown(min(wrong))
+            )
+        ranges = {TAPS[name]: _steps(each, f"Clause.ffe.{name}") for name, each in self.ffe.items()}
         lead, last = -min([0, *ranges]), max([0, *ranges])
         if np.prod([float(len(each)) for each in ranges.values()]) > MOST:
-            raise InputError("ffe", "too many settings", f"at most {MOST:,}")
+            raise InputError("Clause.ffe", "too many settings", f"at most {MOST:,}")
         found = np.array([*product(*(ranges.get(k, [0.0]) for k in range(-lead, last + 1)))])
         found[:, lead] = 1 - np.abs(found).sum(axis=1)
         found = found[found[:, lead] >= float(self.c_0) - 1e-9]
         if not len(found):
-            raise InputError("c_0", "larger than the main tap of all settings", "1 less the moduli of the others")
+            raise InputError(
+                "Clause.c_0", "larger than the main tap of all settings", "1 less the moduli of the others"
+            )
         return found, lead
 
     @property
     def gains(self) -> list[tuple[float, float]]:
         """All gains at rest of both stages of the receiver's equaliser, dB."""
-        second = _steps(self.g_DC2, "g_DC2") if self.f_LF else np.zeros(1)
-        return [*product(_steps(self.g_DC, "g_DC").tolist(), second.tolist())]
+        second = _steps(self.g_DC2, "Clause.g_DC2") if self.f_LF else np.zeros(1)
+        return [*product(_steps(self.g_DC, "Clause.g_DC").tolist(), second.tolist())]
 
 
 def _steps(limits: tuple[float, float, float], where: str) -> NDArray:

@@ -34,7 +34,7 @@ class OperatingMargin(Presentation):
         Taps of the decision feedback, over the main cursor.
     cases : tuple of float
         Margins of all test cases, dB.
-    notes : tuple of str
+    lacking : tuple of str
         What the samples lack.
     title : str
         Name of the file.
@@ -47,7 +47,7 @@ class OperatingMargin(Presentation):
     best: Equalised
     dfe: NDArray
     cases: tuple[float, ...] = ()
-    notes: tuple[str, ...] = ()
+    lacking: tuple[str, ...] = ()
     title: str = ""
     picture = "tline.pictures.channel:plot_margin"
 
@@ -68,7 +68,8 @@ class OperatingMargin(Presentation):
         told += [["figure of merit", f"{10 * np.log10(self.best.merit):.3g} dB"]]
         told += [["sender's taps", ", ".join(f"{tap:.4g}" for tap in self.best.taps)]]
         told += [["receiver's gain at rest", " and ".join(f"{gain:g} dB" for gain in self.best.gains)]]
-        return [*told, ["feedback over the main cursor", ", ".join(f"{b:.3f}" for b in self.dfe) or "none"]]
+        told += [["feedback over the main cursor", ", ".join(f"{b:.3f}" for b in self.dfe) or "none"]]
+        return [*told, *(["samples", lack] for lack in self.lacking)]
 
     def text_lines(self) -> Iterator[str]:
         """The parameters' title, and all rows."""
@@ -77,7 +78,7 @@ class OperatingMargin(Presentation):
 
     def to_dict(self) -> dict[str, Any]:
         """All in SI units, with the parameters, which `clause` reads again."""
-        names = "margin cases signal disturbance sigmas dfe notes"
+        names = "margin cases signal disturbance sigmas dfe lacking"
         told = {name: getattr(self, name) for name in names.split()}
         told |= {"merit": 10 * np.log10(self.best.merit), "gains": self.best.gains, "taps": self.best.taps}
         return plain(told | {"pulse": self.best.pulses[0], "at": self.best.at, "parameters": self.clause.table()})
@@ -126,16 +127,16 @@ def operating_margin(
     for kind, each in [*(("fext", each) for each in fext), *(("next", each) for each in outside)]:
         other = modes_of(read_samples(each)[1], " ".join(names[:2]))[1]
         ways.append(Way(kind, other.f, other.values[:, :2, :2], other.z0[:2]))
-    f_b, notes = float(given.f_b), []
+    f_b, lacking = float(given.f_b), []
     if short := [way for way in ways if way.f[-1] < f_b / 2 or len(way.f) < 4]:
         got = f"{len(short[0].f)}, up to {short[0].f[-1]:g} Hz"
         raise InputError("file", "too few samples for a margin", f"four and more, up to {f_b / 2:g} Hz", got)
     ends, widest = min(way.f[-1] for way in ways), max(float(np.diff(way.f).max()) for way in ways)
-    notes += [f"samples end at {ends:g} Hz, below the signaling rate: their loss goes on"] * bool(ends < f_b)
-    notes += [f"samples are {widest:g} Hz apart, more than delta_f"] * bool(widest > 1.01 * float(given.delta_f))
+    lacking += [f"end at {ends:g} Hz, below the signaling rate: their loss goes on"] * bool(ends < f_b)
+    lacking += [f"are {widest:g} Hz apart, more than delta_f"] * bool(widest > 1.01 * float(given.delta_f))
     found = [_margin(given, equalised(given, ways, lengths)) for lengths in given.package.z_p]
     cases = tuple(each.margin for each in found)
-    return replace(found[int(np.argmin(cases))], cases=cases, notes=tuple(notes), title=title)
+    return replace(found[int(np.argmin(cases))], cases=cases, lacking=tuple(lacking), title=title)
 
 
 def _margin(given: Clause, best: Equalised) -> OperatingMargin:
