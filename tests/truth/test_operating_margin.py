@@ -216,6 +216,8 @@ def test_ports_in_any_order_and_neighbours_in_one_file():
     by = given(delta_f="40 MHz")
     one = operating_margin(a_cable(), by, "1,3 2,4").margin
     assert operating_margin(a_cable(swapped=True), by, "1,2 3,4").margin == pytest.approx(one, rel=1e-12)
+    lacking = operating_margin(a_cable(F[:2000:4]), given(), "1,3 2,4").lacking
+    assert [each.partition(",")[0] for each in lacking] == ["end at 1.997e+10 Hz", "are 4e+07 Hz apart"]
     f = F[::4]
     both = np.zeros((len(f), 6, 6), complex)
     both[:, :4, :4] = a_cable(f).values

@@ -134,6 +134,7 @@ def operating_margin(
     ends, widest = min(way.f[-1] for way in ways), max(float(np.diff(way.f).max()) for way in ways)
     lacking += [f"end at {ends:g} Hz, below the signaling rate: their loss goes on"] * bool(ends < f_b)
     lacking += [f"are {widest:g} Hz apart, more than delta_f"] * bool(widest > 1.01 * float(given.delta_f))
+    lacking += [f"of single ports, taken as modes against {ways[0].z0[0]:g} ohm"] * ("," not in names[0])
     found = [_margin(given, equalised(given, ways, lengths)) for lengths in given.package.z_p]
     cases = tuple(each.margin for each in found)
     return replace(found[int(np.argmin(cases))], cases=cases, lacking=tuple(lacking), title=title)
