@@ -106,7 +106,7 @@ def test_load_lines(folder: Path) -> None:
         ("tdr cable.toml --port near --rise 1e-10 --plot a.txt", "--plot: unknown kind of file"),
         ("tdr none.toml --port near --rise 1e-10", "none.toml: cannot be read"),
         ("eye cable.toml --probe for --bit 1e-9 --rise 1e-10", "--probe: no such probe, expected 'far'"),
-        ("eye cable.toml --probe far --bit 0 --rise 1e-10", "--bit: not above zero"),
+        ("eye cable.toml --probe far --bit 0 --rise 1e-10", "--bit: not positive"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 2e-9", "--rise: not a time within a bit, expected above zero"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 0120", "--bits: not a bit pattern"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --bits 111", "--bits: not a bit pattern"),
@@ -189,19 +189,46 @@ def test_mistakes_with_crosstalk(text, options, sentence):
 
 def test_a_measured_channel_and_its_report(folder: Path) -> None:
     line = "channel scenes/filter.s2p --bit '2 ns' --rise '0.5 ns' --ffe best:0,1 --ctle '-3 dB, 1 GHz, 3 GHz'"
-    done = run(f"{line} --mask '0.5 ns, 0.2 V' --report r.html --plot c.png")
+    (folder / "slow.toml").write_text('base = "100GBASE-KR4"\nf_b = "5 GHz"\ng_DC = [-6, 0, 3]\n', encoding="utf-8")
+    done = run(f"{line} --mask '0.5 ns, 0.2 V' --com slow.toml --report r.html --plot c.png")
     assert done.exit_code == 0, done.output
     assert "filter.s2p: 1 sends, 2 receives" in done.stdout
     assert re.search(r"insertion 1 → 2 down to -\d+", done.stdout)
     assert re.search(r"mask free by 0\.\d+ V", done.stdout)
     page = (folder / "r.html").read_text(encoding="utf-8")
-    for part in ("Losses", "Impedance profile", "Eye of all bit patterns", "Passivity", "Inputs", "Versions"):
+    for part in (
+        "Losses",
+        "Impedance profile",
+        "Eye of all bit patterns",
+        "Channel operating margin",
+        "Passivity",
+        "Inputs",
+        "Versions",
+    ):
         assert f"<h2>{part}</h2>" in page
-    assert page.count("<img") == 4
+    assert page.count("<img") == 5
+    assert re.search(r"Channel operating margin</h2>.*<td[^>]*>disturbance A_ni</td>", page)
     assert "proved passive" in page
     assert (folder / "c.png").stat().st_size > 10_000
     assert run("channel scenes/filter.s2p --report r.pdf").exit_code == 0
     assert (folder / "r.pdf").read_bytes().count(b"/Subtype /Image") == 3  # no eye
+
+
+def test_a_margin_alone(folder: Path) -> None:
+    """No model is fitted, and its parameters are read again from what --json tells."""
+    (folder / "fast.toml").write_text(
+        'base = "200GAUI-4"\nf_b = "5 GHz"\nleast = -80\ng_DC = [-6, -6, 1]\n', encoding="utf-8"
+    )
+    done = run("channel scenes/filter.s2p --com fast.toml --next scenes/filter.s2p --json --plot pulse.png")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["margin"] == min(told["cases"])
+    assert "poles" not in done.stdout
+    assert (folder / "pulse.png").stat().st_size > 10_000
+    (folder / "again.json").write_text(json.dumps(told["parameters"] | {"least": 20}), encoding="utf-8")
+    done = run("channel scenes/filter.s2p --com again.json --next scenes/filter.s2p")
+    assert done.exit_code == 1, done.output
+    assert f"channel operating margin {told['margin']:.3g} dB, to pass 20 dB" in done.stdout
 
 
 def test_a_report_as_pdf_needs_its_extra(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -219,6 +246,9 @@ def test_mistakes_of_channels(folder: Path) -> None:
         ("--ports '1 3'", "--ports: not single ports and pairs"),
         ("--noise 0.1", "--noise: is of an eye, expected --bit beside it"),
         ("--report r.txt", "--report"),
+        ("--fext pair.s2p", "--fext: is of a margin, expected --com beside it"),
+        ("--com KR4", "--com: not known, expected one of '100GBASE-KR4'"),
+        ("--com 100GBASE-KR4", "pair.s2p: too few samples for a margin"),
     ):
         done = CliRunner().invoke(main, shlex.split(f"channel pair.s2p {more}"))
         assert (done.exit_code, said in done.stderr) == (2, True), done.output

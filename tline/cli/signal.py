@@ -1,5 +1,6 @@
 """Commands `tline tdr`, `tline crosstalk`, `tline eye` and `tline channel`: signals on cables."""
 
+from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -119,7 +120,6 @@ def eye(
     """
     from tline.signal import eye_diagram, mask_hits, pulse_response
 
-    given |= {key: _number_or_text(given[key]) for key in ("low", "high") if key in given}
     _check_options(statistical, given | {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "neighbours": neighbours})
     if statistical:
         asked = {key: given.pop(key) for key in OF_EYE if key in given}
@@ -141,17 +141,10 @@ def eye(
 def _mask(text: str, seen: "Eye | StatisticalEye") -> "Mask":
     from tline.signal.eye_statistics import mask_of
 
-    parts = [_number_or_text(part.strip()) for part in text.split(",")]
+    parts = [part.strip() for part in text.split(",")]
     if len(parts) != 2:
         raise InputError("--mask", "not a width and a height", "such as '0.4 ns, 0.3 V'", f"'{text}'")
     return mask_of(parts[0], parts[1], seen, seen.medium.units["effort"])
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _check_options(statistical: bool, given: dict[str, Any]) -> None:
@@ -169,7 +162,7 @@ def _equalised(
     from tline.signal import statistical_eye
 
     if low_pass is not None:
-        pulses = [each.with_low_pass(_number_or_text(low_pass)) for each in pulses]
+        pulses = [each.with_low_pass(low_pass) for each in pulses]
     gains: list[float | None] = [None]
     corners: list[float] = []
     if ctle is not None:
@@ -204,10 +197,10 @@ def _told(seen: "StatisticalEye", taps: list[float], gain: float | None, mask: s
     "tline.signal.channel:measured_channel",
     "tline.signal.pulse:pulse_response",
     "tline.signal.all_patterns:statistical_eye",
-    names={"": "channel"},
+    names={"": "channel", "near": "next"},
     files={
-        "plot": picture("Losses, crosstalk and conversion"),
-        "report": FileKind((".html", ".pdf"), "Losses, impedances, eye, passivity, inputs, versions"),
+        "plot": picture("Losses, crosstalk and conversion; with --com alone the equalised pulse"),
+        "report": FileKind((".html", ".pdf"), "Losses, impedances, eye, margin, passivity, inputs, versions"),
     },
     omit=["pulse", "aggressors", "period", "rise", "probe", "source"],
     epilog="""\b
@@ -215,17 +208,22 @@ Examples:
   tline channel scenes/filter.s2p --plot losses.png
   tline channel backplane.s4p --ports "1,3 2,4" --report channel.html
   tline channel backplane.s8p --ports "1,3 2,4 5,7 6,8" --bit "40 ps" --ffe best:1,2 --dfe 3 --report channel.html
+  tline channel thru.s4p --ports "1,3 2,4" --com 100GBASE-KR4 --fext fext.s4p --next next.s4p --plot pulse.png
 """,
 )
 def channel(
     file: str,
     *,
+    com: str | None = None,
+    fext: tuple[str, ...] = (),
+    near: tuple[str, ...] = (),
     bit: str | None = None,
     rise: str | None = None,
     ffe: str | None = None,
     ctle: str | None = None,
     low_pass: str | None = None,
     mask: str | None = None,
+    files: Mapping[str, str],
     **given: Any,
 ) -> Output:
     """Report on a measured channel: losses, crosstalk, impedances, and the eye of all bit patterns.
@@ -234,8 +232,17 @@ def channel(
     which is proved. With --bit its eye, exact for that model, down to error rates that no run reaches. A closed eye,
     one that enters the mask, and a model farther from the file than the tolerance exit with 1.
 
+    With --com its channel operating margin as of IEEE 802.3, annex 93A, from the samples themselves, with packages and
+    the best equalisers of a clause; a margin below the clause's exits with 1. Without --bit and --report this is all.
+
     Parameters
     ----------
+    com : CLAUSE
+        Parameters of the margin: 100GBASE-KR4, 100GBASE-CR4, 100GBASE-KP4, 200GAUI-4, or a .toml or .json file of them.
+    fext : FILE
+        Way from a far-end aggressor to the receiver, at the first two of --ports; may be repeated.
+    near : FILE
+        Way from a near-end aggressor likewise, or which neighbour of --ports is one; may be repeated.
     bit : TIME
         Time of a bit; without it no eye is computed.
     rise : TIME
@@ -253,9 +260,21 @@ def channel(
     from tline.cli.fit import trying
     from tline.signal import measured_channel
 
-    check_readable(file)
+    for each in (file, *fext, *(each for each in near if each not in given.get("ports", "").split())):
+        check_readable(each)
+    if com is None and (fext or near):
+        raise InputError("--fext" if fext else "--next", "is of a margin", "--com beside it")
+    margin, exit_code = None, 0
+    if com is not None:
+        from tline.signal import operating_margin
+
+        with options_named({"clause": "--com", "file": file}):
+            margin = operating_margin(file, com, given.get("ports", "1 2"), fext=fext, near=near)
+        exit_code = int(margin.margin < float(margin.clause.least))
+        if bit is None and "report" not in files:
+            return channel.shown(margin, exit_code=exit_code, report=None)
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
-    levels = {key: _number_or_text(given.pop(key)) for key in ("low", "high") if key in given}
+    levels = {key: given.pop(key) for key in ("low", "high") if key in given}
     equalisers = {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "mask": mask}
     for name, value in (asked | equalisers).items():
         if bit is None and value is not None:
@@ -263,7 +282,10 @@ def channel(
     with trying() as tried:
         found = measured_channel(file, progress=tried, **given)
     edge = 0.5 / float(found.measured.f[-1]) if rise is None else rise
-    eye_seen, lines, more, exit_code = None, [], {}, int(not found.found.meets(found.tol))
+    exit_code = max(exit_code, int(not found.found.meets(found.tol)))
+    eye_seen, lines, more = None, [], {}
+    if margin is not None:
+        lines, more = [*margin.text_lines()], {"margin": margin.to_dict()}
     if bit is not None:
         neighbours = range(2, len(found.names))
         with options_named({"period": "--bit", "rise": "--rise"}):
@@ -271,11 +293,14 @@ def channel(
         eye_seen, taps, gain = _equalised(pulses, ffe, ctle, low_pass, asked)
         told, closed = _told(eye_seen, taps, gain, mask)
         exit_code = max(exit_code, closed)
-        lines = [*eye_seen.text_lines(), *told]
-        more = {"eye": eye_seen.to_dict() | {"ffe": taps, "ctle_gain": gain}}
-    inputs = given | {"bit": bit, "rise": edge} | asked | levels | equalisers
+        lines += [*eye_seen.text_lines(), *told]
+        more |= {"eye": eye_seen.to_dict() | {"ffe": taps, "ctle_gain": gain}}
+    inputs = given | {"bit": bit, "rise": edge, "com": com} | asked | levels | equalisers
+    inputs |= {
+        f"{kind} {k + 1}": each for kind, ways in (("fext", fext), ("next", near)) for k, each in enumerate(ways)
+    }
     shown = {name: str(value) for name, value in inputs.items() if value is not None}
-    page = partial(found.save, seen=eye_seen, rise=edge, inputs=shown)
+    page = partial(found.save, seen=eye_seen, margin=margin, rise=edge, inputs=shown)
     return channel.shown(found, *lines, told=more, exit_code=exit_code, report=page)
 
 
@@ -298,11 +323,7 @@ def _numbers(text: str, name: str, *units: str) -> list[float]:
 
     found = []
     for k, part in enumerate(text.split(",")):
-        part, unit = part.strip(), units[min(k, len(units) - 1)] if units else ""
-        if unit == "dB":
-            part, unit = part.lower().removesuffix("db").strip(), ""
-        try:
-            found.append(float(part))
-        except ValueError:
-            found.append(to_si(part, unit, name))
+        unit = units[min(k, len(units) - 1)] if units else ""
+        part, unit = (part.lower().replace("db", ""), "") if unit == "dB" else (part, unit)
+        found.append(to_si(part.strip(), unit, name))
     return found

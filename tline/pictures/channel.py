@@ -10,15 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tline.pictures.bode import plot_misfit
-from tline.pictures.page import drawn, page, table
+from tline.pictures.page import drawn, table
 from tline.pictures.signals import plot_reflections, plot_statistical_eye
 from tline.signal.all_patterns import StatisticalEye
 from tline.signal.channel import FLOOR, Channel
+from tline.signal.margin import OperatingMargin
 from tline.signal.tdr import Reflections
-from tline.style import COLOURS, DASHES, FAINT, cells_of, styled
+from tline.style import COLOURS, DASHES, FAINT, INK, cells_of, styled
 from tline.units import handy
 
 POINTS = 1000  # of the model's curve
+BEFORE = 4  # symbols that are drawn before the main cursor
 PROGRAMS = "tline", "numpy", "scipy", "matplotlib"
 WORDS = {
     "insertion": "insertion loss", "return": "return loss", "crosstalk": "crosstalk into the receiver",
@@ -53,12 +55,39 @@ def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
     return figure
 
 
-def report(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inputs: Mapping[str, str]) -> str:
-    """Compose the whole report as HTML."""
-    return page(f"Channel {seen.title}".rstrip(), _parts(seen, profile, eye, inputs))
+@styled
+def plot_margin(seen: OperatingMargin, ax: Axes | None = None) -> Figure | Axes:
+    """Plot the equalised pulse response with its cursors, what feedback leaves of them, and all that disturbs."""
+    M, at, flat = seen.clause.M, seen.best.at, seen.best.pulses[0].ravel()
+    symbols = np.arange(-BEFORE, len(seen.dfe) + BEFORE + 1)
+    around = np.arange(symbols[0] * M, symbols[-1] * M + 1)
+    size, unit = handy(float(np.abs(flat).max()), "V")
+    pulse, cursors = flat.take(at + around, mode="wrap") / size, flat.take(at + symbols * M, mode="wrap") / size
+    left = cursors.copy()
+    left[BEFORE + 1 :][: len(seen.dfe)] -= seen.dfe * cursors[BEFORE]
+    figure, (axes,) = cells_of(ax, 8.0, 4.6, title=seen.title)
+    axes.axhspan(-seen.disturbance / size, seen.disturbance / size, color=FAINT, alpha=0.3, label="disturbance A_ni")
+    axes.axhline(seen.signal / size, color=INK, linestyle=":", linewidth=0.8, label="signal A_s")
+    axes.plot(around / M, pulse, color=COLOURS[0], label="equalised pulse")
+    axes.plot(symbols, cursors, "o", color=COLOURS[0], markersize=4, label="cursors")
+    axes.plot(symbols, left, "x", color=COLOURS[1], label="behind the feedback")
+    axes.set_title(f"channel operating margin {seen.margin:.3g} dB", loc="left")
+    axes.set_xlabel("time from the sampling instant [symbols]")
+    axes.set_ylabel(f"voltage [{unit}]")
+    axes.grid(True)
+    axes.margins(x=0)
+    axes.legend(fontsize="small")
+    return figure
 
 
-def _parts(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inputs: Mapping[str, str]) -> Iterator[str]:
+def report(
+    seen: Channel,
+    profile: Reflections,
+    eye: StatisticalEye | None,
+    margin: OperatingMargin | None,
+    inputs: Mapping[str, str],
+) -> Iterator[str]:
+    """Compose the parts of a report's page."""
     f = seen.measured.f
     yield f"<p>{escape(next(iter(seen.text_lines())))}.</p>"
     yield "<h2>Losses</h2>" + table(*_losses(seen, None if eye is None else 0.5 / eye.period))
@@ -67,6 +96,9 @@ def _parts(seen: Channel, profile: Reflections, eye: StatisticalEye | None, inpu
     if eye is not None:
         yield "<h2>Eye of all bit patterns</h2><p>" + "<br>".join(map(escape, eye.text_lines())) + "</p>"
         yield drawn(plot_statistical_eye, eye)
+    if margin is not None:
+        rows = [["parameters", margin.clause.title], *margin.rows]
+        yield "<h2>Channel operating margin</h2>" + table(["what", "value"], rows) + drawn(plot_margin, margin)
     found, verdict = seen.found, seen.verdict
     yield f"<h2>Passivity</h2><p>{escape('; '.join(map(str.strip, verdict.text_lines())))}</p>"
     told = f"{found.order} poles, {found.verdict.status.value} passive, at most {found.error:.2g} from the samples"

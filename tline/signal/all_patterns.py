@@ -7,8 +7,6 @@ and zeros come as near to the middle as each other.
 
 References
 ----------
-B. K. Casper, M. Haycock, R. Mooney, "An accurate and efficient analysis method for multi-Gb/s chip-to-chip signaling
-schemes", Symposium on VLSI Circuits (2002), 54-57, DOI 10.1109/VLSIC.2002.1015043.
 V. Stojanovic, M. Horowitz, "Modeling and analysis of high-speed links", IEEE Custom Integrated Circuits Conference
 (2003), 589-594, DOI 10.1109/CICC.2003.1249467.
 """
@@ -23,13 +21,11 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.medium import Medium
+from tline.signal.density import LEVELS, TAILS, density
 from tline.signal.pulse import FINE, PulseResponse
 from tline.units import to_si
 from tline.words.wording import shown
 
-LEVELS = 2000  # of the density, on either side of its middle
-HALVINGS = 12  # halvings of their distance, to that on which the smallest cursors are summed
-TAILS = 9.0  # standard deviations of noise that are kept
 SMALLEST = 1e-15  # smallest error rate of densities
 
 
@@ -185,21 +181,21 @@ def statistical_eye(
     flat = np.pad(pulse.u.ravel(), 2 * FINE)
     peak = int(flat.argmax())
     taps = _cursors(flat, peak)[1][:dfe]
-    density = _Density(flat, [np.pad(x.u.ravel(), 2 * FINE) for x in aggressors], taps, spread)
-    opening = np.array([density.opening(j, rate) for j in range(peak - FINE, peak + FINE + 1)])
+    about = _Density(flat, [np.pad(x.u.ravel(), 2 * FINE) for x in aggressors], taps, spread)
+    opening = np.array([about.opening(j, rate) for j in range(peak - FINE, peak + FINE + 1)])
     best = peak - FINE + _middle_of_the_widest(opening)
     if dfe:
         taps = _cursors(flat, best)[1][:dfe]
-        density = _Density(flat, density.others, taps, spread)
+        about = _Density(flat, about.others, taps, spread)
     around = range(best - FINE // 2, best + FINE // 2 + 1)
     base = pulse.base + sum(each.base for each in aggressors)
-    middles = base + np.array([density.middle(j) for j in around])
-    halves = np.array([density.opening(j, rate) for j in around]) / 2
+    middles = base + np.array([about.middle(j) for j in around])
+    halves = np.array([about.opening(j, rate) for j in around]) / 2
     threshold = float(middles[FINE // 2])
-    rates = np.array([density.error_rate(j, threshold - m) for j, m in zip(around, middles, strict=True)])
+    rates = np.array([about.error_rate(j, threshold - m) for j, m in zip(around, middles, strict=True)])
     bathtub = _jittered(rates, *(time * FINE / pulse.period for time in shaken.values()))
     levels = np.linspace(-1, 1, 2 * FINE + 1) * flat[best] / 2
-    misread = np.array([density.error_rate(best, level) for level in levels])
+    misread = np.array([about.error_rate(best, level) for level in levels])
     width = _span(bathtub, rate) * pulse.period / FINE
     t, instant = np.arange(-(FINE // 2), FINE // 2 + 1) * pulse.period / FINE, (best - 2 * FINE) * pulse.period / FINE
     ones, zeros, levels = middles + halves, middles - halves, levels + threshold
@@ -283,21 +279,8 @@ class _Density:
             before, after = _cursors(self.flat, j)
             after = after.copy()
             after[: len(self.taps)] -= self.taps
-            cursors = np.abs(np.concatenate([before, after, *(x[j % FINE :: FINE] for x in self.others)]))
-            found, step, reach = np.ones(1), self.step / 2**HALVINGS, 0.0
-            for h in np.sort(cursors):  # small ones first, on levels as near to each other as these are few
-                reach += h / 2
-                while step < self.step and reach > LEVELS * step:
-                    found, step = _coarser(found), 2 * step
-                found = _split(found, h / 2 / step)
-            for _ in range(round(np.log2(self.step / step))):
-                found = _coarser(found)
-            found = np.pad(found, LEVELS)[len(found) // 2 :][: 2 * LEVELS + 1]
-            if self.noise:
-                k = np.arange(-LEVELS, LEVELS + 1) * self.step / self.noise
-                bell = np.exp(-(k**2) / 2)
-                reach = int(TAILS * self.noise / self.step) + 1
-                found = np.convolve(found, (bell / bell.sum())[LEVELS - reach : LEVELS + reach + 1], "same")
+            cursors = np.concatenate([before, after, *(x[j % FINE :: FINE] for x in self.others)])
+            found = density(cursors / 2, self.noise, self.step)
             self.sums[j] = np.cumsum(found) - found / 2
         return self.sums[j]
 
@@ -313,36 +296,6 @@ class _Density:
         ones = np.interp(threshold - half, levels, below, 0.0, 1.0)
         zeros = np.interp(-threshold - half, levels, below, 0.0, 1.0)  # by symmetry
         return float(ones + zeros) / 2
-
-
-def _split(density: NDArray, by: float) -> NDArray:
-    """Spread a distribution by ± a number of levels, between two of them in parts that keep the mean.
-
-    Examples
-    --------
-    >>> _split(np.ones(1), 1.25).tolist()
-    [0.125, 0.375, 0.0, 0.375, 0.125]
-    """
-    whole, part = int(by), by - int(by)
-    n, wide = len(density), np.zeros(len(density) + 2 * whole + 2)
-    for at, share in ((0, part), (1, 1 - part), (2 * whole + 1, 1 - part), (2 * whole + 2, part)):
-        wide[at : at + n] += share / 2 * density
-    return wide
-
-
-def _coarser(density: NDArray) -> NDArray:
-    """Move a distribution to every other level, each level between by halves to its neighbours.
-
-    Examples
-    --------
-    >>> _coarser(np.array([0.25, 0.5, 0.25])).tolist()
-    [0.125, 0.75, 0.125]
-    """
-    wide = np.pad(density, len(density) // 2 % 2)
-    found, between = wide[::2].copy(), wide[1::2] / 2
-    found[:-1] += between
-    found[1:] += between
-    return found
 
 
 def _middle_of_the_widest(opening: NDArray) -> int:

@@ -26,6 +26,7 @@ from tline.words.wording import shown
 if TYPE_CHECKING:
     from passivity import DelayedModel, SampledResponse, SampleVerdict
     from tline.signal.all_patterns import StatisticalEye
+    from tline.signal.margin import OperatingMargin
 
 REPORTS = ".html", ".pdf"
 FLOOR = 1e-6  # -120 dB, in place of zeros
@@ -197,18 +198,14 @@ class Channel(Presentation):
 
     @property
     def delay(self) -> float:
-        """Delay from the sender to the receiver, of the phase over all samples by their size, s."""
-        f, S = self.modes.f, self.modes.values[:, 1, 0]
-        turned = S[1:] * S[:-1].conj()
-        size = np.abs(turned)
-        return (
-            float(max(-(np.angle(turned) * size).sum() / (2 * np.pi * np.diff(f) @ size), 0.0)) if size.any() else 0.0
-        )
+        """Delay from the sender to the receiver, s."""
+        return max(mean_delay(self.modes.f, self.modes.values[:, 1, 0]), 0.0)
 
     def save(
         self,
         path: str | Path,
         seen: "StatisticalEye | None" = None,
+        margin: "OperatingMargin | None" = None,
         rise: float | str | None = None,
         inputs: Mapping[str, str] | None = None,
     ) -> None:
@@ -219,6 +216,8 @@ class Channel(Presentation):
         path : str or Path
         seen : StatisticalEye, optional
             Eye at the receiver, beside the losses.
+        margin : OperatingMargin, optional
+            Of the channel.
         rise : float or str, optional
             Of the step whose reflections give the impedances, s; half a period of the highest frequency if not given.
         inputs : mapping of str to str, optional
@@ -235,8 +234,9 @@ class Channel(Presentation):
 
         suffix_of(path, REPORTS)
         profile = self.reflections(0.5 / self.measured.f[-1] if rise is None else rise)
-        text = import_module("tline.pictures.channel").report(self, profile, seen, inputs or {})
-        import_module("tline.pictures.page").save_page(text, path)
+        pages, parts = import_module("tline.pictures.page"), import_module("tline.pictures.channel").report
+        whole = pages.page(f"Channel {self.title}".rstrip(), parts(self, profile, seen, margin, inputs or {}))
+        pages.save_page(whole, path)
 
 
 def measured_channel(
@@ -263,7 +263,7 @@ def measured_channel(
     Raises
     ------
     InputError
-        The file cannot be read, or has no such ports.
+        The file cannot be read, is not of S, or has no such ports.
 
     Examples
     --------
@@ -274,19 +274,40 @@ def measured_channel(
     >>> cable.found.order, round(cable.delay * 1e9, 1), round(float(cable.pulse("1 ns", "0.1 ns").u[1, 63]), 4)
     (1, 1.0, 0.8)
     """
-    from passivity import SampledResponse, fit_scattering, read_touchstone
+    from passivity import SampledResponse, fit_scattering
     from tline.scene.quantity import FIT_TOLERANCE
+
+    title, response = read_samples(file)
+    names, modes = modes_of(response, ports)
+    n = len(names)
+    between = SampledResponse(modes.f, modes.values[:, :n, :n], "S", modes.z0[:n])
+    near = float(FIT_TOLERANCE.parse(tol, ""))
+    return Channel(response, names, modes, fit_scattering(between, near, nearest=True, progress=progress), title, near)
+
+
+def read_samples(file: Any) -> "tuple[str, SampledResponse]":
+    """Name and S of a Touchstone file, of samples or of a network of scikit-rf."""
+    from passivity import SampledResponse, read_touchstone
 
     title = Path(file).name if isinstance(file, str | Path) else str(getattr(file, "name", "") or "")
     if isinstance(file, str | Path):
         file = read_touchstone(file)
-    elif not isinstance(file, SampledResponse):
-        file = SampledResponse.from_network(file)
+    response = file if isinstance(file, SampledResponse) else SampledResponse.from_network(file)
+    if response.parameter != "S":
+        raise InputError(title or "file", f"samples of {response.parameter}", "S")
+    return title, response
+
+
+def modes_of(response: "SampledResponse", ports: str) -> "tuple[tuple[str, ...], SampledResponse]":
+    """Names of ports and pairs, and S between them and the common modes of all pairs."""
     if not re.fullmatch(r"\s*\d+(,\d+)?(\s+\d+(,\d+)?)+\s*", ports, re.ASCII):
         raise InputError("ports", "not ports or pairs", "two or more, such as '1 2' or '1,3 2,4'", shown(ports))
     names = tuple(ports.split())
-    modes = file.between([[int(port) - 1 for port in name.split(",")] for name in names])
-    n = len(names)
-    between = SampledResponse(modes.f, modes.values[:, :n, :n], "S", modes.z0[:n])
-    near = float(FIT_TOLERANCE.parse(tol, ""))
-    return Channel(file, names, modes, fit_scattering(between, near, nearest=True, progress=progress), title, near)
+    return names, response.between([[int(port) - 1 for port in name.split(",")] for name in names])
+
+
+def mean_delay(f: NDArray, H: NDArray) -> float:
+    """Delay of a response by its phase over all frequencies by its size, s; 0 for none."""
+    turned = H[1:] * H[:-1].conj()
+    size = np.abs(turned)
+    return -float((np.angle(turned) * size).sum() / (2 * np.pi * np.diff(f) @ size)) if size.any() else 0.0

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,37 @@ FINE = 64  # instants in a bit
 BITS = 64, 128, 256, 512  # that the response may last; more while too much is missing
 MISSING = 1e-3  # of the largest value: allowed difference of the sum of all cursors from the gain at rest
 AT_REST = 1e-9  # of 1/period: s at which the gain at rest is taken
+
+
+class Filter(NamedTuple):
+    """A filter of a receiver by its zeros and poles, both in rad/s, H = gain · Π(s - z)/Π(s - p)."""
+
+    zeros: NDArray
+    poles: NDArray
+    gain: float
+
+    def at(self, f: NDArray) -> NDArray:
+        """Response at frequencies, Hz."""
+        from scipy.signal import freqs_zpk
+
+        return freqs_zpk(*self, 2 * np.pi * f)[1]
+
+
+def ctle(gain: float, zero: float, *poles: float) -> Filter:
+    """A continuous-time linear equaliser, as of `PulseResponse.with_ctle`; (93A-22)."""
+    g, w = 10 ** (gain / 20), 2 * np.pi * np.asarray(poles, float)
+    if not len(w) or not (w > 0).all() or not zero > 0:
+        raise InputError("ctle", "not an equaliser", "gain in dB, then a zero and poles above 0 Hz")
+    w0 = 2 * np.pi * zero
+    return Filter(np.array([-g * w0]), -w, float(np.prod(w)) / w0)
+
+
+def low_pass(bandwidth: float) -> Filter:
+    """A receiver's noise filter, Butterworth's of fourth order, by its bandwidth, Hz; (93A-20)."""
+    from scipy.signal import buttap
+
+    corner = 2 * np.pi * bandwidth
+    return Filter(np.empty(0), corner * buttap(4)[1], corner**4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +124,7 @@ class PulseResponse:
         ----------
         IEEE Std 802.3, annex 93A, (93A-22).
         """
-        g, w = 10 ** (gain / 20), 2 * np.pi * np.asarray(poles, float)
-        if not len(w) or not (w > 0).all() or not zero > 0:
-            raise InputError("ctle", "not an equaliser", "gain in dB, then a zero and poles above 0 Hz")
-        unit = FINE / self.period  # of time
-        w0 = 2 * np.pi * zero / unit
-        return self._behind([-g * w0], -w / unit, float(np.prod(w / unit)) / w0, g)
+        return self._behind(ctle(gain, zero, *poles))
 
     def with_low_pass(self, bandwidth: float | str) -> "PulseResponse":
         """Response behind a receiver's noise filter, Butterworth's of fourth order.
@@ -112,21 +138,21 @@ class PulseResponse:
         ----------
         IEEE Std 802.3, annex 93A, (93A-20).
         """
-        from scipy.signal import buttap
-
         frequency = to_si(bandwidth, "Hz", "low_pass")
         if not 0.1 / self.period <= frequency <= 1000 / self.period:
             expected = f"{0.1 / self.period:g} to {1000 / self.period:g} Hz"
             raise InputError("low_pass", "not a bandwidth for such bits", expected, shown(bandwidth))
-        corner = 2 * np.pi * frequency * self.period / FINE
-        return self._behind([], corner * buttap(4)[1], corner**4, 1.0)
+        return self._behind(low_pass(frequency))
 
-    def _behind(self, zeros: Any, poles: Any, factor: float, at_rest: float) -> "PulseResponse":
-        """Response behind a filter by its zeros and poles, in radians an instant, and its gain at rest."""
+    def _behind(self, filtering: Filter) -> "PulseResponse":
+        """Response behind a filter."""
         from scipy.signal import ZerosPolesGain, lsim
 
-        flat = np.append(self.u.ravel(), self.u[-1, -1])
+        flat, seconds = np.append(self.u.ravel(), self.u[-1, -1]), self.period / FINE
+        zeros, poles = filtering.zeros * seconds, filtering.poles * seconds
+        factor = filtering.gain * seconds ** (len(poles) - len(zeros))
         _, u, _ = lsim(ZerosPolesGain(zeros, poles, factor).to_ss(), flat, np.arange(len(flat), dtype=float))
+        at_rest = float(filtering.at(np.zeros(1))[0].real)
         return replace(self, u=u[:-1].reshape(-1, FINE), base=self.base * at_rest, missing=self.missing * at_rest)
 
 

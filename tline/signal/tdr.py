@@ -15,9 +15,9 @@ from tline.scene.coupled import Coupled
 from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
+from tline.signal.eye_diagram import above_zero
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
-from tline.units import to_si
 from tline.words.wording import nearest, shown
 
 TOL = 1e-6
@@ -145,8 +145,8 @@ def reflectometry(
         raise InputError("node", "no line ends at this node", nearest(node, nodes), shown(node))
     if z0 is None and isinstance(lines[0], Coupled):
         raise InputError("z0", "conductors that are coupled have none of their own", "that of the instrument")
-    resistance = lines[0].parameters.z0 if z0 is None else _above_zero(z0, None, "z0")
-    duration, table = _above_zero(rise, "s", "rise"), scene.table()
+    resistance = lines[0].parameters.z0 if z0 is None else above_zero(z0, "z0", None)
+    duration, table = above_zero(rise, "rise"), scene.table()
     kept = {name: source for name, source in table.get("sources", {}).items() if source.get("at") != node}
     sources = {name: source | {"value": 0} for name, source in kept.items()}
     effort = "voltage" if scene.medium == "electrical" else "pressure"
@@ -154,7 +154,7 @@ def reflectometry(
     sources["instrument"] = {"at": node, "kind": effort, "value": ramp, "resistance": resistance}
     line = next(name for name, line in scene.lines.items() if node in line.nodes)
     table |= {"sources": sources, "probes": {"node": {"at": node, "line": line}}, "measures": {}, "start": "rest"}
-    table |= {} if t_end is None else {"t_end": _above_zero(t_end, "s", "t_end")}
+    table |= {} if t_end is None else {"t_end": above_zero(t_end, "t_end")}
     seen = curve(simulate(scene.with_changes(**table), tol=tol, progress=progress).probes["node"])
     incident = np.clip(seen.t / duration, 0.0, 1.0)
     reflected = seen.u - incident
@@ -163,10 +163,3 @@ def reflectometry(
         problem = "more energy comes back than the step brings, for something else drives the scene"
         raise InputError("node", problem, "a scene that is at rest where its sources are silent")
     return Reflections(seen.t, incident, reflected, resistance, node, MEDIA[scene.medium], scene.title)
-
-
-def _above_zero(value: float | str, unit: str | None, where: str) -> float:
-    number = to_si(value, unit, where)
-    if not 0 < number < np.inf:
-        raise InputError(where, "not positive", "more than 0", shown(value))
-    return number
