@@ -80,7 +80,8 @@ def test_what_is_given_out_shows_itself(make):
     text = str(found)
     assert 1 <= len(text.splitlines()) <= SCREEN + 1 or isinstance(found, tl.Operation)  # which is printed whole
     assert json.loads(json.dumps(found.to_dict())) == found.to_dict()
-    assert found._repr_html_().startswith("<pre>")
+    shown = found._repr_html_()
+    assert shown.startswith("<pre>")
     if make in TOLD.values():
         return
     axes = Figure().subplots()
@@ -89,7 +90,7 @@ def test_what_is_given_out_shows_itself(make):
     assert found.plot().axes
     with pytest.raises(tl.InputError, match="ax: not matplotlib axes, expected Axes"):
         found.plot(3)  # pyright: ignore[reportArgumentType]
-    assert 'src="data:image/png;base64,' in found._repr_html_()
+    assert 'src="data:image/png;base64,' in shown
 
 
 def test_what_draws_or_lists_itself_does_so_as_all_do():
