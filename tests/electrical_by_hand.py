@@ -71,7 +71,7 @@ def ddr_receiver() -> Motion:
     def edges(t, x, w, mode):
         return [table.edges(mode[0], drop(t, w[0], mode[0]))]
 
-    t_end = 8 * NS
+    t_end = 5 * NS
     return integrate(
         circuit, [Line(z0, 0.4 * NS)], t_end,
         scale=[1.0], corners=data.corners(t_end), edges=edges, mode=(1,), longest=0.005 * NS,
@@ -174,7 +174,7 @@ def lightning() -> Motion:
         return [table.edges(mode[0], x[0])]
 
     lines = [Line(z0, 1 * US), Line(z0, 2 * US)]
-    return integrate(circuit, lines, 40 * US, scale=[1e5], edges=edges, mode=(4,), longest=0.1 * US)
+    return integrate(circuit, lines, 20 * US, scale=[1e5], edges=edges, mode=(4,), longest=0.1 * US)
 
 
 def balun() -> Motion:

@@ -55,7 +55,7 @@ def surge_tank() -> Motion:
     line, head, discharge, area = pipe(3000.0, 3.0, 1200.0), 6e5, 15.0, 80.0
     lift = 1000 * GRAVITY / area
     vessel = (lambda v: lift * v, 1.0, head / lift)
-    return one_pipe(line, head, discharge, 10.0, 0.5e5 / discharge**2, vessel, head / lift, 595.0)
+    return one_pipe(line, head, discharge, 10.0, 0.5e5 / discharge**2, vessel, head / lift, 295.0)
 
 
 def vessel_valve() -> Motion:

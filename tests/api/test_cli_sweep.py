@@ -141,7 +141,7 @@ def test_a_damaged_file_is_refused_or_read_rightly(folder: Path) -> None:
     whole, right = Path("r.npz").read_bytes(), Path("r.csv").read_bytes()
     directory = whole.index(b"PK\1\2")
     chance = random.Random(3)
-    places = [*range(directory, directory + 60), *chance.sample(range(len(whole)), 60)]
+    places = [*range(directory, directory + 60), *chance.sample(range(len(whole)), 20)]
     for place in places:
         for byte in (5, 132):
             Path("r.npz").write_bytes(whole[:place] + bytes([byte]) + whole[place + 1 :])

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tline.cli.warm_up import found
+
 ROOT = Path(__file__).parents[2]
 HEAD = "from tline.compiled.unit import unit\n\n\n@unit\n"
 UNITS = {
@@ -33,13 +35,11 @@ def _decorated(file: Path) -> list[str]:
 
 
 def test_all_units_are_found():
-    code = "from tline.cli.warm_up import found; print(*('.'.join(where) for where, _ in found()))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     files = [file for package in ("tline", "friction", "drives") for file in (ROOT / package).rglob("*.py")]
     modules = {file: ".".join(file.relative_to(ROOT).with_suffix("").parts) for file in files}
     wanted = {f"{modules[file]}.{name}" for file in files for name in _decorated(file)}
     assert len(wanted) > 20
-    assert set(done.stdout.split()) == wanted
+    assert {".".join(where) for where, _ in found()} == wanted
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""What the documents show works: commands, Python snippets, scenes, and the generated pages are up to date."""
+"""What documents and help pages show works: commands, snippets, scenes, names; generated pages are up to date."""
 
 import ast
 import re
@@ -11,10 +11,13 @@ import numpy as np
 import pytest
 import tomli_w
 from click.testing import CliRunner
+from run_scenes import driven_cable
 
 from tline.cli.main import main
+from tline.loss import realise
 from tline.scene.file import read_scene, scene_from
 from tline.solver.simulate import simulate
+from tline.surge.scenarios import read_plan
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -35,12 +38,15 @@ def commands() -> list[str]:
 
 @pytest.fixture
 def workplace(tmp_path, monkeypatch):
-    """A folder that looks like a clone to commands that read scenes and write files."""
+    """A folder that looks like a clone to commands that read scenes and write files; studies are of two scenarios."""
     (tmp_path / "scenes").symlink_to(ROOT / "scenes")
     (tmp_path / "out").mkdir()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tline.live.server.IDLE", 0.0)
     monkeypatch.setattr("webbrowser.open", bool)
+    monkeypatch.setattr(
+        "tline.surge.study.read_plan", lambda given: (plan := read_plan(given))._replace(scenarios=plan.scenarios[:2])
+    )
     return tmp_path
 
 
@@ -128,3 +134,80 @@ def test_the_scene_reference_is_up_to_date(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["generate.py"])
     page = runpy.run_path(str(ROOT / "docs" / "generate.py"))["reference"]()
     assert (ROOT / "docs" / "scene-reference.md").read_text(encoding="utf-8") == page, "run: make docs"
+
+
+def test_the_numbers_of_terms_shown_for_1e_4_are_those_found():
+    page = (ROOT / "docs" / "losses.md").read_text(encoding="utf-8")
+    cases = runpy.run_path(str(ROOT / "docs" / "generate_losses.py"))["CASES"]
+    for name, (law, _, low) in cases.items():
+        (shown,) = re.findall(rf"^\| {re.escape(name)} \| [^|]+ \| (\d+) /", page, re.MULTILINE)
+        assert len(realise(law, (low, 1e5 * low), 1e-4).circuit.rates) == int(shown), name
+
+
+PACKAGES = ("tline", "passivity", "friction", "drives")
+NAMED = re.findall(r"`([^`\n]+)`", (ROOT / "docs" / "add-a-node.md").read_text(encoding="utf-8"))
+SOURCE = "\n".join(path.read_text(encoding="utf-8") for name in PACKAGES for path in (ROOT / name).rglob("*.py"))
+
+
+def test_the_map_lists_every_folder():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    listed = re.findall(
+        r"^ {4}((?:\w+/)+) ", text.partition("## Where things live")[2].partition("\n## ")[0], re.MULTILINE
+    )
+    inner = {f"tline/{each.parent.name}/" for each in (ROOT / "tline").glob("*/__init__.py")}
+    assert sorted(listed) == sorted(inner | {f"{name}/" for name in PACKAGES[1:]})
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_what_add_a_node_names_is_there(name):
+    """A path from the root or beside the last one named; a class, constant, attribute; a method with its parameters."""
+    if "/" in name or name.endswith(".py"):
+        assert (ROOT / name).exists() or (ROOT / "tline" / "scene" / name).exists()
+    elif "(" in name:
+        method, given = re.fullmatch(r"self\.(\w+)\((.*)\)", name).groups()
+        parameters = re.search(rf"def {method}\(self, (.*)\) ->", SOURCE)[1]
+        assert [each.split(":")[0] for each in parameters.split(", ")][: given.count(",") + 1] == given.split(", ")
+    else:
+        last = name.rpartition(".")[2]
+        assert re.search(rf"^ *(?:class|def) {last}\b|^(?: {{4}})?{last} *[=:]", SOURCE, re.MULTILINE)
+
+
+LOAD = '[loads.end]\nat = "far"\nkind = "parallel"\nresistance = 100\ncapacitance = "4 pF"'
+CABLE = driven_cable(LOAD, "20 ns", source="pump")
+FILES = {
+    "cable.toml": CABLE,
+    "network.toml": CABLE,
+    "scene.toml": CABLE,
+    "cable.cir": "V1 s 0 PULSE(0 1 0 1n 1n 5n)\nR1 s a 25\nT1 a 0 b 0 Z0=50 TD=1n\nR2 b 0 100\n.tran 1p 9n uic\n",
+    "measured.csv": "f,re,im\n" + "".join(f"{k},{0.9 + 0.2 * (k == 3)},{0.01 * k}\n" for k in range(1, 30)),
+    "measured.s2p": "# Hz S RI R 50\n1 0 0 0.5 0 0.5 0 0 0\n2 0 0 1.1 0 0.5 0 0 0\n",
+    "moved.csv": "t [ms]; x [mm]\n# a stroke\n0;0\n500;1,5\n1000;0\n",
+    "torques.csv": "t,T1,T2\n0,0.1,0\n0.5,0.1,0.3\n",
+}
+REFUTED = ("R real", "(s + 2)/(s^2 + s + 1)", "measured.s2p")
+WRITTEN = {"--plot", "--csv", "--save", "--poles", "--certificate", "--nearest", "--resume", "-o"}
+HELP_PAGES = (
+    "line", "line electrical", "line hydraulic", "sweep", "frequency", "tdr", "eye", "crosstalk", "passivity",
+    "friction", "friction motion", "drives", "drives bode", "drives control", "drives step", "import", "export",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("page", HELP_PAGES)
+def test_examples_run(page: str, folder: Path) -> None:
+    (folder / "scenes").symlink_to(ROOT / "scenes")
+    for name, text in FILES.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    if page in ("tdr", "eye"):  # of an end that keeps the eye open
+        open_eye = CABLE.replace('"parallel"', '"resistor"').replace('capacitance = "4 pF"\n', "")
+        (folder / "cable.toml").write_text(open_eye, encoding="utf-8")
+    shown = CliRunner().invoke(main, [*page.split(), "--help"]).stdout
+    examples = re.findall(r"^ +tline ([^|\n]*)", re.sub(r"\\\n\s*", "", shown), re.MULTILINE)
+    assert len(examples) > 1
+    for example in examples:
+        if "town.inp" in example:  # tests/api/test_cli_networks.py runs it
+            continue
+        words = shlex.split(example)
+        done = CliRunner().invoke(main, words, catch_exceptions=False)
+        assert done.exit_code == any(each in example for each in REFUTED), done.output
+        for option in WRITTEN.intersection(words):
+            assert (folder / words[words.index(option) + 1]).stat().st_size > 0

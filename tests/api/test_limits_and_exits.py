@@ -4,14 +4,21 @@ import json
 import os
 import re
 import subprocess
+import sys
+import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import pytest
+from click.testing import CliRunner
 from command_line import call, tline
 
 from passivity.expression.parse import MAX_CHARACTERS, MAX_DEPTH, MAX_DIGITS, MAX_EXPONENT
 from passivity.rational.matrix import MAX_PORTS
 from passivity.sampled.read import MAX_BYTES, MAX_LINE
+from tline.cli.main import COMMANDS, main
+from tline.compiled import object_code
 from tline.frequency.response import MOST_POINTS
 from tline.interchange.deck import DEEPEST, MOST_CARDS
 from tline.scene.mistakes import MOST_MISTAKES
@@ -101,3 +108,49 @@ def test_a_fault_of_the_program_is_no_answer(monkeypatch):
     result = call("export", SCENE)
     assert result.exit_code == 70
     assert re.match("tline: a fault of the program, please report it with the command: ZeroDivision", result.stderr)
+
+
+SCENES = Path(__file__).parents[2] / "scenes"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["--version"], 0, "tline "),
+        (["line", "electrical", "--wave-speed", "3e8", "--z0", "300"], 0, "z0"),
+        (["run", "no-such-scene.toml"], 2, ""),
+        (["passivity", "s - 1"], 1, "refuted"),
+    ],
+)
+def test_exit_code_and_output(arguments, code, said):
+    done = subprocess.run([sys.executable, "-m", "tline", *arguments], capture_output=True, text=True, check=False)
+    assert done.returncode == code, done.stderr
+    assert said.lower() in done.stdout.lower()
+    assert "Traceback" not in done.stderr
+
+
+def test_a_long_output_into_a_pipe_is_whole():
+    command = [sys.executable, "-m", "tline", "run", str(SCENES / "cable_rc.toml"), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.endswith("}\n")
+
+
+@click.command()
+def compiling() -> None:
+    """A command whose kernels find no folder, twice."""
+    object_code._not_kept("no folder for it can be written")
+    object_code._not_kept("no folder for it can be written")
+    click.echo("42")
+
+
+def test_one_line_beside_the_answer(monkeypatch):
+    monkeypatch.setattr(object_code, "_said", set())
+    monkeypatch.setitem(sys.modules, "compiling", SimpleNamespace(compiling=compiling))
+    monkeypatch.setitem(COMMANDS, "compiling", ("compiling:compiling", ""))
+    shown = warnings.showwarning
+    done = CliRunner().invoke(main, ["compiling"], catch_exceptions=False)
+    assert done.exit_code == 0
+    assert done.stdout == "42\n"
+    said = "note: compiled code is not kept, so every process compiles anew: no folder for it can be written\n"
+    assert done.stderr == said
+    assert warnings.showwarning is shown

@@ -11,26 +11,32 @@ import tline as tl
 from tline.cli.main import main
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
-OPERATIONS = {"burst": "c:5 L/s@2s+1s", "demand": "d:-4 L/s@1s+1s", "when": "lift<4 bar: close ab+1s"}
+OPERATIONS = {"burst": "c:5 L/s@1s+0.5s", "demand": "d:-4 L/s@0.2s+0.5s", "when": "lift<4 bar: close ab+1s"}
 
 
 @pytest.fixture(scope="module")
 def surge() -> tl.Operation:
-    return tl.operate(TOWN, t_end="4 s", rating="6 bar", **OPERATIONS)  # pyright: ignore[reportArgumentType]
+    return tl.operate(TOWN, t_end="2 s", rating="6 bar", **OPERATIONS)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.fixture(scope="module")
 def without_cavities() -> tl.Operation:
-    return tl.operate(TOWN, t_end="4 s", cavities=False, **OPERATIONS)  # pyright: ignore[reportArgumentType]
+    return tl.operate(TOWN, t_end="2 s", cavities=False, **OPERATIONS)  # pyright: ignore[reportArgumentType]
 
 
-def test_it_tells_what_the_command_prints(surge):
+def test_it_tells_what_the_command_prints(surge, monkeypatch):
+    """Both carry out the same, and what is found is printed."""
+    asked = []
+    monkeypatch.setattr("tline.surge.operation.carried_out", lambda *what, **how: asked.append((what, how)) or surge)
+    tl.operate(TOWN, t_end="2 s", rating="6 bar", **OPERATIONS)
     options = [part for kind, text in OPERATIONS.items() for part in (f"--{kind}", text)]
-    line = ["surge", str(TOWN), *options, "--for", "4s", "--rating", "6 bar"]
+    line = ["surge", str(TOWN), *options, "--for", "2s", "--rating", "6 bar"]
     assert json.loads(CliRunner().invoke(main, [*line, "--json"]).stdout) == surge.to_dict()
     printed = CliRunner().invoke(main, line)
     assert printed.stdout + "\n".join(printed.stderr.splitlines()) == repr(surge)
     assert "\nnote: 'lift<4 bar: close ab+1s': after 0.5 s\n" in repr(surge)
+    ours, *theirs = [(scene, tuple(guesses), how) for (scene, guesses, *_), how in asked]
+    assert theirs == [ours, ours]
 
 
 def test_its_scene_does_the_same(without_cavities):
@@ -65,10 +71,10 @@ def test_its_pictures_need_no_preparation(surge):
 
 def test_probes_stand_where_something_is_operated_or_where_they_are_wanted(surge):
     assert {"c", "b"} <= {*surge.result.probes}
-    assert [*tl.operate(TOWN, t_end=1, at="lake").result.probes] == ["lake"]
+    assert [*tl.operate(TOWN, t_end=0.2, at="lake").result.probes] == ["lake"]
     lines = tl.read(TOWN).table()["lines"]
     town = tl.read(TOWN).with_changes(lines={"c": lines["bc"], **lines})  # a pipe with the name of a node
-    assert {"c"} <= {*tl.operate(town, t_end=1, demand="c:1 L/s@0s").result.probes}
+    assert {"c"} <= {*tl.operate(town, t_end=0.2, demand="c:1 L/s@0s").result.probes}
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What the packages hand out survives pickle and copies with all it holds, and travels between processes."""
+"""What the packages hand out, errors too, survives pickle and copies with all it holds, and travels."""
 
 import copy
 import enum
@@ -22,6 +22,7 @@ import drives
 import friction
 import passivity
 from passivity import RationalFunction, RationalMatrix, StateSpace
+from passivity.errors import ExpressionError
 from tline import ActiveError, ElectricalLine, HydraulicLine, InputError, Scene, SceneError, sweep
 from tline.scene.file import read_scene, scene_from
 from tline.scene.user_defined import UserLink, UserLoad
@@ -305,3 +306,39 @@ def test_balls_do_not_grow_on_their_way(bits):
             assert repr(pickle.loads(pickle.dumps(x))) == repr(x)
     finally:
         flint.ctx.prec = before
+
+
+ERRORS = [
+    InputError("lines.pipe.radius", "too small", "more than 0 m", "-1 m"),
+    InputError("", "no lines"),
+    ActiveError("loads.end", "is active", "passive elements"),
+    ExpressionError("column 3", "not a number", got="x"),
+    SceneError([InputError("a", "wrong", "right", "left"), InputError("b", "wrong too")]),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda error: pickle.loads(pickle.dumps(error))])
+def test_errors_survive_copies_and_pickle(error, copied):
+    found = copied(error)
+    assert type(found) is type(error)
+    assert str(found) == str(error)
+    assert (found.where, found.problem, found.expected, found.got) == (
+        error.where,
+        error.problem,
+        error.expected,
+        error.got,
+    )
+    if isinstance(error, SceneError):
+        assert [str(mistake) for mistake in found.mistakes] == [str(mistake) for mistake in error.mistakes]
+
+
+def test_the_four_packages_have_one_base():
+    assert friction.InputError is drives.InputError is InputError
+    assert issubclass(ExpressionError, InputError)
+
+
+def test_the_ground_floor_loads_nothing_else():
+    code = "import sys, tline.errors, tline.units; print(*sorted(m for m in sys.modules if m.startswith('tline')))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["tline", "tline.errors", "tline.lazy", "tline.units"]

@@ -37,19 +37,19 @@ def test_the_biquadratic_condition_agrees_with_the_exact_test(six):
 
 def test_the_biquadratic_condition_on_thousands():
     random, counts = Random(1), {True: 0, False: 0}
-    for _ in range(4000):
+    for _ in range(1500):
         six = [Fraction(random.choice([0, 1, 1, 1]) * random.randint(1, 9), random.randint(1, 9)) for _ in range(6)]
         if any(six):
             expected = is_positive_real(six)
             assert NONNEGATIVE.holds(values_of(six)) == expected
             counts[expected] += 1
-    assert min(counts.values()) > 1000
+    assert min(counts.values()) > 400
 
 
 def test_the_condition_without_any_assumption_on_thousands():
     """Signs of all kinds, missing terms, and factors that p and q have in common."""
     random, counts = Random(2), {True: 0, False: 0}
-    for k in range(3000):
+    for k in range(1500):
         six = [random.randint(-3, 3) for _ in range(6)]
         if k % 2:  # (y s + x) times two polynomials of degree one
             x, y, a, b, c, d = random.randint(-3, 3), random.randint(-2, 2), *(random.randint(-2, 3) for _ in range(4))
@@ -58,7 +58,7 @@ def test_the_condition_without_any_assumption_on_thousands():
             expected = is_positive_real(six)
             assert REAL.holds(values_of(six)) == expected
             counts[expected] += 1
-    assert min(counts.values()) > 400
+    assert min(counts.values()) > 150
 
 
 @st.composite

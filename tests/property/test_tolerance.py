@@ -5,9 +5,12 @@ import warnings
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from kept import kept
 from one_line import FAR, one_line
 from random_kinks import KINDS, random_kinks
+from random_scenes import random_scene
 
 from tline.cli.report import summary
 from tline.scene.scene import Scene
@@ -17,6 +20,7 @@ from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.dense_output import extremes
 from tline.solver.run import run
 from tline.solver.simulate import UnresolvedWarning, judged, simulate
+from tline.study.reference import exact
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 FACTOR = 2  # an error is told by a difference of two runs, which may be that much smaller than it
@@ -315,3 +319,21 @@ def test_fast_loads_behind_lossy_lines_are_not_believed_either(kind, solver):
     result = simulate(charged(fast, kind, 0.5, cable if kind == "receiver" else pipe, **solver), tol=1e-2)
     soon, largest = float(result.probes["far"].at(1.5 + 1e-4 * fast).u), np.abs(result.probes["far"].u).max()
     assert abs(soon - 1e-4 * largest) <= FACTOR * result.accuracy.inside["far"].u * largest
+
+
+TOL = 1e-7
+
+
+@settings(max_examples=7, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_effort_and_flow_are_within_the_tolerance(seed):
+    scene = random_scene(seed, lines=3, sources=True, switches=False)
+    scene = Scene(**scene.table() | {"t_end": 6.0})
+    result = simulate(scene, tol=TOL)
+    seen = result.probes["p"].samples
+    few = np.linspace(1, len(seen.t) - 1, 25).astype(int)
+    few = few[seen.t[few] <= 6.0]
+    true, z0 = exact(scene, seen.t[few].tolist(), "p"), result.probes["p"].record.z0
+    for found, expected in ((seen.u[few], true.efforts), (z0 * seen.y[few], z0 * true.flows)):
+        amplitude = max(np.abs(true.efforts).max(), z0 * np.abs(true.flows).max())
+        assert np.abs(found - expected).max() <= 3 * TOL * amplitude

@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice
 @pytest.mark.parametrize("name", ERRORS)
 def test_it_agrees_within_its_own_error(name):
     scene = chart_scene(name).scene
-    judge = Judge(scene, 40)
+    judge = Judge(scene, 20)
     ours = simulated(scene, 1e-8)
     assert max(judge.errors(ours)) < 3e-8
     for steps, bound in zip((DEFAULT, REFINED[name]), ERRORS[name], strict=True):

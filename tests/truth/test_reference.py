@@ -1,4 +1,4 @@
-"""Exact solutions against closed forms, mpmath's inverse Laplace transform, and each other by two ways."""
+"""Exact solutions against closed forms, mpmath's inverse Laplace transform, each other, and adapters of peers."""
 
 from fractions import Fraction
 from math import comb, factorial
@@ -8,6 +8,9 @@ import pytest
 from one_line import one_line
 
 from tline import InputError, Scene
+from tline.study.charts import inverse_fft
+from tline.study.charts.measure import Judge
+from tline.study.charts.scenes import chart_scene
 from tline.study.reference import exact, lattice
 
 STEP = {"shape": "step", "to": 1}
@@ -205,3 +208,13 @@ def test_what_it_cannot_do_is_said_in_one_sentence(arguments, words, monkeypatch
     with pytest.raises(InputError, match=words) as caught:
         exact(cable(**arguments), **ask)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["rc", "rlc"])
+def test_scikit_rf_by_inverse_fft_converges(name):
+    scene = chart_scene(name).scene
+    assert inverse_fft.incompatibility(scene) is None
+    judge = Judge(scene, 60)
+    errors = [judge.errors(inverse_fft.run(scene, n))[1] for n in (50, 100, 200)]
+    assert errors[2] < 5e-3
+    assert errors[0] > 3 * errors[1] > 6 * errors[2]

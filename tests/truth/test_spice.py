@@ -1,7 +1,10 @@
-"""Netlists read against the nodal equations of their elements, written down in this file."""
+"""Netlists read against nodal equations written down here, numpy, and matrix exponentials of coupled conductors."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from tline.frequency.response import respond
 from tline.interchange.spice import read_spice
@@ -164,3 +167,86 @@ def test_conductors_of_a_w_element_driven_alike_are_one_w_element(tmp_path):
         scene = read_spice(tmp_path / "w.cir")[0].with_changes(solver={"order": 6, "slab": "0.25 ns"})
         found.append(simulate(scene, active=True).probes["d"].u)
     assert np.abs(found[0] - found[1]).max() < 1e-12
+
+
+def test_a_source_by_a_law_of_time_is_its_law(tmp_path):
+    """A jump, a decay, a limited ramp and a sine, each against numpy; straight pieces take few points."""
+    deck = tmp_path / "laws.cir"
+    laws = {
+        "B1": (
+            "V={time < 1.23n ? 0 : 3*exp(-(time-1.23n)/0.5n)}",
+            lambda t: 3 * np.exp(-(t - 1.23e-9) / 0.5e-9) * (t >= 1.23e-9),
+        ),
+        "B2": ("V=5*min(max((time-1n)/0.2n,0),1)", lambda t: 5 * np.clip((t - 1e-9) / 0.2e-9, 0, 1)),
+        "B3": ("I={a*sin(2*pi*0.3g*time)}", lambda t: -0.02 * np.sin(2 * np.pi * 0.3e9 * t)),
+    }
+    cards = [f"{name} {name}s 0 {law}\nR{name} {name}s {name}e 50" for name, (law, _) in laws.items()]
+    cards += [f"T{name} {name}e 0 {name}f 0 Zo=50 Td=1n\nR{name}f {name}f 0 50" for name in laws]
+    deck.write_text("\n".join(["laws", ".param a=20m", *cards, ".tran 10p 9n"]), encoding="utf-8")
+    scene, notes = read_spice(deck)
+    assert all("its law of time is" in note for note in notes[:3])
+    t = np.linspace(0, 8.99e-9, 3001)
+    for name, (_, exact) in laws.items():
+        waveform = scene.sources[name].value
+        seen = np.array([float(waveform.value(x, x)) for x in t])
+        assert np.abs(seen - exact(t)).max() < 1e-4 * np.abs(exact(t)).max()
+    assert len(scene.table()["sources"]["B2"]["value"]["points"]) < 12
+
+
+DECKS, SAMPLES = Path(__file__).parent.parent / "decks", 1 << 12
+NS = 1e-9
+
+
+def near(diagonal: float, beside: float, size: int) -> np.ndarray:
+    """A matrix of equal conductors, each coupled with its neighbours."""
+    return diagonal * np.eye(size) + beside * (np.eye(size, k=1) + np.eye(size, k=-1))
+
+
+def exact(R, L, C, length, near_end, far_end, corners, t_end) -> tuple[np.ndarray, np.ndarray]:
+    """Instants and voltages at both ends, the first conductor driven; what wraps around is exp(-12) of itself."""
+    size, period, damping = len(L), 2 * t_end, 6 / t_end
+    s = damping + 2j * np.pi * np.fft.rfftfreq(SAMPLES, period / SAMPLES)
+    slopes = np.diff([0, *(np.diff([u for _, u in corners]) / np.diff([t for t, _ in corners])), 0])
+    source = sum(k * np.exp(-s * t) for k, (t, _) in zip(slopes, corners, strict=True)) / s**2
+    zero = np.zeros((len(s), size, size))
+    matrix = np.concatenate([np.concatenate([zero, -(R + s[:, None, None] * L)], 2),
+                             np.concatenate([-s[:, None, None] * C, zero], 2)], 1)  # fmt: skip
+    chain = expm(matrix * length)  # of the near end's voltages and currents to the far end's
+    G0, G1 = np.diag(1 / near_end), np.diag(1 / far_end)
+    driven = G0[:, :1]  # current into the near end: G0 (e - u)
+    A, B, D, E = chain[:, :size, :size], chain[:, :size, size:], chain[:, size:, :size], chain[:, size:, size:]
+    u = np.linalg.solve(D - E @ G0 - G1 @ (A - B @ G0), (G1 @ B - E) @ driven)
+    u = np.concatenate([u, (A - B @ G0) @ u + B @ driven], 1)[:, :, 0] * source[:, None]
+    t = np.arange(SAMPLES) * period / SAMPLES
+    taper = np.cos(np.linspace(0, np.pi / 2, len(s)))[:, None] ** 2
+    return t, np.fft.irfft(u * taper, axis=0) * SAMPLES / period * np.exp(damping * t)[:, None]
+
+
+def test_the_reference_is_a_matched_line_where_there_is_one():
+    t, u = exact(0 * np.eye(1), 2.5e-7 * np.eye(1), 1e-10 * np.eye(1), 0.4, np.array([50.0]), np.array([50.0]),
+                 [(0, 0), (1 * NS, 1)], 10 * NS)  # fmt: skip
+    assert np.abs(u - 0.5 * np.clip(t[:, None] / NS - [0, 2], 0, 1))[t < 9 * NS].max() < 2e-3
+
+
+PULSE = [(0, 0), (1.5 * NS, 1), (6 * NS, 1), (7.5 * NS, 0)]
+STEPS = [(3 * NS, 0), (3.5 * NS, 4), (12 * NS, 4), (12.5 * NS, 0)]
+
+
+@pytest.mark.parametrize(
+    ("deck", "line", "ends", "corners"),
+    [
+        ("cpl_pair", (near(0.5, 0, 2), near(250e-9, 30e-9, 2), near(32e-12, -2.5e-12, 2), 0.3),
+         ([50.0, 10.0], [100.0, 100.0]), PULSE),
+        ("cpl_four", (near(0.3, 0, 4), near(9e-9, 5e-9, 4), near(3.5e-13, -3e-14, 4), 6),
+         ([1e3] * 4, [1e6] * 4), STEPS),
+    ],
+)  # fmt: skip
+def test_a_deck_of_coupled_conductors(deck, line, ends, corners):
+    scene, _ = read_spice(DECKS / f"{deck}.cir")
+    size = len(ends[0])
+    nodes = ("a1", "a2", "b1", "b2") if size == 2 else tuple("2345") + tuple("6789")
+    seen = simulate(scene.with_changes(probes={at: {"at": at} for at in nodes}), tol=1e-3)
+    t, u = exact(*line, *map(np.array, ends), corners, float(scene.t_end))
+    inside = t < 0.9 * float(scene.t_end)
+    ours = np.array([seen.probes[at].at(t[inside]).u for at in nodes]).T
+    assert np.abs(ours - u[inside]).max() < 2e-3 * max(level for _, level in corners)

@@ -1,12 +1,14 @@
-"""What operations on a network do, against closed forms."""
+"""What operations on a network do, against closed forms, and within their time."""
 
 import numpy as np
 import pytest
 
+import tline as tl
 from tline import InputError, Scene, operate, simulate
 from tline.scene.site import GRAVITY
 from tline.surge.event import Event
 from tline.surge.operate import operated, usual_inertia
+from tline.surge.report import band_text
 from tline.surge.worst import RISES, SEPARATES, STOOD, worst
 
 SPEED, DENSITY, DIAMETER, HEAD, DRAWN = 1000.0, 1000.0, 0.2, 60.0, 0.01
@@ -326,3 +328,34 @@ def test_no_class_where_the_run_ends_at_its_highest_pressure(t_end, cut):
     assert (found.highest.node in {one.node for one in found.unfinished}) == cut
     assert found.untold == (RISES if cut else "")
     assert (found.needed is None) == cut
+
+
+TOWN = tl.examples["town"]
+
+
+def test_a_class_comes_with_the_error_that_is_left():
+    brief, long = (tl.operate(TOWN, close="ab@1s+1s", t_end="4 s", seconds=s, cavities=False) for s in (1e-3, 20))
+    assert [len(each.result.accuracy.attempts) for each in (brief, long)] == [2, 3]
+    highest = [each.worst.highest for each in (brief, long)]
+    assert abs(highest[0].highest - highest[1].highest) <= highest[0].highest_error + highest[1].highest_error
+    assert brief.worst.spread >= highest[0].highest_error > 0
+
+
+def test_no_class_where_cavities_had_no_time():
+    surge = tl.operate(TOWN, trip="duty@1s", close="ab@1s", t_end="4 s", seconds=1e-3)
+    assert surge.worst.needed is None
+    assert "no pressure class is named" in str(surge)
+    assert any("another run would take the total beyond 0.001 s" in note for note in surge.notes)
+
+
+def test_time_is_asked_in_seconds():
+    with pytest.raises(tl.InputError, match="seconds: duration out of range"):
+        tl.operate(TOWN, seconds=0)
+
+
+def test_guesses_for_which_no_time_is_left_are_named():
+    surge = tl.operate(TOWN, close="ab@1s+1s", t_end="1 s", cavities=False)
+    band = surge.band(seconds=1e-3)
+    assert band.varied == ()
+    assert "wave speed × 0.85" in band.left
+    assert "not varied, for want of time: wave speed × 0.85" in "\n".join(band_text(surge.result, band))

@@ -1,4 +1,4 @@
-"""A turbine that loses its load, against the equations of its penstock, rotor and governor by DOP853."""
+"""Machines against the equations of their penstock, rotor and governor by DOP853, and their steady states."""
 
 import numpy as np
 import pytest
@@ -106,3 +106,23 @@ def test_energy_is_only_taken():
 def test_a_share_without_an_instant_is_refused():
     with pytest.raises(tl.SceneError, match=r"rejects: is missing, expected when the load changes to load_left"):
         scene(rejects=None)
+
+
+def test_a_pump_slows_down_to_its_new_steady_state():
+    main = {"length": 400, "diameter": 0.3, "wave_speed": 1000, "density": 1000}
+    scene = tl.Scene(
+        medium="hydraulic",
+        t_end=90,
+        start="steady",
+        lines={"main": {"nodes": ["out", "end"], "friction": {"kind": "darcy", "factor": 0.02}, **main}},
+        links={"lift": {"kind": "pump", "nodes": ["sump", "out"], "curve": [["60 L/s", "4 bar"]]}},
+        loads={
+            "sump": {"at": "sump", "kind": "reservoir", "pressure": "0.2 bar"},
+            "tap": {"at": "end", "kind": "orifice", "flow": "60 L/s", "pressure_drop": "3 bar"},
+        },
+        probes={"end": {"at": "end"}},
+    )
+    slow = tl.simulate(scene.change({"links.lift.speed": 0.8, "t_end": 1}), tol=1e-3).probes["end"]
+    surge = tl.operate(scene, speed="lift:80%@1s+5s", t_end="90 s", cavities=False)
+    assert surge.result.probes["out"].y[0] > 1.2 * slow.y[0]
+    assert surge.result.probes["out"].y[-1] == pytest.approx(slow.y[0], rel=1e-3)

@@ -1,4 +1,4 @@
-"""The curve between slab ends: dense, two-sided at jumps, and without the wiggles of slabs that hold a front."""
+"""Curves between slab ends: dense, two-sided at jumps; corners and turns of polynomials that are known by hand."""
 
 import warnings
 from dataclasses import replace
@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 from one_line import one_line
 
+from tline.solver.convolution.corners import corners_of
+from tline.solver.convolution.families import summed
+from tline.solver.description.description import describe
+from tline.solver.radau import basis
 from tline.solver.result.dense_output import curve, extreme
 from tline.solver.result.result import Pieces, Result, Wave
 from tline.solver.simulate import UnresolvedWarning, simulate
+from tline.solver.tolerance.kinks import Cuts
 
 Z0, DELAY = 50.0, 5e-9
 
@@ -107,3 +112,58 @@ def test_extremes_are_the_first_of_a_plateau() -> None:
     assert extreme(values, t, 1) == (1.0, 1.0)
     assert extreme(values, t, -1) == (pytest.approx(-2.0), 3.0)
     assert extreme(np.zeros(6), t, 1) == (0.0, 0.0)
+
+
+ORDER, N = basis(5), 12
+PLACES = np.arange(N)[:, None] + ORDER.c
+
+
+def bent(t):
+    """Two waves with one corner, in the sixth slab."""
+    return np.stack([np.where(t < 5.37, t**2, t**2 + (t - 5.37) * (3 - t)), np.where(t < 5.37, t, 10.74 - t)])
+
+
+def test_a_corner_is_found_where_two_polynomials_meet():
+    found = corners_of(bent(PLACES), 1e-6, ORDER)
+    assert found.slab.tolist() == [5]
+    assert found.at[0] == pytest.approx(0.37, abs=1e-3)
+    np.testing.assert_allclose(found.before[:, 0], np.stack([PLACES[5] ** 2, PLACES[5]]), rtol=1e-10)
+    np.testing.assert_allclose(found.behind[1, 0], 10.74 - PLACES[5], rtol=1e-10)
+
+
+def test_smooth_waves_and_jumps_have_no_corner():
+    assert not len(corners_of(np.sin(PLACES)[None] / 10, 1e-6, ORDER).slab)
+    assert not len(corners_of(np.where(PLACES < 5.37, 0.0, 1.0)[None], 1e-6, ORDER).slab)
+
+
+@pytest.mark.parametrize("least", [0.0, 1e-5])
+def test_records_on_two_grids_add_up(least):
+    """A smooth wave on the scene's slabs, and one that bends at 4.7, on slabs that begin 0.3 of one earlier."""
+    late = np.arange(N + 1)[:, None] + ORDER.c - 0.3
+
+    def wave(t):
+        return np.exp(-t / 3) + np.maximum(t - 4.7, 0.0) ** 2
+
+    records = [np.sin(PLACES / 3).reshape(1, 1, -1).repeat(2, 1), wave(late).reshape(1, 1, -1).repeat(2, 1)]
+    whole, noted = summed(iter(records), np.array([0.0, 0.3]), N, ORDER, least)
+    assert len(np.unique(noted.slab)) == (1 if least else N)
+    error = whole[0, 0].reshape(N, -1) - np.sin(PLACES / 3) - wave(PLACES)
+    assert np.abs(error).max() < max(least, 1e-5)
+    place = noted.slab[:, None] + noted.span[:, :1] + np.diff(noted.span) * ORDER.c
+    np.testing.assert_allclose(noted.values[:, 0], np.sin(place / 3) + wave(place), atol=1e-5)
+
+
+FREQUENCY = 0.6  # Hz
+
+
+def test_turns_are_those_of_a_sine():
+    """In a matched pipe with next to no friction the flow follows the sine: at once, and 1 s later at the far end."""
+    pipe = {"length": 1000, "radius": 0.0265, "wave_speed": 1000, "density": 900}
+    pipe |= {"friction": {"kind": "darcy", "factor": 1e-9}}
+    sine, solver = {"shape": "sine", "amplitude": 2e5, "frequency": FREQUENCY}, {"order": 4, "slab": 1 / 32}
+    scene = one_line(2.5, pipe, sine, 0, {"kind": "matched"}, medium="hydraulic", solver=solver)
+    result = simulate(scene)
+    cuts = Cuts(describe(scene), 1.0).ahead(result, result.resolution, later=True, stuck=False)
+    half = 0.5 / FREQUENCY
+    assert cuts["nodes.near"] == pytest.approx([half, 2 * half], abs=1e-4)  # as well as slabs of 1/32 resolve it
+    assert cuts["nodes.far"] == pytest.approx([1 + half], abs=1e-4)

@@ -182,29 +182,6 @@ def test_the_pieces_of_a_certificate_count():
 # ---- margins
 
 
-@pytest.mark.parametrize(
-    ("expression", "smallest", "place"),
-    [
-        ("50 + 1n*s", 50, 0),
-        ("1 + 1/(1 + s)", 1, math.inf),
-        ("(s^2 + s + 1)/(s^2 + s + 4)", 0, math.sqrt(2)),
-        ("2 + (s^2 + s + 1)/(s^2 + s + 4)", 2, math.sqrt(2)),
-        ("1/(1 + s)", 0, math.inf),
-        ("s/(1 + s)", 0, 0),
-        ("1/(1 + s)^2", Fraction(-1, 8), math.sqrt(3)),
-        ("1/s^2", -math.inf, 0),
-        ("s^2", -math.inf, math.inf),
-        ("1/(s^2 + 1)", -math.inf, 1),
-        ("1/(s^2 + 1)^2", 0, math.inf),
-        ("s + 1/s + 1/7", Fraction(1, 7), 0),
-    ],
-)
-def test_the_input_margin_is_exact(expression, smallest, place):
-    margin = check_positive_real(of(expression)).margins.input
-    assert (margin.low, margin.high) == (smallest, smallest)
-    assert margin.frequency == pytest.approx(place, rel=1e-12)
-
-
 def test_margins_that_are_not_rational_are_enclosed():
     margin = check_positive_real(of("(s + 2)/(s^2 + s + 1)")).margins.input
     exact = (3 - 2 * math.sqrt(3)) / 3  # of (2 - x)/(1 - x + x^2), at x = 2 + sqrt(3)

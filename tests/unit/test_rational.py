@@ -194,47 +194,6 @@ def test_repr_makes_it_again():
 # ---- values
 
 
-@pytest.mark.parametrize(
-    ("text", "at_zero", "at_infinity"),
-    [
-        ("50", 50, 50),
-        ("0", 0, 0),
-        ("1/0", math.inf, math.inf),
-        ("s", 0, math.inf),
-        ("-1/s", math.inf, 0),
-        ("(2 + s)/(3 + 4*s)", Fraction(2, 3), Fraction(1, 4)),
-        ("s/(1 + s^2)", 0, 0),
-        ("5*s*(1 + s)/(7*s)", Fraction(5, 7), math.inf),
-        ("(s - s)/(s + 1)", 0, 0),
-    ],
-)
-def test_ends_of_the_axis(text, at_zero, at_infinity):
-    z = of(text)
-    assert (z.at_zero(), z.at_infinity()) == (at_zero, at_infinity)
-    assert all(type(x) is Fraction or x == math.inf for x in (z.at_zero(), z.at_infinity()))
-
-
-@pytest.mark.parametrize(
-    ("text", "point", "value"),
-    [
-        ("1/(1 + s)", 1j, 0.5 - 0.5j),
-        ("1/s", 0, complex(math.inf, 0)),
-        ("1/(1 + s^2)", 1j, complex(math.inf, 0)),
-        ("1/0", 3, complex(math.inf, 0)),
-        ("0", 3, 0),
-        ("s^2 + 1", 1j, 0),
-        ("(s + 1)*s/(s*(s + 2))", 0, 0.5),
-        ("(s^2 + 1)/(s^2 + 1)^2", 1j, complex(math.inf, 0)),
-        ("1/(s - R)", 0.1, complex(math.inf, 0)),
-        ("s^3", 1e200, complex(math.inf, 0)),
-        ("s^3", -1e-200, 0),
-        ("1/(s - R) + 1/(s - 2)^30", 2, complex(math.inf, 0)),
-    ],
-)
-def test_value_at_special_points(text, point, value):
-    assert of(text, {"R": 0.1} if "R" in text else None)(point) == value
-
-
 def test_lossless_means_a_real_part_of_exactly_zero():
     lossless = of("(s^2 + 3)/(s*(s^2 + 5))")
     assert lossless(0.7j).real == 0

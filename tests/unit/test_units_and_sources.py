@@ -1,9 +1,12 @@
-"""Units of ours: what each is made of, and the parts of numba that they lean on."""
+"""Compiled units: what each is made of, the parts of numba that they lean on, and structures by reference."""
 
 import ast
 import json
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
+import numpy as np
 import pytest
 from numba.core.codegen import JITCodeLibrary
 from numba.core.registry import cpu_target
@@ -11,6 +14,8 @@ from numba.core.registry import cpu_target
 from tline.cli.warm_up import found
 from tline.compiled import compiler, object_code
 from tline.compiled.stamp import are_unchanged, digests
+from tline.compiled.structure import Floats, Floats2, pack
+from tline.compiled.unit import function, unit
 
 ROOT = Path(__file__).parents[2]
 
@@ -20,16 +25,23 @@ def file_of(module):
     return next((each for each in (path.with_suffix(".py"), path / "__init__.py") if each.exists()), None)
 
 
+@cache
+def imported(module):
+    """Modules of ours that a module imports at top level, by the syntax tree of its file."""
+    found = set()
+    for node in ast.parse(file_of(module).read_text()).body:
+        if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in (module.partition(".")[0], "tline"):
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            found |= {each if file_of(each) else node.module for each in inner}
+    return found
+
+
 def followed(*modules):
-    """Modules, and all of ours that they import at top level, by the syntax trees of their files."""
-    reached, waiting = set(), [*modules]
+    """Modules, and all of ours that they import."""
+    reached, waiting = set(), {*modules}
     while waiting:
-        name = waiting.pop()
-        reached.add(name)
-        for node in ast.parse(file_of(name).read_text()).body:
-            if isinstance(node, ast.ImportFrom) and node.module.partition(".")[0] in (name.partition(".")[0], "tline"):
-                inner = [f"{node.module}.{alias.name}" for alias in node.names]
-                waiting += {each if file_of(each) else node.module for each in inner} - reached
+        reached |= waiting
+        waiting = set().union(*map(imported, waiting)) - reached
     return reached
 
 
@@ -58,3 +70,56 @@ def test_numba_is_what_it_was():
     assert {"_data_layout", "_module_pass_manager", "set_env"} <= {*dir(codegen)}
     passes, builder = codegen._module_pass_manager()
     assert hasattr(passes, "run"), builder
+
+
+class Row(NamedTuple):
+    scale: float
+    values: Floats
+
+
+@pytest.mark.parametrize(
+    "wrong", [np.zeros(3, int), np.zeros((3, 1)), np.zeros(6)[::2], np.zeros(3, np.float32)], ids=str
+)
+def test_an_array_of_another_kind_is_refused(wrong):
+    with pytest.raises(
+        TypeError, match=r"Row\.values: a contiguous array of 1 dimensions of float64 is needed, not arr"
+    ):
+        pack(Row(1.0, wrong))
+
+
+def test_units_say_what_they_cannot_be():
+    class Named(NamedTuple):
+        name: str
+
+    def half(n: int) -> float:
+        return n / 2
+
+    with pytest.raises(TypeError, match=r"Named\.name: compiled code cannot read <class 'str'>"):
+        pack(Named("x"))
+    with pytest.raises(TypeError, match=r"half returns float64, not an integer"):
+        unit(half)(1)
+
+
+class Table(NamedTuple):
+    row: Row
+    values: Floats2
+    n: int
+
+
+def test_structures_are_read_and_written_by_reference_and_inner_functions_run_as_python_too():
+    @function
+    def total(values):
+        found = 0.0
+        for value in values:
+            found += value
+        return found
+
+    @unit
+    def fill(table: Table, factor: float) -> int:
+        for i in range(table.n):
+            table.row.values[i] = factor * table.row.scale * total(table.values[i])
+        return table.values.shape[0] + table.values.size
+
+    table = Table(Row(2.0, np.zeros(2)), np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), 2)
+    assert fill(pack(table), 10.0) == 8
+    assert table.row.values.tolist() == [20.0 * total(table.values[i]) for i in range(2)] == [120.0, 300.0]
