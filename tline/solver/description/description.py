@@ -83,7 +83,7 @@ class Description:
         ours, theirs = (
             (each.t_end, each.steady, each.heights, each.scene.probes, each.scene.solver) for each in (self, other)
         )
-        lines = ({name: (line.nodes, line.delay) for name, line in each.lines.items()} for each in (self, other))
+        lines = ({name: line._replace(z0=1.0) for name, line in each.lines.items()} for each in (self, other))
         return ours == theirs and next(lines) == next(lines)
 
     @cached_property
