@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Matrix = NDArray
 MAX_ORDER = 16
 LEAST_PLACES = 8  # of `chebyshev`
-ALONE = 5000  # rows, for which BLAS takes no threads
+ALONE = 250_000  # multiplications for which BLAS takes no threads
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +87,13 @@ class Basis:
 
 
 def thin_product(rows: NDArray, matrix: Matrix) -> NDArray:
-    """Product of many short rows, (..., n, s), with a small matrix, without threads: these wait for each other."""
-    if rows.shape[-2] <= ALONE:
+    """Product of many short rows, (..., n, s), with a small matrix or a vector, without threads.
+
+    Threads of BLAS would wait for each other ten times as long as the product takes.
+    """
+    if (parts := 1 + rows.shape[-2] * matrix.size // ALONE) == 1:
         return rows @ matrix
-    parts = np.array_split(rows, rows.shape[-2] // ALONE + 1, axis=-2)
-    return np.concatenate([part @ matrix for part in parts], axis=-2)
+    return np.concatenate([part @ matrix for part in np.array_split(rows, parts, axis=-2)], axis=-matrix.ndim)
 
 
 @lru_cache
