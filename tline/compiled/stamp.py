@@ -36,7 +36,7 @@ class SourceText:
         Statements are found by a pattern, since to parse a whole file takes as long as to load its compiled code.
         """
         try:
-            found = [statement for text in IMPORT.findall(self.text) for statement in ast.parse(text).body]
+            found = ast.parse("\n".join(IMPORT.findall(self.text))).body
         except SyntaxError:  # a docstring that looks like an import, or an import that goes on in the next line
             found = ast.parse(self.text).body
         names = set[str]()

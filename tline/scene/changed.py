@@ -130,7 +130,7 @@ def _elements(scene: Scene, places: Sequence[tuple[str, ...]], values: Mapping[s
         here = tables.setdefault(section, {})
         _put(here.setdefault(name, deepcopy(getattr(scene, section)[name].table())), path, keys, values[path])
     context = {"folder": scene.folder, "medium": scene.medium, "units": MEDIA[scene.medium].units}
-    return {part: _ADAPTERS[part].validate_python(each, context=context) for part, each in tables.items()}
+    return {part: _adapter(part).validate_python(each, context=context) for part, each in tables.items()}
 
 
 @lru_cache(maxsize=1024)
@@ -215,4 +215,6 @@ def _at(mistake: InputError, values: Mapping[str, Any]) -> InputError:
     return InputError(path, problem, mistake.expected, mistake.got)
 
 
-_ADAPTERS: dict[str, Any] = {name: TypeAdapter(Scene.model_fields[name].annotation or dict) for name in SECTIONS}
+@cache
+def _adapter(section: str) -> TypeAdapter[Any]:
+    return TypeAdapter(Scene.model_fields[section].annotation or dict)

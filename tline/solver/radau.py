@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Matrix = NDArray
 MAX_ORDER = 16
 LEAST_PLACES = 8  # of `chebyshev`
-ALONE = 2000  # rows, for which BLAS takes no threads
+ALONE = 250_000  # multiplications for which BLAS takes no threads
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,12 +86,14 @@ class Basis:
         return legendre.legvander(2 * np.asarray(x, float) - 1, self.s - 1)
 
 
-def thin_product(rows: NDArray, matrix: NDArray) -> NDArray:
-    """Product of many short rows, (..., n, s), with small matrices (..., s, m), without threads, which wait."""
-    if rows.shape[-2] <= ALONE:
+def thin_product(rows: NDArray, matrix: Matrix) -> NDArray:
+    """Product of many short rows, (..., n, s), with a small matrix or a vector, without threads.
+
+    Threads of BLAS would wait for each other ten times as long as the product takes.
+    """
+    if (parts := 1 + rows.shape[-2] * matrix.size // ALONE) == 1:
         return rows @ matrix
-    parts = np.array_split(rows, rows.shape[-2] // ALONE + 1, axis=-2)
-    return np.concatenate([part @ matrix for part in parts], axis=-2)
+    return np.concatenate([part @ matrix for part in np.array_split(rows, parts, axis=-2)], axis=-matrix.ndim)
 
 
 @lru_cache

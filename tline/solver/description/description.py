@@ -18,6 +18,7 @@ from tline.scene.stretches import expanded
 from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
+from tline.solver.description.active import active_parts, impedances
 from tline.solver.description.elements import PlacedLaw, elements_of
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
@@ -25,7 +26,6 @@ from tline.solver.description.groups import Group, LumpedLine, filling_times, gr
 from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
 from tline.solver.description.links import PlacedBranch, branches_of, inductive, resistive
 from tline.solver.description.nodes import NONE, Levels, Node, levels_of, nodes_anew, nodes_of
-from tline.solver.description.passive import active_parts, impedances
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
@@ -83,7 +83,7 @@ class Description:
         ours, theirs = (
             (each.t_end, each.steady, each.heights, each.scene.probes, each.scene.solver) for each in (self, other)
         )
-        lines = ({name: (line.nodes, line.delay) for name, line in each.lines.items()} for each in (self, other))
+        lines = ({name: line._replace(z0=1.0) for name, line in each.lines.items()} for each in (self, other))
         return ours == theirs and next(lines) == next(lines)
 
     @cached_property

@@ -11,15 +11,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from tline.loss import ConstantLoss
+from tline.solver.description.active import active_impedances, controlled_sources
 from tline.solver.description.given import Scene
-from tline.solver.description.passive import (
-    CircuitVerdict,
-    active_impedances,
-    controlled_sources,
-    exact_elements,
-    one_port,
-    passive_circuits,
-)
+from tline.solver.description.passive import CircuitVerdict, exact_elements, one_port, passive_circuits
 from tline.words.wording import place
 
 if TYPE_CHECKING:

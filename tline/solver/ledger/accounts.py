@@ -28,7 +28,7 @@ from tline.solver.description.inventory import (
 )
 from tline.solver.description.nodes import Node
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, UNACCOUNTED
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, thin_product
 
 
 class Port(NamedTuple):
@@ -142,11 +142,11 @@ class Columns(NamedTuple):
 
     def integral(self, x: NDArray, y: NDArray) -> NDArray:
         """Exact integral of x·y over each interval, for polynomials of shape (…, m, s); shape (…, m)."""
-        return (x * y) @ self.basis.A[-1] * self.width
+        return self.integral_of(x * y)
 
     def integral_of(self, x: NDArray) -> NDArray:
         """Integral of polynomials over each interval; shapes (…, m, s) to (…, m)."""
-        return x @ self.basis.A[-1] * self.width
+        return thin_product(x, self.basis.A[-1]) * self.width
 
 
 class Accounts(NamedTuple):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.loop.march import Noted, concatenated
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, thin_product
 
 AT_SLAB_END = 1e-9  # slabs; an end this near to a slab's is its end
 
@@ -73,5 +73,5 @@ def _part(pieces: Noted, low: float, high: float, order: Basis) -> Noted:
     found = np.empty_like(values)
     for k, (start, stop) in enumerate(different.tolist()):
         these = which.ravel() == k
-        found[these] = values[these] @ order.restriction(start, stop).T
+        found[these] = thin_product(values[these], order.restriction(start, stop).T)
     return Noted(row, slab, span, found)

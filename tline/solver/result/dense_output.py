@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.solver.radau import thin_product
 from tline.solver.result.quantities import Bounds, quantity
 from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
 
@@ -98,12 +99,12 @@ def _span(record: LineRecord) -> float:
 def _tail(wave: Wave) -> NDArray:
     """Largest of the two highest Legendre coefficients of each slab; one alone may vanish by chance."""
     highest = wave.basis.to_legendre[max(wave.basis.s - 2, 1) :]
-    return np.abs(wave.values @ highest.T).max(axis=1, initial=0.0)
+    return np.abs(thin_product(wave.values, highest.T)).max(axis=1, initial=0.0)
 
 
 def _edges(wave: Wave) -> tuple[NDArray, NDArray]:
     first = wave.basis.begin
-    starts, begins = np.append(wave.values @ first, wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
+    starts, begins = np.append(thin_product(wave.values, first), wave.values[-1, -1]), wave.pieces.span[:, 0] == 0.0
     starts[wave.pieces.slab[begins]] = wave.pieces.values[begins] @ first
     return starts, wave.at_slab_ends()
 

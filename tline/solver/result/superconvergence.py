@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
 from tline.solver.kernel.neighbours import UNEQUAL, Joined, Shared, join, share
-from tline.solver.radau import basis, gauss
+from tline.solver.radau import basis, gauss, thin_product
 
 if TYPE_CHECKING:
     from tline.solver.result.result import Wave
@@ -68,7 +68,7 @@ def superconvergent(a: "Wave", b: "Wave") -> "tuple[Wave, Wave]":
     back[:, order] = found
     spread, made = _matrices(s)[0], []
     for wave, each in zip((a, b), back, strict=True):
-        held = wave.values @ spread
+        held = thin_product(wave.values, spread)
         held[whole] = each[: len(whole)]
         made.append(replace(wave, values=held, basis=new, pieces=pieces._replace(values=each[len(whole) :])))
     return made[0], made[1]
@@ -84,7 +84,7 @@ def improved(width: NDArray, waves: NDArray, s: int) -> NDArray | None:
     spread, told, start = _matrices(s)
     values = waves[:, 1:].reshape(2, n, s)
     room = np.empty(n), np.empty(n), np.empty(n, bool)
-    at = Joined(s, width, waves, values @ told, start, values @ spread, *room)
+    at = Joined(s, width, waves, thin_product(values, told), start, thin_product(values, spread), *room)
     packed = pack(at)
     if not join(packed):
         return None
@@ -102,10 +102,10 @@ def _share(at: Joined, packed: Any) -> None:
     for first in range(0, pairs, CHUNK):
         last = min(first + CHUNK, pairs)
         given = np.ascontiguousarray(windows[:, first:last])
-        shared = given @ _equal(s, True)
+        shared = thin_product(given, _equal(s, True))
         alone = np.flatnonzero(~at.joined[first:last])
         if alone.size:
-            shared[:, alone] = given[:, alone] @ _equal(s, False)
+            shared[:, alone] = thin_product(given[:, alone], _equal(s, False))
         these = unequal[(unequal >= first) & (unequal < last)]
         for known in (True, False) if these.size else ():
             some = these[at.joined[these] == known]

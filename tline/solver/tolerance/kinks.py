@@ -22,7 +22,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Bend
 from tline.solver.description.resolution import Resolution
-from tline.solver.radau import Basis, basis
+from tline.solver.radau import Basis, basis, thin_product
 from tline.solver.result.result import Result, Wave
 from tline.solver.run import NO_KINKS, Kinks, at_node
 
@@ -174,7 +174,7 @@ def _roughness(result: Result, element: PlacedLaw) -> tuple[PiecewiseQuantity, N
     for values in (*(values for _, values in efforts), into.values - sum(sign * values for sign, values in efforts)):
         change = np.ptp(values)
         if change > 0:
-            rough = np.maximum(rough, np.abs(values @ terms.T).max(axis=1, initial=0.0) / change)
+            rough = np.maximum(rough, np.abs(thin_product(values, terms.T)).max(axis=1, initial=0.0) / change)
     return into, rough
 
 

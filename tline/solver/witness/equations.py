@@ -27,6 +27,11 @@ class Impedance(NamedTuple):
     numerator: tuple[float, ...]
     denominator: tuple[float, ...]
 
+    @property
+    def degree(self) -> int:
+        """Larger degree of numerator and denominator."""
+        return max(map(len, self)) - 1
+
 
 Equation = Flow | Impedance | Volume
 

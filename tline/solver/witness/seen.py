@@ -8,7 +8,7 @@ window with its derivatives, and integrated by parts, its equation contains none
 """
 
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.result.result import Result, Wave
-from tline.solver.witness.equations import Equation, Flow, Impedance, Volume
+from tline.solver.witness.equations import Flow, Impedance, Volume
 from tline.solver.witness.nodes import Balance, Term
 
 INSTANTS, WINDOWS = 64, 4  # random instants and windows, one in each of as many equal parts of the run
@@ -32,20 +32,22 @@ MOST_WINDOWS = 1  # windows that may fail
 MOST_DEGREE = 4  # of an impedance
 
 
-class Window:
-    """Interval of integration: its instants, and their quadrature weights."""
+class Windows:
+    """Intervals of integration of one width: their instants, one interval after another, and quadrature weights."""
 
-    def __init__(self, first: int, edges: NDArray):
+    def __init__(self, edges: list[NDArray]):
         x, w = POINTS
-        half, middle = np.diff(edges)[:, None] / 2, (edges[1:] + edges[:-1])[:, None] / 2
-        self.begin, self.width = float(edges[0]), float(edges[-1] - edges[0])
-        self.t, self.weight = (middle + half * x).ravel(), (half * w).ravel()
-        self.at = slice(first, first + self.t.size)
+        pieces = np.array([len(each) - 1 for each in edges])
+        start, stop = np.concatenate([each[:-1] for each in edges]), np.concatenate([each[1:] for each in edges])
+        half, middle = (stop - start)[:, None] / 2, (stop + start)[:, None] / 2
+        self.t, self._weight = (middle + half * x).ravel(), (half * w).ravel()
+        self.begin, self.width = np.array([each[0] for each in edges]), float(edges[0][-1] - edges[0][0])
+        self.share = (self.t - np.repeat(self.begin, pieces * len(x))) / self.width  # of its window, in 0 to 1
+        self._first = (np.cumsum(pieces) - pieces) * len(x)
 
-    @property
-    def share(self) -> NDArray:
-        """Instants relative to the window, in 0 to 1."""
-        return (self.t - self.begin) / self.width
+    def integral(self, values: NDArray) -> NDArray:
+        """Integral over each window."""
+        return np.add.reduceat(self._weight * values, self._first)
 
 
 class Seen:
@@ -54,7 +56,6 @@ class Seen:
     def __init__(self, result: Result, description: Description, tol: float, windows: bool):
         self.result, self.description, self.tol = result, description, tol
         self.instants = _one_in_each(description.t_end, INSTANTS)
-        self.windows: list[Window] = []
         self._ends: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
         self.at_node = {
             node: (name, end)
@@ -62,11 +63,8 @@ class Seen:
             if name in description.lines
             for end, node in enumerate(description.lines[name].nodes)
         }
-        first = INSTANTS
-        for edges in self._edges() if windows else ():
-            self.windows.append(Window(first, edges))
-            first += self.windows[-1].t.size
-        self.t = np.concatenate([self.instants, *(window.t for window in self.windows)])
+        self.windows = Windows(list(self._edges())) if windows else None
+        self.t = np.concatenate([self.instants, self.windows.t]) if self.windows else self.instants
 
     def _edges(self) -> Iterator[NDArray]:
         """Yield the edges of the pieces of each window: slab ends and fronts."""
@@ -79,7 +77,7 @@ class Seen:
             end = begin + width
             slabs = np.arange(np.ceil(begin / h), np.floor(end / h) + 1) * h
             inside = known[(known > begin) & (known < end)]
-            yield np.unique(np.clip(np.concatenate([[begin, end], slabs, inside]), begin, end))
+            yield np.sort(np.clip(np.concatenate([[begin, end], slabs, inside]), begin, end))
 
     def end(self, name: str, end: int) -> tuple[NDArray, NDArray]:
         """Effort at an end of a line, and flow out of the line there."""
@@ -142,8 +140,12 @@ class Seen:
 
 def _one_in_each(t_end: float, parts: int) -> NDArray:
     """Random instants, one in each of equal parts of the run, in order."""
-    rng = np.random.default_rng(parts)
-    return (np.arange(parts) + rng.uniform(0.0, 1.0, parts)) / parts * t_end
+    return _shares(parts) * t_end
+
+
+@cache
+def _shares(parts: int) -> NDArray:
+    return (np.arange(parts) + np.random.default_rng(parts).uniform(0.0, 1.0, parts)) / parts
 
 
 class Doubt(NamedTuple):
@@ -200,7 +202,7 @@ def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]
 
 
 class Signals(NamedTuple):
-    """Effort across a store and flow into it in a window, and their allowed errors."""
+    """Effort across a store and flow into it in all windows, and their allowed errors."""
 
     e: NDArray
     i: NDArray
@@ -210,58 +212,58 @@ class Signals(NamedTuple):
 
 def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
     """Yield nodes whose stored quantity does not match its inflow in more than one window."""
+    if (windows := seen.windows) is None:
+        return
     for one in nodes:
         if not one.stores or one.held is not None or not seen.reads(one):
             continue
-        signals = _signals(seen, one)
-        parts = ((window, _within(signals, window)) for window in seen.windows)
-        wrong = [window for window, part in parts if _misses(one.stores[0].equation, part, window)]
-        if len(wrong) > MOST_WINDOWS:
-            yield Doubt(f"node '{one.name}'", wrong[0].begin, "what is stored there is not what flowed in")
+        equation, signals = one.stores[0].equation, _signals(seen, one)
+        if isinstance(equation, Volume):
+            wrong = _misses_volume(equation, signals, windows)
+        elif isinstance(equation, Impedance) and equation.degree <= MOST_DEGREE:
+            wrong = _misses_impedance(equation, signals, windows)
+        else:
+            continue
+        if wrong.sum() > MOST_WINDOWS:
+            yield Doubt(
+                f"node '{one.name}'", float(windows.begin[wrong][0]), "what is stored there is not what flowed in"
+            )
 
 
 def _signals(seen: Seen, one: Balance) -> Signals:
-    store, (low, high), (off_u, off_y) = one.stores[0], seen.passed(one), seen.allowed(one)
+    store, (low, high), (off_u, off_y), at = one.stores[0], seen.passed(one), seen.allowed(one), slice(INSTANTS, None)
     e, sign = seen.across(store, seen.efforts(one)[0])
     i = sign * (seen.out(one) - (low + high) / 2)
-    return Signals(e, i, off_u if store.beyond is None else 2 * off_u, (high - low) / 2 + off_y)
+    return Signals(e[at], i[at], off_u if store.beyond is None else 2 * off_u, ((high - low) / 2 + off_y)[at])
 
 
-def _within(signals: Signals, window: Window) -> Signals:
-    return Signals(signals.e[window.at], signals.i[window.at], signals.off_e, signals.off_i[window.at])
+def _misses_impedance(equation: Impedance, signals: Signals, windows: Windows) -> NDArray:
+    """In which windows the equation of an impedance fails."""
+    of_e, of_i = (_adjoint(side, equation.degree, windows) for side in (equation.denominator, equation.numerator))
+    allowed = windows.integral(np.abs(of_e) * signals.off_e + np.abs(of_i) * signals.off_i)
+    return np.abs(windows.integral(of_e * signals.e - of_i * signals.i)) > allowed
 
 
-def _misses(equation: Equation, signals: Signals, window: Window) -> bool:
-    """Whether the equation of a store fails in a window."""
-    if isinstance(equation, Volume):
-        return _misses_volume(equation, signals, window)
-    return isinstance(equation, Impedance) and _misses_impedance(equation, signals, window)
-
-
-def _misses_impedance(equation: Impedance, signals: Signals, window: Window) -> bool:
-    degree = max(len(equation.numerator), len(equation.denominator)) - 1
-    if degree > MOST_DEGREE:
-        return False
-    of_e, of_i = (_adjoint(side, degree, window) for side in (equation.denominator, equation.numerator))
-    allowed = window.weight @ (np.abs(of_e) * signals.off_e + np.abs(of_i) * signals.off_i)
-    return bool(abs(window.weight @ (of_e * signals.e - of_i * signals.i)) > allowed)
-
-
-def _adjoint(side: tuple[float, ...], degree: int, window: Window) -> NDArray:
-    """Return p(-D) φ for a bump φ over the window and a polynomial p, highest power first."""
-    bump, found = Polynomial([0.0, 4.0, -4.0]) ** (degree + 1), np.zeros_like(window.t)
+def _adjoint(side: tuple[float, ...], degree: int, windows: Windows) -> NDArray:
+    """Return p(-D) φ for a bump φ over each window and a polynomial p, highest power first."""
+    found = np.zeros_like(windows.t)
     for power, factor in enumerate(reversed(side)):
-        found += factor * (-1.0 / window.width) ** power * (bump.deriv(power) if power else bump)(window.share)
+        found += factor * (-1.0 / windows.width) ** power * _bump(degree + 1, power)(windows.share)
     return found
 
 
-def _misses_volume(equation: Volume, signals: Signals, window: Window) -> bool:
+@cache
+def _bump(power: int, derivative: int) -> Polynomial:
+    return (Polynomial([0.0, 4.0, -4.0]) ** power).deriv(derivative)
+
+
+def _misses_volume(equation: Volume, signals: Signals, windows: Windows) -> NDArray:
+    """In which windows a volume that follows from the effort is not the integral of the flow."""
     e, i, off_e, off_i = signals
     per_square = equation.capacity**-2.0  # of the loss in the orifice, zero without one
     inside = e - np.sign(i) * i**2 * per_square
     held = equation.held(inside)
     off_held = np.abs(equation.held(inside + off_e + 2 * np.abs(i) * per_square * off_i) - held)
-    bump = Polynomial([0.0, 4.0, -4.0]) ** 2
-    of_i, of_held = bump(window.share), bump.deriv()(window.share) / window.width
-    allowed = window.weight @ (of_i * off_i + np.abs(of_held) * off_held)
-    return bool(abs(window.weight @ (of_i * i + of_held * held)) > allowed)
+    of_i, of_held = _bump(2, 0)(windows.share), _bump(2, 1)(windows.share) / windows.width
+    allowed = windows.integral(of_i * off_i + np.abs(of_held) * off_held)
+    return np.abs(windows.integral(of_i * i + of_held * held)) > allowed
