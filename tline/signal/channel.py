@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-from tline.signal.eye_diagram import above_zero, edge_within
-from tline.signal.pulse import FINE, PulseResponse, until_settled
+from tline.signal.bits import FINE, above_zero, edge_within
+from tline.signal.pulse import PulseResponse, until_settled
 from tline.signal.tdr import Reflections
 from tline.units import engineering, to_si
 from tline.words.wording import shown
