@@ -23,7 +23,9 @@ from tline.words.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
 ALONE = "sources", "loads", "links"  # sections whose elements take a changed number on their own
-NOT_ALONE = Touchstone | MeasuredMultiport | Ibis | IbisSeries | UserElement  # composed from a file, or defined by a user
+NOT_ALONE = (
+    Touchstone | MeasuredMultiport | Ibis | IbisSeries | UserElement
+)  # composed from a file, or defined by a user
 PLACES = "at", "nodes", "line"  # keys that place an element
 SINGLE = 2  # number of parts in the path of an element
 DERIVED = "heights", "single_lines"  # what a scene derives from its elements

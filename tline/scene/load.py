@@ -74,8 +74,8 @@ Load = Annotated[Any, OneOf(LOADS, "kind"), *or_user_defined(UserLoad)]
 
 LINKS = (
     Resistor.link, Inductor.link, Capacitor.link, Series.link, Parallel.link, Impedance.link, Switch.link,
-    Orifice.link, CheckValve.link, ReliefValve.link, RegulatingValve, Pump, Diode.link, Curve.link,
-    Transformer, Gyrator, ControlledSource, CoupledInductors, Junction, MeasuredMultiport, IbisSeries, *elements.links(),
+    Orifice.link, CheckValve.link, ReliefValve.link, RegulatingValve, Pump, Diode.link, Curve.link, IbisSeries,
+    Transformer, Gyrator, ControlledSource, CoupledInductors, Junction, MeasuredMultiport, *elements.links(),
 )  # fmt: skip
 Link = Annotated[Any, OneOf(LINKS, "kind"), *or_user_defined(UserLink)]
 

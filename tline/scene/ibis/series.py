@@ -47,7 +47,7 @@ def read_joint(path: Path, stamp: int, model: str | None, corner: str, on: bool 
     found = own[0].find("Model_type")
     kind = found[1][0].lower() if found and found[1] else ""
     if kind not in ("series", "series_switch"):
-        raise InputError("model", "stands at one pin", "one of type Series or Series_switch; others are loads", kind)
+        raise InputError("model", "stands at one pin, a load", "one of type Series or Series_switch", shown(kind))
     if (on is None) == (kind == "series_switch"):
         problem = "is missing" if on is None else "is the state of a Series_switch"
         raise InputError("on", problem, "true or false" if on is None else "none")
