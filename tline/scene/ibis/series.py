@@ -1,4 +1,4 @@
-"""Links of kind "ibis": what an IBIS file says of a model between two pins, of type Series or Series_switch."""
+"""Links of kind "ibis": models of an IBIS file between two pins, of type Series or Series_switch."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -20,7 +20,7 @@ OPEN = 1e12  # ohm, where nothing else is between the pins
 
 
 class Joint(NamedTuple):
-    """What stands between two pins at one corner, side by side: an impedance and a table of current over voltage."""
+    """Impedance and table of current over voltage between two pins at one corner, side by side."""
 
     kind: str
     values: dict[str, float]  # of VALUES that are given
