@@ -10,7 +10,8 @@ from scipy.signal import oaconvolve
 
 from benchmarks.harness import ROOT, table, write
 from tline.signal import best_ffe, measured_channel, pulse_response, statistical_eye
-from tline.signal.pulse import FINE, PulseResponse
+from tline.signal.bits import FINE
+from tline.signal.pulse import PulseResponse
 
 BITS, RATES = 10_000_000, (1e-2, 1e-3, 1e-4, 1e-5)
 NOISE = 3e-3  # V

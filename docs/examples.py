@@ -16,6 +16,7 @@ LINES = {
 }
 LOAD, LINK = '[loads.x]\nat = "far"', '[links.x]\nnodes = ["near", "far"]'
 MEASURED = [Path(__file__).parents[1] / "scenes" / name for name in ("antenna.s1p", "filter.s2p", "memory.ibs")]
+SWITCH = "[IBIS Ver] 5.0\n[Model] CROSSBAR\nModel_type Series_switch\n[On]\n[R Series] 5\n[Off]\n[R Series] 1M\n"
 EXAMPLES = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
@@ -36,6 +37,7 @@ def example(model: str) -> str:
     }
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "measured.csv").write_text("0, 0\n1e-9, 1\n", encoding="utf-8")
+        Path(folder, "switch.ibs").write_text(SWITCH, encoding="utf-8")
         for file in MEASURED:
             shutil.copy(file, folder)
         Path(folder, "cable.csv").write_text("0, 0.1, 2.5e-7\n1e6, 0.1, 2.5e-7\n1e9, 0.1, 2.5e-7\n", encoding="utf-8")

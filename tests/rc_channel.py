@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from tline.signal.pulse import FINE, PulseResponse
+from tline.signal.bits import FINE
+from tline.signal.pulse import PulseResponse
 
 T = 100e-12
 RC, LATE = 60e-12, 250e-12

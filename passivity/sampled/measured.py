@@ -35,6 +35,7 @@ from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
 from passivity.verdict import Verdict
+from tline.units import engineering
 
 SCOUT = 6  # poles with which the delay is looked for
 MOST_SCOUTS = 8  # poles up to which it is improved for each order; beyond, each order begins with the one before
@@ -129,6 +130,23 @@ class DelayedModel:
     def nearest(self) -> "DelayedModel":
         """Copy with the nearest passive model, if one was found; unchanged where its parts were made passive."""
         return self if self.parts else replace(self, model=enforce(self.model, self.samples).model)
+
+    @property
+    def summary(self) -> str:
+        """Poles, delays, verdict and distance from the samples, in one line."""
+        samples, order, delays = self.samples, self.order, np.atleast_1d(self.delay)
+        told = f"{order} pole{'s' * (order != 1)}"
+        behind = ", ".join(engineering(float(T), "s") for T in delays) if delays.any() else ""
+        if samples.ports > 1:
+            told = f"{samples.ports} ports, {told}{' behind ' * bool(behind)}{behind}"
+        else:
+            z0 = engineering(float(samples.z0[0]), "ohm")
+            told += f" behind {behind} of {z0}" if behind else f" against {z0}"
+        word = "not" if self.verdict.status is Status.REFUTED else self.verdict.status.value
+        cost = f", of which being passive cost {self.cost:.2g}" if self.cost else ""
+        first, last = (engineering(float(f), "Hz") for f in samples.f[[0, -1]])
+        error = f"|ΔS| up to {self.error:.2g}{cost} ({len(samples.f)} samples, {first} to {last})"
+        return f"{told}, {word} passive, {error}"
 
     @property
     def distance(self) -> NDArray:

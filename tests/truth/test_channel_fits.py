@@ -9,7 +9,7 @@ from touchstone_files import of_chain
 from passivity import PoleResidueModel, RationalFunction, SampledResponse, fit_scattering
 from passivity.sampled.mirror import joined, mirrored, on_grid
 from tline.signal import measured_channel, statistical_eye
-from tline.signal.pulse import FINE
+from tline.signal.bits import FINE
 
 LENGTH, Z0, L = 0.3, 50.0, 3.1e-7  # m, ohm, H/m
 LOW, HIGH, TANGENT = 2 * np.pi * 1e4, 2 * np.pi * 1e13, 0.015  # rad/s between which the loss tangent is nearly constant

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tline import InputError, Scene, simulate
+from tline.frequency.response import respond
 from tline.scene.ibis.buffer import read_buffer
 from tline.shipped import FOLDER
 
@@ -14,10 +15,10 @@ TERMINATOR = HEAD + "[Model] M\nModel_type Terminator\nC_comp 0 NA NA\n[Voltage 
 TEXT = (FOLDER / "memory.ibs").read_text(encoding="utf-8")
 
 
-def seen(folder: Path, text: str, t: np.ndarray, tol: float = 1e-6, **load) -> np.ndarray:
-    """Voltage at the pad behind a matched line, into which a source steps from 0 to 1 V at 1 ns."""
+def seen(folder: Path, text: str, t: np.ndarray, tol: float = 1e-6, high: float = 1, **load) -> np.ndarray:
+    """Voltage at the pad behind a matched line, into which a source steps from 0 to 1 V, or others, at 1 ns."""
     (folder / "a.ibs").write_text(text, encoding="utf-8")
-    step = {"shape": "step", "from": 0, "to": 1, "at": 1e-9}
+    step = {"shape": "step", "from": 0, "to": high, "at": 1e-9}
     scene = Scene(
         str(folder), medium="electrical", t_end=float(t[-1]), start="steady",
         lines={"line": {"nodes": ["near", "pad"], "z0": 50, "delay": "0.5 ns"}}, probes={"pad": {"at": "pad"}},
@@ -100,12 +101,84 @@ def test_a_package_model_tells_r_l_and_c_of_a_pin(own, package, tmp_path):
     assert read_buffer(tmp_path / "a.ibs", None, "1", None, "typ").package == pytest.approx(package)
 
 
+SERIES = """[IBIS Ver] 5.0
+[Model] S
+Model_type Series_switch
+C_comp 0
+[Voltage Range] 1
+[On]
+[R Series] 100 90 110
+[L Series] 10n
+[Rl Series] 25
+[C Series] 1p
+[Rc Series] 50
+[Lc Series] 2n
+[Off]
+[Series Current]
+-1 -10m
+0 0
+1 10m
+[R Series] 100
+"""
+
+
+def through(folder: Path, **link) -> Scene:
+    """50 ohm behind a model between pins, after a step of 1 V from 50 ohm."""
+    (folder / "s.ibs").write_text(SERIES, encoding="utf-8")
+    return Scene(
+        str(folder), medium="electrical", t_end=20e-9, start="rest", probes={"out": {"at": "b"}},
+        lines={"line": {"nodes": ["near", "a"], "z0": 50, "delay": "1 ns"}},
+        sources={"s": {"at": "near", "kind": "voltage", "value": 1, "resistance": 50}},
+        loads={"r": {"at": "b", "kind": "resistor", "resistance": 50}},
+        links={"x": {"kind": "ibis", "file": "s.ibs", "nodes": ["a", "b"]} | link},
+    )  # fmt: skip
+
+
+def test_a_switch_that_is_on_is_its_branches_side_by_side(tmp_path):
+    """R beside R + sL beside R + sL + 1/(sC), between 50 ohm on both sides, over frequency."""
+    s = 2j * np.pi * np.geomspace(1e7, 1e10, 30)
+    Z = 1 / (1 / 100 + 1 / (25 + s * 10e-9) + 1 / (50 + s * 2e-9 + 1e12 / s))
+    seen = respond(through(tmp_path, on=True), s, "s")["out"].u
+    assert seen == pytest.approx(np.exp(-s * 1e-9) * 50 / (Z + 100), rel=1e-9)
+
+
+def test_a_table_of_current_is_beside_the_rest(tmp_path):
+    """100 ohm as a table beside 100 ohm are 50: a third of the volt, after 1 ns; the scene is written as it was."""
+    made = through(tmp_path, on=False)
+    assert simulate(made, tol=1e-8).probes["out"].at(np.array([0.9e-9, 1.1e-9, 19e-9])).u == pytest.approx(
+        [0, 1 / 3, 1 / 3], abs=1e-8
+    )
+    assert made.table()["links"] == {"x": {"kind": "ibis", "file": "s.ibs", "nodes": ("a", "b"), "on": False}}
+
+
+@pytest.mark.parametrize(
+    ("link", "said"),
+    [
+        ({}, "links.x.on: is missing, expected true or false"),
+        ({"on": True, "model": "T"}, r"links.x.model: no such \[Model\] in the file, expected 'S', got 'T'"),
+        ({"on": True, "corner": "fast"}, "links.x.corner: "),
+    ],
+)
+def test_a_link_that_is_no_model_between_pins(link, said, tmp_path):
+    with pytest.raises(InputError, match=said):
+        through(tmp_path, **link)
+
+
+@pytest.mark.parametrize(("mode", "clamped"), [("Non-Driving", True), ("Driving", False), ("All", True)])
+def test_a_clamp_of_a_submodel_is_there_in_its_mode(mode, clamped, tmp_path):
+    """A receiver's clamp of 25 ohm below 0 V: a step of -1 V is divided by it, or doubled where it is of drivers."""
+    clamp = "[Submodel] C\nSubmodel_type Dynamic_clamp\n[GND Clamp]\n-2 -80m\n0 0\n1 0\n"
+    text = TERMINATOR.replace("Terminator", "Input") + f"[Add Submodel]\nC {mode}\n{clamp}[End]\n"
+    found = seen(tmp_path, text, np.array([1e-9, 6e-9]), high=-1)
+    assert found == pytest.approx([0, -1 / 3 if clamped else -1], abs=1e-5)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         ("[Rgnd] 0", r"line 14: \[rgnd\] is not above zero"),
         ("[External Model]\nLanguage SPICE", r"line 14: the model is a program of its own, an \[External Model\]"),
-        ("Series_switch", "model: of type 'series_switch', it joins two pins, expected one of a single pin"),
+        ("Series_switch", "model: of type 'series_switch', it joins two pins, expected a link of kind = 'ibis'"),
     ],
 )
 def test_what_is_refused(text, said, tmp_path):

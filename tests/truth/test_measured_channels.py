@@ -8,7 +8,7 @@ from touchstone_files import of_chain
 from passivity import SampledResponse, fit_scattering
 from tline.errors import InputError
 from tline.signal import measured_channel
-from tline.signal.pulse import FINE
+from tline.signal.bits import FINE
 
 F = np.linspace(0, 20e9, 401)
 STEP = 20e-12  # s, of edges

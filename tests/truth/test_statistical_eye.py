@@ -12,8 +12,8 @@ from scipy.stats import binom, norm
 
 from tline import InputError
 from tline.signal import Mask, best_ffe, mask_margin, statistical_eye
-from tline.signal.eye_diagram import FEEDBACK, prbs
-from tline.signal.pulse import FINE, PulseResponse, pulse_response
+from tline.signal.bits import FEEDBACK, FINE, prbs
+from tline.signal.pulse import PulseResponse, pulse_response
 
 
 def bits_at(pulse, bits, j):

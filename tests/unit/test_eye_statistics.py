@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
-from tline.signal.eye_diagram import FINE, Eye
+from tline.signal.bits import FINE
+from tline.signal.eye_diagram import Eye
 from tline.signal.eye_statistics import Mask, crossings, jitter, mask_hits, mask_of
 
 

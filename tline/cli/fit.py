@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from tline.cli.from_signature import Output, command, drawn, picture
-from tline.cli.measured import as_dict, bands_in_words, in_words
+from tline.cli.measured import as_dict, bands_in_words
 from tline.cli.options import check_readable, options_named
 from tline.errors import InputError
 
@@ -95,7 +95,7 @@ def trying() -> Iterator[Callable[[int, float], None]]:
 
 
 def _text(file: str, found: "DelayedModel", tol: float) -> Iterator[str]:
-    yield f"{file}: {in_words(found)}"
+    yield f"{file}: {found.summary}"
     yield f"  because {found.why}"
     yield from bands_in_words(found, tol)
     model = found.model

@@ -24,7 +24,7 @@ from tline.presentation import Presentation
 from tline.units import to_si
 
 WORDS = {  # metavariables by name of the argument
-    "TIME": "t_end rise period begin h step jitter delay filter_time",
+    "TIME": "t_end rise period begin h step jitter delay filter_time sinusoidal duty_cycle",
     "NUMBER": "tol seed workers exponent reserve points kv stages ber dfe",
     "NODE": "node at",
     "SPEED": "wave_speed rated_speed",
@@ -36,6 +36,7 @@ WORDS = {  # metavariables by name of the argument
     "1…16": "order",
     "FROM,…,TO": "path",
     "BITS": "bits",
+    "PORTS": "ports",
     "FILE": "output",
     "SI|US|UNIT,…": "units",
     "FILE.csv": "material",

@@ -38,25 +38,6 @@ def as_dict(found: "DelayedModel") -> dict[str, Any]:
     }
 
 
-def in_words(found: "DelayedModel") -> str:
-    """Describe poles, verdict and distance from the samples in one line."""
-    samples, order = found.samples, found.order
-    one = samples.ports == 1
-    poles = f"{order} pole{'s' * (order != 1)}"
-    if one:
-        z0 = engineering(float(samples.z0[0]), "ohm")
-        place = f"behind {engineering(found.delay, 's')} of {z0}" if found.delay else f"against {z0}"
-        told = f"{poles} {place}, {found.verdict.status.value} passive".replace("refuted passive", "not passive")
-    else:
-        delays = ", ".join(engineering(float(T), "s") for T in found.delay) if found.delay.any() else ""
-        told = (
-            f"{samples.ports} ports, {poles}{' behind ' * bool(delays)}{delays}, {found.verdict.status.value} passive"
-        )
-    cost = f", of which being passive cost {found.cost:.2g}" if found.cost else ""
-    first, last = (engineering(float(f), "Hz") for f in samples.f[[0, -1]])
-    return f"{told}, |ΔS| up to {found.error:.2g}{cost} ({len(samples.f)} samples, {first} to {last})"
-
-
 def bands_in_words(found: "DelayedModel", tolerance: float) -> Iterator[str]:
     """Describe where model and samples differ by more than the tolerance, in a line for each of the worst bands."""
     import numpy as np

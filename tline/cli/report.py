@@ -7,8 +7,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from tline.cli.measured import as_dict, in_words
+from tline.cli.measured import as_dict
 from tline.scene.ibis.element import Ibis
+from tline.scene.ibis.series import IbisSeries
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import cell_in, grid_choice
@@ -87,8 +88,12 @@ def _samples(result: Result, times: NDArray) -> dict[str, Any]:
 
 def _measured_in_words(result: Result) -> list[str]:
     """Describe each element from a Touchstone or IBIS file in a line of text."""
-    drivers = [f"{place(*where)}: {x.summary}" for where, x in result.scene.composed.items() if isinstance(x, Ibis)]
-    return drivers + [f"{place(*where)}: {x.file}, {in_words(x.model)}" for where, x in result.scene.measured.items()]
+    drivers = [
+        f"{place(*where)}: {x.summary}"
+        for where, x in result.scene.composed.items()
+        if isinstance(x, Ibis | IbisSeries)
+    ]
+    return drivers + [f"{place(*where)}: {x.file}, {x.model.summary}" for where, x in result.scene.measured.items()]
 
 
 def _losses(result: Result) -> dict[str, Any]:

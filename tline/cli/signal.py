@@ -94,7 +94,8 @@ def eye(
 ) -> Output:
     """Send a bit pattern through a scene, and measure the opening of the eye at a probe.
 
-    The pattern is sent twice, and the second round is measured. The width is taken half way between ones and zeros
+    Of a linear scene with one source that sends, one bit is simulated, and the pattern's answers are added; of others
+    the pattern is sent twice, and the second round is measured. The width is taken half way between ones and zeros
     where the eye is highest; the height in the middle of that width, the sampling instant; the jitter is the spread of
     the crossings of that level. A closed eye, or one that touches the mask, exits with 1.
 
@@ -118,13 +119,20 @@ def eye(
     neighbours : SOURCE,…
         Other sources that send bits of their own, of the same levels and edges, through the same equalisers.
     """
+    from tline.frequency.response import source_named
     from tline.signal import eye_diagram, mask_hits, pulse_response
 
     _check_options(statistical, given | {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "neighbours": neighbours})
     if statistical:
         asked = {key: given.pop(key) for key in OF_EYE if key in given}
-        sources = [given.pop("source", None), *(name.strip() for name in (neighbours or "").split(",") if name)]
-        pulses = [pulse_response(scene, source=name, **given, progress=True) for name in sources]
+        others = [name.strip() for name in (neighbours or "").split(",") if name]
+        sender = source_named(scene, given.pop("source", None))
+        if len({sender, *others}) <= len(others):
+            expected = f"each once, and not the sender '{sender}'"
+            raise InputError("--neighbours", "a source occurs twice", expected, f"'{neighbours}'")
+        pulses = [pulse_response(scene, source=sender, **given, progress=True)]
+        with options_named({"source": "--neighbours"}):
+            pulses += [pulse_response(scene, source=name, **given, progress=True) for name in others]
         seen, taps, gain = _equalised(pulses, ffe, ctle, low_pass, asked)
         told, closed = _told(seen, taps, gain, mask)
         plot = drawn(seen.picture, seen, mask=None if mask is None else _mask(mask, seen))

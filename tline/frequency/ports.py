@@ -95,23 +95,16 @@ class ScatteringParameters(Curves):
         InputError
             The suffix does not fit the number of ports, their references differ, or the file cannot be written.
         """
-        suffix, count, f = Path(path).suffix.lower(), len(self.ports), self.f
+        suffix, count = Path(path).suffix.lower(), len(self.ports)
         if suffix == ".csv":
             return super().save(path)
         if suffix != f".s{count}p":
             raise InputError(str(path), "does not fit the number of ports", f".s{count}p or .csv", suffix)
-        if len({*self.z0}) > 1:
-            raise InputError("z0", "differs between ports", "one resistance for all in a Touchstone file")
-        order = self.values.swapaxes(1, 2) if count == 2 else self.values  # of two ports S21 comes before S12
-        with replacing(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-            file.write(f"! ports: {', '.join(self.ports)}\n# Hz S RI R {self.z0[0]:.17g}\n")
-            for frequency, matrix in zip(f, order, strict=True):
-                for k, row in enumerate([matrix.ravel()] if count <= 2 else matrix):
-                    numbers = np.ascontiguousarray(row).view(float)  # real and imaginary parts in turn
-                    for start in range(0, len(numbers), 8):  # four pairs on a line
-                        head = f"{frequency:.17g}" if k == start == 0 else ""
-                        line = " ".join([head, *(f"{x:.17g}" for x in numbers[start : start + 8])])
-                        file.write(line.strip() + "\n")
+        from passivity import SampledResponse
+
+        text = SampledResponse(self.f, self.values, "S", self.z0).touchstone()
+        with replacing(path) as temporary:
+            temporary.write_text(f"! ports: {', '.join(self.ports)}\n{text}", encoding="utf-8")
 
 
 def scattering_parameters(

@@ -14,6 +14,7 @@ from tline.signal.tdr import Reflections
 from tline.style import COLOURS, DASHES, DOWN, FAINT, INK, UP, cells_of, styled
 from tline.units import handy
 
+MOST_CURVES = 1000  # of an eye, those nearest to its threshold, and as many evenly over time
 STEEP = 20.0  # times z0; higher impedances are outside of the picture
 
 
@@ -21,15 +22,18 @@ STEEP = 20.0  # times z0; higher impedances are outside of the picture
 def plot_eye(seen: Eye, ax: Axes | None = None, mask: Mask | None = None) -> Figure | Axes:
     """Plot all bits over each other, two wide, the sampling instant in the middle, with height and width of the eye."""
     medium = seen.medium
-    n, fine = seen.u.shape
+    fine = seen.u.shape[1]
     shift = round((seen.instant / seen.period % 1.0) * fine) - fine  # one bit in front of the sampling instant
     turned = np.roll(seen.u.ravel(), -shift)
-    windows = turned[(np.arange(n)[:, None] * fine + np.arange(2 * fine + 1)) % turned.size]
+    sampled = np.roll(turned[::fine], -1)
+    drawn_bits = np.argsort(np.abs(sampled - seen.threshold))[:MOST_CURVES]
+    drawn_bits = np.union1d(drawn_bits, np.linspace(0, len(sampled) - 1, MOST_CURVES, dtype=int))
+    windows = turned[(drawn_bits[:, None] * fine + np.arange(2 * fine + 1)) % turned.size]
     size, unit = handy(float(np.abs(seen.u).max()), medium.shown["effort"])
     second, time_unit = handy(2 * seen.period, "s")
     t = np.linspace(-seen.period, seen.period, 2 * fine + 1) / second
     drawn, (axes,) = cells_of(ax, 8.0, 4.8, title=seen.title)
-    axes.plot(t, windows.T / size, color=COLOURS[0], linewidth=0.8, alpha=max(0.2, min(0.6, 12 / n)))
+    axes.plot(t, windows.T / size, color=COLOURS[0], linewidth=0.8, alpha=max(0.2, min(0.6, 12 / len(windows))))
     if mask is not None:
         _fill(axes, mask, second, size, seen.threshold)
     if seen.height > 0:

@@ -12,6 +12,7 @@ from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
 from tline.scene.element import AtNode, OneMedium
 from tline.scene.ibis.element import Ibis
+from tline.scene.ibis.series import IbisSeries
 from tline.scene.medium import check_word
 from tline.scene.mistakes import OneOf
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
@@ -73,7 +74,7 @@ Load = Annotated[Any, OneOf(LOADS, "kind"), *or_user_defined(UserLoad)]
 
 LINKS = (
     Resistor.link, Inductor.link, Capacitor.link, Series.link, Parallel.link, Impedance.link, Switch.link,
-    Orifice.link, CheckValve.link, ReliefValve.link, RegulatingValve, Pump, Diode.link, Curve.link,
+    Orifice.link, CheckValve.link, ReliefValve.link, RegulatingValve, Pump, Diode.link, Curve.link, IbisSeries,
     Transformer, Gyrator, ControlledSource, CoupledInductors, Junction, MeasuredMultiport, *elements.links(),
 )  # fmt: skip
 Link = Annotated[Any, OneOf(LINKS, "kind"), *or_user_defined(UserLink)]

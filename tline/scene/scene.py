@@ -25,6 +25,7 @@ from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name
 from tline.scene.heights import Height, heights_of
 from tline.scene.ibis.element import Ibis
+from tline.scene.ibis.series import IbisSeries
 from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Link, Load
@@ -309,9 +310,9 @@ class Scene(Element):
         return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport)}
 
     @property
-    def composed(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport | Ibis]:
+    def composed(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport | Ibis | IbisSeries]:
         """Each element that a file composes of several others, by section and name."""
-        return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport | Ibis)}
+        return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport | Ibis | IbisSeries)}
 
     @property
     def parts(self) -> set[tuple[str, str]]:

@@ -1,14 +1,14 @@
 from tline.signal.all_patterns import StatisticalEye as StatisticalEye
 from tline.signal.all_patterns import best_ffe as best_ffe
 from tline.signal.all_patterns import statistical_eye as statistical_eye
+from tline.signal.bits import prbs as prbs
+from tline.signal.bits import prbs7 as prbs7
 from tline.signal.channel import Channel as Channel
 from tline.signal.channel import measured_channel as measured_channel
 from tline.signal.clauses import Clause as Clause
 from tline.signal.clauses import clause as clause
 from tline.signal.eye_diagram import Eye as Eye
 from tline.signal.eye_diagram import eye as eye
-from tline.signal.eye_diagram import prbs as prbs
-from tline.signal.eye_diagram import prbs7 as prbs7
 from tline.signal.eye_statistics import Jitter as Jitter
 from tline.signal.eye_statistics import Mask as Mask
 from tline.signal.eye_statistics import jitter as jitter

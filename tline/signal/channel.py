@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
-from tline.signal.eye_diagram import above_zero, edge_within
-from tline.signal.pulse import FINE, PulseResponse, until_settled
+from tline.signal.bits import FINE, above_zero, edge_within
+from tline.signal.pulse import PulseResponse, until_settled
 from tline.signal.tdr import Reflections
 from tline.units import engineering, to_si
 from tline.words.wording import shown
@@ -101,12 +101,8 @@ class Channel(Presentation):
         """Sender and receiver, verdict on the file, the model and its proof, losses."""
         yield f"{self.title or 'channel'}: {self.names[0]} sends, {self.names[1]} receives"
         yield from (line.strip() for line in self.verdict.text_lines())
-        found = self.found
-        delays = ", ".join(engineering(float(T), "s") for T in found.delay) if found.delay.any() else "no delays"
-        cost = f", of which being passive cost {found.cost:.2g}" if found.cost else ""
-        proved = f"{found.verdict.status.value} passive, |ΔS| up to {found.error:.2g}{cost}"
-        yield f"model of {found.order} poles behind {delays}: {proved}"
-        if not found.meets(self.tol):
+        yield f"model: {self.found.summary}"
+        if not self.found.meets(self.tol):
             yield f"the model is farther from the samples than the tolerance of {self.tol:g}"
         for what, name, value, f in self.worst:
             word = "down to" if what == "insertion" else "up to"

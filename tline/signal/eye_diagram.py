@@ -1,6 +1,5 @@
 """Eye diagrams: response of a probe to a bit pattern, bit laid upon bit, and its opening."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,23 +11,22 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.frequency.response import source_named
 from tline.presentation import Presentation, plain
-from tline.scene.file import as_scene
 from tline.scene.ibis.element import Ibis
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
+from tline.scene.shape import Constant
+from tline.signal.bits import FINE, above_zero, edge_within, levels_of, pattern_of, probed
+from tline.signal.pulse import MISSING, PulseResponse, one_bit
 from tline.solver.simulate import simulate
-from tline.units import to_si
-from tline.words.wording import nearest, shown
 
-FINE = 128  # instants in a bit
-LONGEST = 4096  # bits
-FEEDBACK = {7: 6, 9: 5, 11: 9, 15: 14, 20: 3, 23: 18, 31: 28}  # of patterns: x^n + x^m + 1
-LATE = 64  # bits, the largest delay of the pattern in the search
+MARCHED = 4096  # bits of a pattern that are sent one by one
+LATE = 64  # bits, the largest delay of such a pattern in the search
+SETTLED = 1e-6  # of the largest value: of a response to one bit, what may come later
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Eye(Presentation):
-    """Response of a probe to a bit pattern, in the second of two rounds.
+    """Response of a probe to a bit pattern that is sent again and again.
 
     Attributes
     ----------
@@ -36,7 +34,7 @@ class Eye(Presentation):
         The pattern.
     period : float
         Time of a bit, s.
-    u : ndarray, shape (n, 128)
+    u : ndarray, shape (n, 64)
         Effort at the probe in each bit's time.
     instant : float
         The sampling instant, in the middle of the eye, after the begin of a sent bit, s.
@@ -89,45 +87,6 @@ class Eye(Presentation):
         return self.ones - self.zeros
 
 
-def prbs(order: int, length: int | None = None) -> NDArray:
-    """Return a pseudo-random pattern with every run of `order` bits but zeros once.
-
-    Parameters
-    ----------
-    order : int
-        n of the polynomial x^n + x^m + 1: 7, 9, 11, 15, 20, 23 or 31.
-    length : int, optional
-        Bits that are wanted of the 2^n - 1, after which the pattern comes again.
-
-    Raises
-    ------
-    InputError
-        There is no such pattern.
-
-    References
-    ----------
-    ITU-T O.150, "General requirements for instrumentation for performance measurements on digital transmission
-    equipment", 1996.
-
-    Examples
-    --------
-    >>> prbs(9).sum(), len(prbs(9)), len(prbs(31, 1000))
-    (np.int64(256), 511, 1000)
-    """
-    if order not in FEEDBACK:
-        raise InputError("order", "no pseudo-random pattern", ", ".join(map(str, FEEDBACK)), shown(order))
-    bits, back = [True] * order, FEEDBACK[order]
-    wanted = 2**order - 1 if length is None else length
-    while len(bits) < wanted:
-        bits.append(bits[-order] ^ bits[-back])
-    return np.array(bits[:wanted])
-
-
-def prbs7() -> NDArray:
-    """The pseudo-random pattern x⁷ + x⁶ + 1, of 127 bits."""
-    return prbs(7)
-
-
 def eye(
     scene: Scene | str | Path,
     probe: str,
@@ -153,7 +112,8 @@ def eye(
     rise : float or str, optional
         Time of a change from level to level, straight, which begins with the bit, s; a driver has edges of its own.
     bits : str
-        Zeros and ones, at least one of each, at most 4096; or "prbs7", 9, 11, 15, 20, 23, 31, the first 4096 of it.
+        Zeros and ones, at least one of each; or "prbs7", 9, 11, 15, 20, 23, 31. At most 65536 bits, and 4096 where
+        they are sent one by one.
     source : str, optional
         Name of the source, or of the load that is a driver; not needed if there is one only.
     low : float or str
@@ -172,8 +132,9 @@ def eye(
 
     Notes
     -----
-    The pattern is sent twice, and the second round measured, at 128 instants a bit. A delay of up to 64 bits between
-    source and probe is found by where the eye opens highest.
+    Where answers of one source add up, one bit is sent, and its answers to all bits of the pattern, sent for ever, are
+    added. Otherwise, and where a bit is not forgotten in 512, the pattern is sent twice, and the second round measured;
+    a delay of up to 64 bits between source and probe is then found by where the eye opens highest.
 
     Examples
     --------
@@ -187,24 +148,43 @@ def eye(
     (1.0, 1.0)
     """
     scene, T = probed(scene, probe), above_zero(period, "period")
-    pattern = _pattern(bits)
-    table, driver = scene.table(), _driver(scene, source)
+    pattern, driver = pattern_of(bits), _driver(scene, source)
+    table = scene.table()
     if driver is None:
         if rise is None:
             raise InputError("rise", "is missing", "the time of a change from level to level")
-        name = source_named(scene, source)
-        points = _points(np.tile(pattern, 2), T, edge_within(rise, T), *levels_of(scene, name, low, high))
+        name, edge = source_named(scene, source), edge_within(rise, T)
+        levels = levels_of(scene, name, low, high)
+        if answer := _answer(scene, probe, name, T, edge, levels, tol, progress):
+            first = max(int(answer.u.argmax()) // FINE - 1, 0)
+            found = _measured(pattern, T, answer.to_pattern(pattern), range(first, first + 3))
+            return replace(found, probe=probe, medium=MEDIA[scene.medium], title=scene.title)
+        pattern = pattern[:MARCHED]
+        points = _points(np.tile(pattern, 2), T, edge, *levels)
         table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
     else:
         if rise is not None:
             raise InputError("rise", f"'{driver}' has edges of its own", "none")
+        pattern = pattern[:MARCHED]
         table["loads"][driver] |= {"bits": 2 * "".join("1" if bit else "0" for bit in pattern), "bit": T, "begin": 0.0}
     start = "rest" if driver is None else scene.start
     table |= {"t_end": 2 * len(pattern) * T, "start": start, "probes": {probe: table["probes"][probe]}, "measures": {}}
     seen = simulate(scene.with_changes(**table), tol=tol, progress=progress).probes[probe]
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
-    found = _measured(pattern, T, seen.at(t).u.reshape(-1, FINE))
+    found = _measured(pattern, T, seen.at(t).u.reshape(-1, FINE), range(min(LATE, len(pattern))))
     return replace(found, probe=probe, medium=MEDIA[scene.medium], title=scene.title)
+
+
+def _answer(scene: Scene, probe: str, driver: str, *asked: Any) -> PulseResponse | None:
+    """The response to one bit, where answers to bits add up and are over soon."""
+    others = [source.value for name, source in scene.sources.items() if name != driver]
+    if not all(isinstance(value, Constant) and value.level == 0 for value in others):
+        return None
+    try:
+        found = one_bit(scene, probe, driver, *asked, allowed=SETTLED)
+    except InputError:  # not linear, or what the run of the pattern refuses as well
+        return None
+    return found if abs(found.missing) <= MISSING * np.abs(found.u).max() else None
 
 
 def _driver(scene: Scene, name: str | None) -> str | None:
@@ -213,44 +193,6 @@ def _driver(scene: Scene, name: str | None) -> str | None:
     if name is None and len(drivers) == 1 and all(("sources", own) in scene.parts for own in scene.sources):
         return drivers[0]
     return name if name in drivers else None
-
-
-def probed(scene: Scene | str | Path, probe: str) -> Scene:
-    """The scene, if it has that probe."""
-    scene = as_scene(scene)
-    if probe not in scene.probes:
-        raise InputError("probe", "no such probe", nearest(probe, list(scene.probes)), shown(probe))
-    return scene
-
-
-def above_zero(value: float | str, where: str, unit: str | None = "s") -> float:
-    """A number above zero, in SI units."""
-    if not 0 < (number := to_si(value, unit, where)) < np.inf:
-        raise InputError(where, "not positive", "more than 0", shown(value))
-    return number
-
-
-def edge_within(rise: float | str, T: float) -> float:
-    """Time of a change, within a bit."""
-    edge = to_si(rise, "s", "rise")
-    if not 0 < edge <= T:
-        raise InputError("rise", "not a time within a bit", f"above zero, at most {T:g} s", shown(rise))
-    return edge
-
-
-def levels_of(scene: Scene, source: str, low: float | str, high: float | str) -> tuple[float, float]:
-    """Levels of zeros and ones of a source, in SI units."""
-    unit = MEDIA[scene.medium].units["effort" if scene.sources[source].is_effort else "flow"]
-    return to_si(low, unit, "low"), to_si(high, unit, "high")
-
-
-def _pattern(bits: str) -> NDArray:
-    if (found := re.fullmatch(r"prbs(\d{1,2})", bits)) and (order := int(found[1])) in FEEDBACK:
-        return prbs(order, min(LONGEST, 2**order - 1))
-    if not re.fullmatch(r"[01]{2,}", bits) or len({*bits}) != 2 or len(bits) > LONGEST:
-        expected = f"zeros and ones, both of them, at most {LONGEST}; or 'prbs7' and the like"
-        raise InputError("bits", "not a bit pattern", expected, shown(bits))
-    return np.array([bit == "1" for bit in bits])
 
 
 def _points(pattern: NDArray, T: float, edge: float, low: float, high: float) -> list[list[float]]:
@@ -262,19 +204,19 @@ def _points(pattern: NDArray, T: float, edge: float, low: float, high: float) ->
     return points
 
 
-def _measured(pattern: NDArray, T: float, u: NDArray) -> Eye:
-    """The eye where it opens highest, over all delays of the pattern up to some bits, sampled in its middle."""
-    late = np.arange(min(LATE, len(pattern)))
+def _measured(pattern: NDArray, T: float, u: NDArray, late: range) -> Eye:
+    """The eye where it opens highest, over some delays of the pattern in bits, sampled in its middle."""
     ones = np.concatenate([np.roll(u, -k, axis=0)[pattern].min(axis=0) for k in late])
     zeros = np.concatenate([np.roll(u, -k, axis=0)[~pattern].max(axis=0) for k in late])
     opening = ones - zeros
     highest = int(opening.argmax())
-    threshold, middle, width = float(ones[highest] + zeros[highest]) / 2, highest, 0.0
+    threshold, middle, width = float(ones[highest] + zeros[highest]) / 2, float(highest), 0.0
     if opening[highest] > 0:
         above = np.minimum(ones - threshold, threshold - zeros)
         before, after = _crossing(above[highest::-1]), _crossing(above[highest:])
-        middle, width = highest + round((after - before) / 2), (before + after) * T / FINE
-    return Eye(pattern, T, u, middle * T / FINE, float(ones[middle]), float(zeros[middle]), threshold, width)
+        middle, width = highest + (after - before) / 2, (before + after) * T / FINE
+    one, zero = (float(np.interp(middle, np.arange(len(ones)), level)) for level in (ones, zeros))
+    return Eye(pattern, T, u, (late[0] * FINE + middle) * T / FINE, one, zero, threshold, width)
 
 
 def _crossing(above: NDArray) -> float:

@@ -12,12 +12,11 @@ from tline.errors import InputError
 from tline.frequency.response import respond, source_named
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
-from tline.signal.eye_diagram import above_zero, edge_within, levels_of, probed
+from tline.signal.bits import FINE, above_zero, edge_within, levels_of, probed
 from tline.solver.simulate import simulate
 from tline.units import to_si
 from tline.words.wording import shown
 
-FINE = 64  # instants in a bit
 BITS = 64, 128, 256, 512  # that the response may last; more while too much is missing
 MISSING = 1e-3  # of the largest value: allowed difference of the sum of all cursors from the gain at rest
 AT_REST = 1e-9  # of 1/period: s at which the gain at rest is taken
@@ -86,6 +85,23 @@ class PulseResponse:
     medium: Medium = ELECTRICAL
     title: str = ""
     unmeasured: float = 0.0
+
+    def to_pattern(self, bits: NDArray) -> NDArray:
+        """Effort in each bit's time of a pattern that is sent for ever, shape (n, 64).
+
+        What is missing of the response counts as spread evenly over earlier bits.
+
+        Examples
+        --------
+        >>> pulse = PulseResponse(1e-9, np.array([[1.0] * 64, [0.5] * 64]), 0.25, 0.0)
+        >>> pulse.to_pattern(np.array([True, True, False])).round(12)[:, 0]
+        array([1.25, 1.75, 0.75])
+        """
+        n = len(bits)
+        turns = np.pad(self.u, ((0, -len(self.u) % n), (0, 0))).reshape(-1, n, FINE).sum(0)
+        added = np.fft.irfft(np.fft.rfft(bits)[:, None] * np.fft.rfft(turns, axis=0), n, axis=0)
+        sums = self.u.sum(0)
+        return added + self.base + (sums.mean() + self.missing - sums) * np.mean(bits)
 
     def with_ffe(self, taps: NDArray | list[float]) -> "PulseResponse":
         """Response behind a feed-forward equaliser at the sender, which sends each bit once for each tap, a bit apart.
@@ -206,8 +222,23 @@ def pulse_response(
     """
     scene, T = probed(scene, probe), above_zero(period, "period")
     driver = source_named(scene, source)
-    edge, table = edge_within(rise, T), scene.table()
-    zero, one = levels_of(scene, driver, low, high)
+    levels = levels_of(scene, driver, low, high)
+    return one_bit(scene, probe, driver, T, edge_within(rise, T), levels, tol, progress)
+
+
+def one_bit(
+    scene: Scene,
+    probe: str,
+    driver: str,
+    T: float,
+    edge: float,
+    levels: tuple[float, float],
+    tol: float | None,
+    progress: bool,
+    allowed: float = MISSING,
+) -> PulseResponse:
+    """Send one bit through a linear scene, for as long as what is missing is more than allowed of the largest value."""
+    (zero, one), table = levels, scene.table()
     gain = float(respond(scene, np.array([AT_REST / T]), driver)[probe].u[0].real)  # refuses non-linear scenes
     points = [[0.0, 0.0], [edge, one - zero], [T, one - zero], [T + edge, 0.0]]
     for name, each in table["sources"].items():
@@ -218,16 +249,16 @@ def pulse_response(
         run = simulate(scene.with_changes(**table | {"t_end": n * T}), tol=tol, progress=progress)
         return run.probes[probe].at(T * np.arange(n * FINE) / FINE).u.reshape(n, FINE)
 
-    u, missing = until_settled(seen, gain * (one - zero))
+    u, missing = until_settled(seen, gain * (one - zero), allowed)
     return PulseResponse(T, u, gain * zero, missing, probe, MEDIA[scene.medium], scene.title)
 
 
-def until_settled(seen: Callable[[int], NDArray], total: float) -> tuple[NDArray, float]:
+def until_settled(seen: Callable[[int], NDArray], total: float, allowed: float = MISSING) -> tuple[NDArray, float]:
     """Return the response in enough bits, shape (n, 64), for a small sum of later cursors, and that sum."""
     u, missing = np.empty((0, FINE)), 0.0
     for n in BITS:
         u = seen(n)
         missing = total - float(u.sum(0).mean())
-        if abs(missing) <= MISSING * np.abs(u).max():
+        if max(abs(missing), np.abs(u[-1]).max()) <= allowed * np.abs(u).max():
             break
     return u, missing

@@ -8,7 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.scene.ibis.keywords import CORNERS, Section, at_corner, number_of, sections_of, table_of
+from tline.scene.ibis.keywords import (
+    CORNERS,
+    MOST,
+    Section,
+    at_corner,
+    number_of,
+    sections_of,
+    table_of,
+    without_far_ends,
+)
 from tline.scene.text_file import read_text
 from tline.words.wording import nearest, shown
 
@@ -27,7 +36,7 @@ DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
 DRIVING |= {f"{word}_ecl" for word in ("output", "3-state", "i/o")}
 KINDS = DRIVING | {"input", "input_ecl", "terminator"}
 LEFT_OUT = (
-    "submodel", "add submodel", "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
+    "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
 )  # fmt: skip
 SMALLEST_CAPACITANCE = 1e-15  # F, smallest capacitance of a die, as its voltage is a state
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
@@ -76,15 +85,34 @@ class Buffer(NamedTuple):
     notes: list[str]
 
 
-def read_buffer(path: Path, model: str | None, pin: str | None, component: str | None, corner: str) -> Buffer:
-    """Read a model by its name, or by that of a pin, at a corner."""
+def read_buffer(
+    path: Path, model: str | None, pin: str | None, component: str | None, corner: str, drives: bool = False
+) -> Buffer:
+    """Read a model by its name, or by that of a pin, at a corner; submodels are there as it drives or not."""
     sections = sections_of(read_text(path, "file", legacy=True))
     package = _package(_component(sections, component), sections, corner, pin)
     name = model or _model_of(sections, component, pin)
-    return _buffer(_own(sections, "model", name, "model"), corner, package)
+    own = own_sections(sections, "model", name, "model")
+    added, notes = _submodels(sections, own, "driving" if drives else "non-driving")
+    return _buffer(own, added, corner, package, notes)
 
 
-def _own(sections: Sequence[Section], keyword: str, name: str | None, key: str) -> list[Section]:
+def _submodels(sections: Sequence[Section], own: Sequence[Section], mode: str) -> tuple[list[Section], list[str]]:
+    """Clamps that submodels add in a mode, and notes on submodels that change with the signal."""
+    added, notes = [], []
+    for line, row in (row for each in own if each.keyword == "add submodel" for row in each.rows):
+        if len(row) > 1 and row[1].lower() not in ("all", mode):
+            continue
+        parts = own_sections(sections, "submodel", row[0], "file")
+        kind = (parts[0].find("Submodel_type") or (line, [""]))[1][0].lower()
+        if kind != "dynamic_clamp" or any("pulse" in each.keyword for each in parts):
+            notes.append(f"submodel {row[0]} changes with the signal and is left out")
+            continue
+        added += [each for each in parts if each.keyword in TABLES]
+    return added, notes
+
+
+def own_sections(sections: Sequence[Section], keyword: str, name: str | None, key: str) -> list[Section]:
     """Sections of a keyword with that name, and those up to the next of its kind."""
     ends = ("component", "model", "model selector", "submodel", "define package model", "external circuit", "end")
     begins = [k for k, each in enumerate(sections) if each.keyword == keyword]
@@ -102,7 +130,7 @@ def _component(sections: Sequence[Section], component: str | None) -> list[Secti
     if component is None and not any(each.keyword == "component" for each in sections):
         return []
     several = sum(each.keyword == "component" for each in sections) > 1
-    return [] if component is None and several else _own(sections, "component", component, "component")
+    return [] if component is None and several else own_sections(sections, "component", component, "component")
 
 
 def _rows_of_pins(own: Sequence[Section]) -> dict[str, tuple[int, list[str], list[str]]]:
@@ -117,7 +145,7 @@ def _model_of(sections: Sequence[Section], component: str | None, pin: str | Non
     """Name of the model at a pin; None if no pin is named."""
     if pin is None:
         return None
-    pins = _rows_of_pins(_own(sections, "component", component, "component"))
+    pins = _rows_of_pins(own_sections(sections, "component", component, "component"))
     if pin not in pins:
         raise InputError("pin", "no such pin in the file", nearest(pin, list(pins)), shown(pin))
     _, row, _ = pins[pin]
@@ -146,7 +174,7 @@ def _package(
             if at < len(row) and row[at].upper() != "NA":
                 found[k] = number_of(row[at], line, RLC[k])
         for name in (each.words[0] for each in own if each.keyword == "package model" and each.words):
-            found = _of_package_model(_own(sections, "define package model", name, "file"), pin, found)
+            found = _of_package_model(own_sections(sections, "define package model", name, "file"), pin, found)
     if min(found) < 0:
         raise InputError("file", "R, L or C of the package is negative", "zero or more", f"{min(found):g}")
     return found[0], found[1], found[2]
@@ -174,13 +202,20 @@ def _of_package_model(own: Sequence[Section], pin: str, found: list[float]) -> l
     return found
 
 
-def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, float]) -> Buffer:
-    """Build a model from its keywords."""
-    head, notes = own[0], [f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT]
+def _buffer(
+    own: Sequence[Section],
+    added: Sequence[Section],
+    corner: str,
+    package: tuple[float, float, float],
+    notes: list[str],
+) -> Buffer:
+    """Build a model from its keywords, and tables that are added."""
+    head = own[0]
+    notes = [*notes, *(f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT)]
     kind = head.find("Model_type")
     kind = kind[1][0].lower() if kind and kind[1] else ""
     if kind in ("series", "series_switch"):
-        raise InputError("model", f"of type '{kind}', it joins two pins", "one of a single pin; links join nodes")
+        raise InputError("model", f"of type '{kind}', it joins two pins", "a link of kind = 'ibis'")
     if kind not in KINDS:
         raise InputError("model", "a type that is not known here", ", ".join(sorted(KINDS)), shown(kind))
     for each in own:
@@ -210,20 +245,22 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     if kind.endswith("_ecl"):  # its pull-down, too, counts from the upper supply, downwards
         references["pulldown"] = references["pullup"]
     tables = {
-        each.keyword: _table(each, corner, references[each.keyword], kind, notes)
+        each.keyword: current_table(each, corner, references[each.keyword], kind, notes)
         for each in own
         if each.keyword in TABLES
     }
+    for each in added:
+        tables[f"{each.keyword} {each.line}"] = current_table(each, corner, references[each.keyword], kind, notes)
     single = {each.keyword: each for each in own if each.keyword in (*TERMINATING, "rac", "cac")}
     for name, clamp in TERMINATING.items():
         if name in single:
-            amps = np.array([0.0, 1 / _above_zero(single[name], corner, "ohm")])
+            amps = np.array([0.0, 1 / above_zero(single[name], corner, "ohm")])
             down = name == "rpower"
             tables[name] = CurrentTable(references[clamp], down, np.array([0.0, 1.0]), -amps if down else amps)
     damper = (0.0, 0.0)
     if "cac" in single:
-        R = _above_zero(single["rac"], corner, "ohm") if "rac" in single else 0.0
-        damper = R, _above_zero(single["cac"], corner, "F")
+        R = above_zero(single["rac"], corner, "ohm") if "rac" in single else 0.0
+        damper = R, above_zero(single["cac"], corner, "F")
     ramps = next((_ramps(each, corner) for each in own if each.keyword == "ramp"), {})
     edges = ("rising waveform", "falling waveform")
     waveforms = [_waveform(each, corner, supply, notes) for each in own if each.keyword in edges]
@@ -233,7 +270,7 @@ def _buffer(own: Sequence[Section], corner: str, package: tuple[float, float, fl
     )
 
 
-def _above_zero(section: Section, corner: str, unit: str) -> float:
+def above_zero(section: Section, corner: str, unit: str) -> float:
     """Read the value of a keyword, above zero."""
     value = at_corner(section.words, corner, section.line, unit)
     if value <= 0:
@@ -245,12 +282,14 @@ def _is_voltage(section: Section) -> bool:
     return section.keyword == "voltage range" or section.keyword in {f"{name} reference" for name in TABLES}
 
 
-def _table(section: Section, corner: str, reference: float, kind: str, notes: list[str]) -> CurrentTable:
+def current_table(section: Section, corner: str, reference: float, kind: str, notes: list[str]) -> CurrentTable:
     """Read a current table, replaced by the nearest one whose current rises with the voltage toward its reference."""
+    if far := len(section.rows) - len((section := without_far_ends(section, "A")).rows):
+        notes.append(f"[{section.keyword.title()}] has {far} rows beyond {MOST['A']:g} A, which are left out")
     rows = sorted(dict(table_of(section, corner, ("V", "A"))).items())
-    volts, amps = np.array(rows).T
     if len(rows) < 2:
         raise InputError("file", f"line {section.line}: [{section.keyword}] has one voltage only", "two or more")
+    volts, amps = np.array(rows).T
     downwards = section.keyword in ("pullup", "power clamp") or (
         kind.endswith("_ecl") and section.keyword == "pulldown"
     )

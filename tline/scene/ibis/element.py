@@ -30,6 +30,7 @@ from tline.scene.text_file import beside
 from tline.words.wording import shown
 
 SWITCHED = "pullup", "pulldown"  # tables that are weighted over time; all others are always connected
+SAME = 1e-6  # of the shortest step of an edge: instants of two edges nearer to each other are one
 STRAIGHT = 1e-2  # of a share: largest error of straight lines between fewer instants; that of cubics is a tenth
 
 
@@ -127,7 +128,9 @@ def over_time(
             edge = edges[rises]
             t.append(at + edge.t)
             bend.append(np.diff(np.diff(getattr(edge, name)) / np.diff(edge.t), prepend=0.0, append=0.0))
-        times, where = np.unique(np.concatenate(t), return_inverse=True)
+        unit = SAME * min((float(np.diff(edges[rises].t).min()) for _, rises in instants), default=1.0)
+        marks, where = np.unique(np.round(np.concatenate(t) / unit), return_inverse=True)
+        times = marks * unit
         slope = np.cumsum(np.bincount(where, np.concatenate(bend), len(times)))
         level = begin + np.concatenate([[0.0], np.cumsum(slope[:-1] * np.diff(times))])[: len(times)]
         found[name] = times, np.maximum(level, 0.0)
@@ -196,7 +199,7 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
         path = beside(self.file, info)
         try:
             stamp = path.stat().st_mtime_ns if path.is_file() else 0
-            self._buffer = _read(path, stamp, self.model, self.pin, self.component, self.corner)
+            self._buffer = _read(path, stamp, self.model, self.pin, self.component, self.corner, self.bits is not None)
         except InputError as error:
             told = f"'{self.file}': {error.problem}" if error.where == "file" else error.problem
             raise InputError(error.where, told, error.expected, error.got) from None

@@ -85,6 +85,18 @@ def number_of(word: str, line: int, unit: str) -> float:
     return value
 
 
+def without_far_ends(section: Section, unit: str) -> Section:
+    """Leave out first and last rows with values beyond what is plausible, as of exponentials of clamps."""
+    far = [any(_size(word) > MOST[unit] for word in row[1:]) for _, row in section.rows]
+    near = [k for k, each in enumerate(far) if not each]
+    return section._replace(rows=section.rows[near[0] : near[-1] + 1]) if near else section
+
+
+def _size(word: str) -> float:
+    matched = NUMBER.fullmatch(word)
+    return abs(float(matched[1])) * SCALES[matched[2]] if matched else 0.0
+
+
 def at_corner(words: Sequence[str], corner: str, line: int, unit: str) -> float:
     """Value at a corner of typical, minimum, maximum; the typical one if unknown, or the mean if that is unknown too.
 
