@@ -22,6 +22,7 @@ from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.medium import Medium
 from tline.signal.bits import FINE
+from tline.signal.density import LEVELS, TAILS, density
 from tline.signal.pulse import PulseResponse
 from tline.units import to_si
 from tline.words.wording import shown

@@ -65,11 +65,11 @@ def probed(scene: Scene | str | Path, probe: str) -> Scene:
     return scene
 
 
-def above_zero(time: float | str, where: str) -> float:
-    """A time above zero, s."""
-    if not 0 < (T := to_si(time, "s", where)) < np.inf:
-        raise InputError(where, "not above zero", "a time", shown(time))
-    return T
+def above_zero(value: float | str, where: str, unit: str | None = "s") -> float:
+    """A number above zero, in SI units."""
+    if not 0 < (number := to_si(value, unit, where)) < np.inf:
+        raise InputError(where, "not positive", "more than 0", shown(value))
+    return number
 
 
 def edge_within(rise: float | str, T: float) -> float:

@@ -15,7 +15,7 @@ from tline.scene.coupled import Coupled
 from tline.scene.file import as_scene
 from tline.scene.medium import ELECTRICAL, MEDIA, Medium
 from tline.scene.scene import Scene
-from tline.signal.eye_diagram import above_zero
+from tline.signal.bits import above_zero
 from tline.solver.result.dense_output import curve
 from tline.solver.simulate import simulate
 from tline.words.wording import nearest, shown

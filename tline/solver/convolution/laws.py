@@ -148,7 +148,8 @@ class LawsAtPorts:
         self, weights: NDArray, given: NDArray, out: NDArray, laws: Laws, order: Basis, h: float, clock: Clock
     ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
         """Waves into laws and, from a clock's first slab on, those out of them beyond `out`, flows, and slopes."""
-        given, (sent, flow, slope), s, n = given.copy(), np.zeros((3, *given.shape)), order.s, len(given)
+        given, s, n = given.copy(), order.s, len(given)
+        sent, flow, slope = (np.zeros_like(given) for _ in range(3))
         spans = list(zip(laws.first[:-1] * s, laws.first[1:] * s, strict=True))
         at_once = [weights[0, low:high, low:high] for low, high in spans]
         for (low, high), own in zip(spans, at_once, strict=True):
