@@ -7,6 +7,7 @@ delayed wave. The Radau IIA matrix integrates loads on the same points.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import prod
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -86,14 +87,15 @@ class Basis:
         return legendre.legvander(2 * np.asarray(x, float) - 1, self.s - 1)
 
 
-def thin_product(rows: NDArray, matrix: Matrix) -> NDArray:
-    """Product of many short rows, (..., n, s), with a small matrix or a vector, without threads.
+def thin_product(rows: NDArray, matrix: NDArray) -> NDArray:
+    """Product of many short rows, (..., n, s), with small matrices (..., s, m) or a vector, without threads.
 
     Threads of BLAS would wait for each other ten times as long as the product takes.
     """
-    if (parts := 1 + rows.shape[-2] * matrix.size // ALONE) == 1:
+    each = matrix.shape[-2:]
+    if (parts := 1 + rows.shape[-2] * prod(each) // ALONE) == 1:
         return rows @ matrix
-    return np.concatenate([part @ matrix for part in np.array_split(rows, parts, axis=-2)], axis=-matrix.ndim)
+    return np.concatenate([part @ matrix for part in np.array_split(rows, parts, axis=-2)], axis=-len(each))
 
 
 @lru_cache
