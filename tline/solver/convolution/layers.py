@@ -31,11 +31,18 @@ def affordable(network: LinearRest) -> bool:
 
 
 class Layer(NamedTuple):
-    """Response to a front at an arrival: polynomials on slabs of its own, and their end; in slabs of the scene."""
+    """Response to a front at an arrival: polynomials on slabs of its own; in slabs of the scene."""
 
     edges: NDArray  # (slabs + 1,)
-    end: float
     values: NDArray  # (slabs, s, rows, 2)
+    end: int  # slab from which on the scene's own have it
+
+    def sampled(self, first: int, n: int, order: Basis) -> NDArray:
+        """Values at the points of n slabs of the scene, (rows, 2, n, s)."""
+        x = (np.arange(first, first + n)[:, None] + order.c).ravel()
+        k = np.clip(np.searchsorted(self.edges, x) - 1, 0, len(self.edges) - 2)
+        local = order.evaluation((x - self.edges[k]) / (self.edges[k + 1] - self.edges[k]))
+        return np.einsum("xi,xird->rdx", local, self.values[k]).reshape(*self.values.shape[2:], n, order.s)
 
 
 class Layers:
@@ -123,8 +130,19 @@ class Layers:
                 taken = left[ray.rows, :, begin : begin + self.rule.n]
                 values = values.reshape(*values.shape[:2], -1, 2).transpose(2, 3, 0, 1)
                 left[ray.rows, :, begin : begin + self.rule.n] = taken - values[:, :, : taken.shape[2]]
-                edges = (t + ray.delay) / self.h + self._edges(levels[k], (t + ray.delay) / self.h, begin + self.rule.n)
-                yield Layer(edges, begin + self.rule.n, self._joined(answers[k], levels[k], weights))
+                at = (t + ray.delay) / self.h
+                layer = Layer(
+                    at + self._edges(levels[k], at, begin + self.rule.n),
+                    self._joined(answers[k], levels[k], weights),
+                    0,
+                )
+                until = max(int(np.ceil(at + self.near * (levels[k] > 0) - EDGE)), int(at + EDGE) + 1)
+                until = min(until, begin + self.rule.n)
+                behind = left[ray.rows, :, until : begin + self.rule.n]
+                left[ray.rows, :, until : begin + self.rule.n] = behind + layer.sampled(
+                    until, behind.shape[2], self.order
+                )
+                yield layer._replace(end=until)
 
     def _front(self, source: Fronts, k: int, first: int) -> tuple[NDArray, NDArray]:
         """Transform of a front on whole slabs, from its own slab on; and its jump and bend."""
@@ -234,7 +252,7 @@ class Layers:
         """Edges of a layer's slabs from its front on, which is at an instant, until the end; in slabs of the scene."""
         narrow = [0.5**levels * np.arange(self.near)]
         narrow += [0.5**level * np.arange(self.near, 2 * self.near) for level in range(levels, 0, -1)]
-        return np.concatenate([*narrow, np.arange(self.near, int(np.ceil(end - at - EDGE)) + 1)])
+        return np.concatenate([*narrow, np.arange(self.near, max(int(np.ceil(end - at - EDGE)), self.near) + 1)])
 
     def _joined(self, answers: NDArray, levels: int, weights: NDArray) -> NDArray:
         """A layer on its slabs, (slabs, s, rows, 2), of (levels, 2, n, s, 2 rows)."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tline.solver.convolution.families import changes_of
 from tline.solver.convolution.fronts import Tangents
 from tline.solver.convolution.nodal import LinearRest
+from tline.solver.description.bundle import Bundle
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.switches import switches_of
@@ -44,13 +45,16 @@ class Passed(NamedTuple):
     rest: float  # slabs of it besides
 
 
-class Way(NamedTuple):
-    """A way of waves from the sending ends of a line, or of conductors that mix, to the receiving ones."""
+class Side(NamedTuple):
+    """Ends of a line, or of conductors that mix, at one group of nodes; k waves leave on k ways."""
 
-    front: Passed
-    there: list[int]  # ends
-    into: NDArray  # (points, ends) of the wave on this way, from those of the sending ends
-    out_of: NDArray  # (points, ends) of the receiving ends
+    ends: NDArray  # (k,)
+    group: int
+    nodes: NDArray  # (k,) places in the group
+    fronts: list[Passed]
+    admittance: NDArray  # (points, k, k)
+    into: NDArray  # (points, k, k) waves on ways, of those that leave the ends
+    out_of: NDArray  # (points, k, k) waves at the other ends, of those on ways
 
 
 class Rays:
@@ -72,53 +76,55 @@ class Rays:
         self.network, self.fast, self.h, self.tangents = network, np.abs(points) * h > 1, h, tangents
         each = zip(*(part.tolist() for part in moved), strict=True)
         self.passed = [Passed(delay, int(slabs), delay / h - slabs) for delay, slabs in each]
-        self._carry(points)
-        matrix, p = network.system(points * network.second, (self.admittance, np.zeros(self.admittance.shape)))
-        unknown, known_by = p.shape[1], network.known_by
-        held = known_by @ np.linalg.inv(matrix)[:, :unknown, :unknown]
-        answers = held @ (p[:, :, None] * known_by.T)
         self.groups = [at for at, _ in network.groups]
         self.group_of, self.local = np.empty(len(network.names), int), np.empty(len(network.names), int)
         for group, at in enumerate(self.groups):
             self.group_of[at], self.local[at] = group, np.arange(len(at))
+        self.sides: list[Side] = []  # the other side of one is beside it
+        admittances = [self._of_lines(points), *(self._of_bundle(points, each) for each in network.bundles.values())]
+        admittance = np.concatenate(admittances, axis=1)
+        matrix, p = network.system(points * network.second, (admittance, np.zeros(admittance.shape)))
+        unknown, known_by = p.shape[1], network.known_by
+        held = known_by @ np.linalg.inv(matrix)[:, :unknown, :unknown]
+        answers = held @ (p[:, :, None] * known_by.T)
         self.laws = [np.flatnonzero(network.ports[:, at].any(axis=1)) for at in self.groups]
         self.answers: dict[tuple[float, ...], tuple[NDArray, NDArray]] = {
             (group, *(0.0 for _ in laws)): (held[:, at][:, :, network.place[at]], answers[:, at][:, :, at])
             for group, (at, laws) in enumerate(zip(self.groups, self.laws, strict=True))
         }  # efforts in a group under one that is held, and under flows, by the shares that its laws send back
-        self.leaving: list[list[tuple[list[int], Way]]] = [[] for _ in self.groups]
-        for here, ways in self.ways:
-            self.leaving[self.group_of[network.node_of[here[0]]]] += [(here, way) for way in ways]
-        self.rows: list[list[tuple[int, int, int]]] = [[] for _ in self.groups]
+        self.leaving = [[k for k, side in enumerate(self.sides) if side.group == g] for g in range(len(self.groups))]
+        place = {int(end): (k, j) for k, side in enumerate(self.sides) for j, end in enumerate(side.ends)}
+        self.rows: list[list[tuple[int, int, tuple[int, int] | None]]] = [[] for _ in self.groups]
         for row, (node, end) in enumerate(rows):
-            self.rows[self.group_of[node]].append((row, node, end))
+            self.rows[self.group_of[node]].append((row, int(self.local[node]), place.get(end)))
 
-    def _carry(self, points: NDArray) -> None:
-        """Ways from the ends of all lines, and admittances of all pairs of lines."""
-        network, one = self.network, np.ones((len(points), 1))
+    def _of_lines(self, points: NDArray) -> NDArray:
+        """Admittances of single lines, (points, lines), whose sides are noted."""
+        network = self.network
         total, impedance = network.propagation(points * network.second)
         beyond = total - np.outer(points * network.second, network.delays)
         for k, line in network.lossy.items():
             if line.constant:  # the difference would be rounding
                 beyond[:, k] = line.beyond_delay(points, total[:, k])
-        admittances, self.ways = [1 / impedance[:, network.alone]], []
+        passed, one = np.exp(-beyond)[:, :, None, None], np.ones((len(points), 1, 1))
         for k in network.alone.tolist():
-            passed = np.exp(-beyond[:, [k]])
-            self.ways += [([end], [Way(self.passed[k], [end ^ 1], passed, one)]) for end in (2 * k, 2 * k + 1)]
-        for bundle in network.bundles.values():
-            fronts = np.array([self.passed[k].delay for k in bundle.lines])
-            modes = bundle.modes(points, fronts)
-            admittances.append((modes.flow @ modes.inverse).reshape(len(points), -1))
-            passed = np.exp(np.outer(points, fronts) - modes.gamma * bundle.length)
-            for side in (0, 1):
-                here, there = ((2 * bundle.lines + end).tolist() for end in (side, 1 - side))
-                each = [
-                    Way(self.passed[line], there, modes.inverse[:, k] * passed[:, [k]], modes.vectors[:, :, k])
-                    for k, line in enumerate(bundle.lines)
-                ]
-                self.ways.append((here, each))
-        self.admittance = np.concatenate(admittances, axis=1)
-        self.beside = [np.flatnonzero(network.pairs[:, 0] == end // 2) for end in range(network.size)]
+            self._note(np.array([k]), 1 / impedance[:, k, None, None], passed[:, k], one)
+        return 1 / impedance[:, network.alone]
+
+    def _of_bundle(self, points: NDArray, bundle: Bundle) -> NDArray:
+        """Admittances of all pairs of conductors that mix, (points, pairs), whose sides are noted."""
+        fronts = np.array([self.passed[k].delay for k in bundle.lines])
+        modes = bundle.modes(points, fronts)
+        passed = np.exp(np.outer(points, fronts) - modes.gamma * bundle.length)
+        admittance = modes.flow @ modes.inverse
+        self._note(bundle.lines, admittance, passed[:, :, None] * modes.inverse, modes.vectors)
+        return admittance.reshape(len(points), -1)
+
+    def _note(self, lines: NDArray, admittance: NDArray, into: NDArray, out_of: NDArray) -> None:
+        for ends in (2 * lines, 2 * lines + 1):
+            nodes = self.network.node_of[ends]
+            where = ends, int(self.group_of[nodes[0]]), self.local[nodes]
+            self.sides.append(Side(*where, [self.passed[k] for k in lines], admittance, into, out_of))
 
     def _sent_back(self, group: int, t: float) -> tuple[float, ...]:
         """Shares of small waves that the laws of a group send back at an instant, about."""
@@ -154,7 +160,7 @@ class Rays:
         """
         same, start = SAME_ARRIVAL * min(line.delay for line in self.passed), int(self.group_of[source[0][0]])
         heap: list[tuple[float, float, int, int]] = [(0.0, 0.0, 0, start)]
-        due: dict[tuple[int, int, int], dict[int, NDArray]] = {}
+        due: dict[tuple[int, int, int], dict[int, NDArray]] = {}  # waves, (points, k) at each side
         found: list[Ray] = []
         path: list[tuple[int, float]] = []
         while heap and len(path) < MOST_RAYS:
@@ -162,52 +168,45 @@ class Rays:
             into = due.pop((group, round(delay / same), round(rest / SAME_ARRIVAL)), {})
             answers = self._answers(group, t + delay)
             if path:
-                each = [2 * answers[1][:, :, self._local(end)] * self._flow(end, into)[:, None] for end in into]
+                sides = [(self.sides[k], wave) for k, wave in into.items()]
+                each = [2 * _of(answers[1][:, :, side.nodes], _of(side.admittance, wave)) for side, wave in sides]
             else:
                 each = [weight * answers[not held][:, :, self.local[node]] for node, weight in source]
             u = np.sum(each, axis=0)
             path.append((group, delay))
             if self.rows[group]:
                 rows = np.array([row for row, _, _ in self.rows[group]])
-                seen = [self._seen(u, node, end, into) for _, node, end in self.rows[group]]
-                found.append(Ray(delay, moved, rest, rows, np.stack(seen, axis=1)))
-            for here, way in self.leaving[group]:
-                more, whole, part = way.front
-                if part > 1 or t + delay + more >= t_end:
-                    continue
-                sent = np.stack([u[:, self._local(end)] - into.get(end, 0.0) for end in here], axis=1)
-                wave = (way.into * sent).sum(axis=1)
-                if np.abs(wave[self.fast]).max() <= least:
-                    continue
-                there = int(self.group_of[self.network.node_of[way.there[0]]])
-                later = delay + more, rest + part, moved + whole, there
-                key = there, round(later[0] / same), round(later[1] / SAME_ARRIVAL)
-                if key not in due:
-                    heappush(heap, later)
-                waves = due.setdefault(key, {})
-                for end, share in zip(way.there, way.out_of.T, strict=True):
-                    waves[end] = waves.get(end, 0.0) + wave * share
+                found.append(Ray(delay, moved, rest, rows, self._seen(u, group, into)))
+            for k in self.leaving[group]:
+                side = self.sides[k]
+                waves = _of(side.into, u[:, side.nodes] - into.get(k, 0.0))
+                strong = np.abs(waves[self.fast]).max(axis=0) > least
+                for way in np.flatnonzero(strong).tolist():
+                    more, whole, part = side.fronts[way]
+                    if part > 1 or t + delay + more >= t_end:
+                        continue
+                    later = delay + more, rest + part, moved + whole, self.sides[k ^ 1].group
+                    key = later[3], round(later[0] / same), round(later[1] / SAME_ARRIVAL)
+                    if key not in due:
+                        heappush(heap, later)
+                    there = due.setdefault(key, {})
+                    there[k ^ 1] = there.get(k ^ 1, 0.0) + waves[:, [way]] * side.out_of[:, :, way]
         return found, path
 
-    def _local(self, end: int) -> int:
-        return int(self.local[self.network.node_of[end]])
+    def _seen(self, u: NDArray, group: int, into: dict[int, NDArray]) -> NDArray:
+        """Waves of the scene's z0 that arrive at rows of a group and leave, (points, rows, 2), under its efforts."""
+        flows = {}
+        for k in {place[0] for *_, place in self.rows[group] if place}:
+            side = self.sides[k]
+            flows[k] = self.network.z0[side.ends // 2] * _of(side.admittance, u[:, side.nodes] - 2 * into.get(k, 0.0))
+        flow = [flows[place[0]][:, place[1]] if place else 0.0 * u[:, 0] for *_, place in self.rows[group]]
+        here = u[:, [node for _, node, _ in self.rows[group]]]
+        return here[:, :, None] + np.stack(flow, axis=1)[:, :, None] * np.array([-1.0, 1.0])
 
-    def _flow(self, end: int, waves: dict[int, NDArray]) -> NDArray:
-        """Flow of waves, by end, in the direction in which they travel."""
-        beside = self.beside[end]
-        ends = 2 * self.network.pairs[beside, 1] + end % 2
-        each = [self.admittance[:, k] * waves[j] for k, j in zip(beside, ends.tolist(), strict=True) if j in waves]
-        return np.sum(each, axis=0)
 
-    def _seen(self, u: NDArray, node: int, end: int, into: dict[int, NDArray]) -> NDArray:
-        """Waves of the scene's z0 that arrive at a row and leave it, shape (points, 2), under efforts of its group."""
-        if end < 0:
-            return np.stack(2 * [u[:, self.local[node]]], axis=1)
-        ends = (2 * self.network.pairs[self.beside[end], 1] + end % 2).tolist()
-        sums = {j: u[:, self._local(j)] - 2 * into.get(j, 0.0) for j in ends}
-        flow = self._flow(end, sums) * self.network.z0[end // 2]
-        here = u[:, self.local[node]]
-        return np.stack([here - flow, here + flow], axis=1)
+def _of(matrices: NDArray, vectors: NDArray) -> NDArray:
+    """Product at each point."""
+    return (matrices @ vectors[:, :, None])[:, :, 0]
 
 
 def arrivals(description: Description) -> dict[str, NDArray]:
