@@ -27,7 +27,7 @@ class Fronts(NamedTuple):
 
 
 class Tangents(NamedTuple):
-    """Laws at all points of slabs, (n, s, K): i = i0 + g (e - e0) of the effort across and the flow through each."""
+    """Laws at all points of slabs, (n, s, K): i = i0 + g (e - e0) across each, with few different g, none extreme."""
 
     effort: NDArray
     flow: NDArray

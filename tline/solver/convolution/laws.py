@@ -40,7 +40,7 @@ from tline.solver.steady.steady_state import Before
 
 BLOCK = 32  # slabs whose past is summed directly
 APART = 1e-11  # of a wave; laws that send each other less within a slab do not interact at once
-STEEP = 1e-9  # least share of a wave that a law sends back with its sign, for its tangent
+LEAST, DIGITS = 1e-4, 3  # of a tangent over its matched conductance, or the reverse; and of its logarithm
 MOST_CLOCKS = 16  # clocks of slabs for jumps of laws
 
 
@@ -132,11 +132,12 @@ class LawsAtPorts:
             yield rule.forward(sent_there), self._tangents(*answers)
 
     def _tangents(self, out: NDArray, flow: NDArray, slope: NDArray) -> Tangents:
-        """Laws by waves out of them, flows, and slopes of these, (n, s, K)."""
+        """Laws by waves out of them, flows, and slopes of these, (n, s, K); of those with a state about any slope."""
         rho = self.network.impedances
         stateless = np.array([not element.kind.states for element in self.elements])
-        slope = np.where(stateless, slope, 0.5 / rho)
-        return Tangents(out + rho * flow, flow, slope / np.maximum(1 - rho * slope, STEEP))
+        seen = np.where(stateless, rho * slope, 0.5)
+        seen = np.clip(seen / np.maximum(1 - seen, LEAST), LEAST, 1 / LEAST)
+        return Tangents(out + rho * flow, flow, 10 ** np.round(np.log10(seen), DIGITS) / rho)
 
     def _laws(self, order: Basis, h: float, chosen: NDArray, first: NDArray) -> Laws:
         laws = with_basis(self.packed, order, h, self.packed.record_row)

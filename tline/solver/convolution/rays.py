@@ -23,7 +23,6 @@ from tline.solver.description.switches import switches_of
 
 MOST_RAYS = 100  # rays of one source
 SAME_ARRIVAL = 1e-9  # of the shortest delay; nearer arrivals, of rays by paths that are moved alike, are one
-DIGITS, STEEPEST = 3, -0.9995  # of the share of a small wave that a law sends back: digits, and least
 MOST_ARRIVALS = 10_000  # arrivals
 
 
@@ -133,7 +132,7 @@ class Rays:
             return (0.0,) * len(laws)
         slab = min(int(t / self.h + EDGE), len(self.tangents.conductance) - 1)
         seen = self.network.impedances[laws] * self.tangents.conductance[slab, -1, laws]
-        return tuple(np.maximum(np.round((1 - seen) / (1 + seen), DIGITS), STEEPEST).tolist())
+        return tuple(((1 - seen) / (1 + seen)).tolist())
 
     def _answers(self, group: int, t: float) -> tuple[NDArray, NDArray]:
         back = self._sent_back(group, t)
