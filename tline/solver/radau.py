@@ -36,7 +36,7 @@ class Basis:
 
     def evaluation(self, x) -> Matrix:
         """Matrix from values at the points to values at x, shape (len(x), s)."""
-        return self._legendre(x) @ self.to_legendre
+        return thin_product(self._legendre(x), self.to_legendre)
 
     def values(self, x: NDArray, polynomials: NDArray) -> NDArray:
         """Values of polynomials, each given at the points, shape (n, s), at places of its own, shape (n, places)."""
