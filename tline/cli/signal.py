@@ -295,11 +295,11 @@ def _margin(
     file: str, com: str | None, ports: str, fext: tuple[str, ...], near: tuple[str, ...]
 ) -> "OperatingMargin | None":
     """Margin by the parameters that are named, if any."""
-    from tline.signal import operating_margin
-
     for each in (file, *fext, *(each for each in near if each not in ports.split())):
         check_readable(each)
     if com is not None:
+        from tline.signal import operating_margin
+
         with options_named({"clause": "--com", "file": file}):
             return operating_margin(file, com, ports, fext=fext, near=near)
     if fext or near:
