@@ -124,6 +124,11 @@ def test_disturbance_is_that_of_all_patterns(symbols, rate):
     assert np.mean(norm.sf((found - sums) / spread)) == pytest.approx(rate, rel=0.02)
 
 
+def test_noise_alone_is_normal():
+    for rate in (1e-3, 1e-12):
+        assert exceeded(np.zeros(3), 0.7, 2, rate) == pytest.approx(0.7 * norm.isf(rate), rel=1e-3)
+
+
 def test_a_million_draws_exceed_it_as_often():
     rng, h = np.random.default_rng(9), np.array([0.3, 0.11, 0.07, 0.02, 0.013])
     sums = rng.choice([-1, -1 / 3, 1 / 3, 1], size=(1_000_000, 5)) @ h + 0.05 * rng.normal(size=1_000_000)

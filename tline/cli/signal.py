@@ -10,17 +10,9 @@ from tline.errors import InputError
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
-    from tline.signal import Eye, Mask, PulseResponse, Reflections, StatisticalEye
+    from tline.signal import Eye, Mask, OperatingMargin, PulseResponse, Reflections, StatisticalEye
     from tline.signal.crosstalk import Crosstalk
 
-REFLECTIONS = {
-    "csv": table("Time, incident and reflected wave per step, impedance"),
-    "plot": picture("Waves and impedance over time"),
-}
-CONDUCTORS = {
-    "csv": table("Voltages of all conductors, differences and means of pairs"),
-    "plot": picture("Driven and quiet conductors, and modes of a pair"),
-}
 OF_EYE = "ber", "dfe", "noise", "jitter", "sinusoidal", "duty_cycle"
 OF_STATISTICS = (*OF_EYE, "ffe", "ctle", "low_pass", "neighbours")
 
@@ -28,7 +20,10 @@ OF_STATISTICS = (*OF_EYE, "ffe", "ctle", "low_pass", "neighbours")
 @command(
     "tline.signal.tdr:reflectometry",
     names={"node": "port", "t_end": "to"},
-    files=REFLECTIONS,
+    files={
+        "csv": table("Time, incident and reflected wave per step, impedance"),
+        "plot": picture("Waves and impedance over time"),
+    },
     epilog="""\b
 Examples:
   tline tdr cable.toml --port near --rise "50 ps" --plot tdr.png
@@ -48,7 +43,10 @@ def tdr(scene: "Scene", **given: Any) -> "Reflections":
 
 @command(
     "tline.signal.crosstalk:crosstalk",
-    files=CONDUCTORS,
+    files={
+        "csv": table("Voltages of all conductors, differences and means of pairs"),
+        "plot": picture("Driven and quiet conductors, and modes of a pair"),
+    },
     epilog="""\b
 Examples:
   tline crosstalk scenes/skin_pair.toml --plot crosstalk.png
@@ -268,19 +266,10 @@ def channel(
     from tline.cli.fit import trying
     from tline.signal import measured_channel
 
-    for each in (file, *fext, *(each for each in near if each not in given.get("ports", "").split())):
-        check_readable(each)
-    if com is None and (fext or near):
-        raise InputError("--fext" if fext else "--next", "is of a margin", "--com beside it")
-    margin, exit_code = None, 0
-    if com is not None:
-        from tline.signal import operating_margin
-
-        with options_named({"clause": "--com", "file": file}):
-            margin = operating_margin(file, com, given.get("ports", "1 2"), fext=fext, near=near)
-        exit_code = int(margin.margin < float(margin.clause.least))
-        if bit is None and "report" not in files:
-            return channel.shown(margin, exit_code=exit_code, report=None)
+    margin = _margin(file, com, given.get("ports", "1 2"), fext, near)
+    exit_code = int(margin is not None and margin.margin < float(margin.clause.least))
+    if margin is not None and bit is None and "report" not in files:
+        return channel.shown(margin, exit_code=exit_code, report=None)
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
     levels = {key: given.pop(key) for key in ("low", "high") if key in given}
     equalisers = {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "mask": mask}
@@ -304,12 +293,26 @@ def channel(
         lines += [*eye_seen.text_lines(), *told]
         more |= {"eye": eye_seen.to_dict() | {"ffe": taps, "ctle_gain": gain}}
     inputs = given | {"bit": bit, "rise": edge, "com": com} | asked | levels | equalisers
-    inputs |= {
-        f"{kind} {k + 1}": each for kind, ways in (("fext", fext), ("next", near)) for k, each in enumerate(ways)
-    }
+    inputs |= {"fext": ", ".join(fext) or None, "next": ", ".join(near) or None}
     shown = {name: str(value) for name, value in inputs.items() if value is not None}
     page = partial(found.save, seen=eye_seen, margin=margin, rise=edge, inputs=shown)
     return channel.shown(found, *lines, told=more, exit_code=exit_code, report=page)
+
+
+def _margin(
+    file: str, com: str | None, ports: str, fext: tuple[str, ...], near: tuple[str, ...]
+) -> "OperatingMargin | None":
+    """Margin by the parameters that are named, if any."""
+    for each in (file, *fext, *(each for each in near if each not in ports.split())):
+        check_readable(each)
+    if com is not None:
+        from tline.signal import operating_margin
+
+        with options_named({"clause": "--com", "file": file}):
+            return operating_margin(file, com, ports, fext=fext, near=near)
+    if fext or near:
+        raise InputError("--fext" if fext else "--next", "is of a margin", "--com beside it")
+    return None
 
 
 def _taps(text: str, pulse: "PulseResponse", dfe: int) -> list[float]:

@@ -4,6 +4,7 @@ import platform
 from collections.abc import Iterator, Mapping
 from html import escape
 from importlib.metadata import version
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,10 +15,12 @@ from tline.pictures.page import drawn, table
 from tline.pictures.signals import plot_reflections, plot_statistical_eye
 from tline.signal.all_patterns import StatisticalEye
 from tline.signal.channel import FLOOR, Channel
-from tline.signal.margin import OperatingMargin
 from tline.signal.tdr import Reflections
 from tline.style import COLOURS, DASHES, FAINT, INK, cells_of, styled
 from tline.units import handy
+
+if TYPE_CHECKING:
+    from tline.signal.margin import OperatingMargin
 
 POINTS = 1000  # of the model's curve
 BEFORE = 4  # symbols that are drawn before the main cursor
@@ -56,7 +59,7 @@ def plot_channel(seen: Channel, ax: Axes | None = None) -> Figure | Axes:
 
 
 @styled
-def plot_margin(seen: OperatingMargin, ax: Axes | None = None) -> Figure | Axes:
+def plot_margin(seen: "OperatingMargin", ax: Axes | None = None) -> Figure | Axes:
     """Plot the equalised pulse response with its cursors, what feedback leaves of them, and all that disturbs."""
     M, at, flat = seen.clause.M, seen.best.at, seen.best.pulses[0].ravel()
     symbols = np.arange(-BEFORE, len(seen.dfe) + BEFORE + 1)
@@ -84,7 +87,7 @@ def report(
     seen: Channel,
     profile: Reflections,
     eye: StatisticalEye | None,
-    margin: OperatingMargin | None,
+    margin: "OperatingMargin | None",
     inputs: Mapping[str, str],
 ) -> Iterator[str]:
     """Compose the parts of a report's page."""

@@ -115,10 +115,7 @@ class StatisticalEye(Presentation):
 
     @property
     def margin(self) -> float:
-        """Signal over disturbance at the error rate, 20 log(A_s/A_ni), dB: the last step of an operating margin.
-
-        IEEE Std 802.3, annex 93A, (93A-1); packages, the sender's filter and the search of that annex are the user's.
-        """
+        """Signal over disturbance at the error rate, 20 log(A_s/A_ni), dB; `operating_margin` is that of a standard."""
         signal = float(self.levels[-1] - self.levels[0]) / 2
         disturbed = signal - self.height / 2
         return float(20 * np.log10(signal / disturbed)) if signal > 0 < disturbed else float("inf")

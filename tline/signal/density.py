@@ -50,7 +50,7 @@ def density(cursors: NDArray, noise: float, step: float, symbols: int = 2) -> ND
     if noise:
         k = np.arange(-LEVELS, LEVELS + 1) * step / noise
         bell = np.exp(-(k**2) / 2)
-        reach = int(TAILS * noise / step) + 1
+        reach = min(int(TAILS * noise / step) + 1, LEVELS)
         found = np.convolve(found, (bell / bell.sum())[LEVELS - reach : LEVELS + reach + 1], "same")
     return found
 
