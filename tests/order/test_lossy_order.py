@@ -45,7 +45,7 @@ def test_memory_is_of_second_order(losses, delay):
     t, errors = np.linspace(3e-9, 5.9e-9, 50), []
     exact = run(describe(scene), Resolution(5, 1e-9 / 20)).probes["far"].at(t).u
     for n in SLABS:
-        found = run(describe(scene), Resolution(3, 1e-9 / n, fit=1e-9, exact=False)).probes["far"].at(t).u
+        found = run(describe(scene), Resolution(3, 1e-9 / n, fit=1e-6, exact=False)).probes["far"].at(t).u
         errors.append(np.abs(found - exact).max())
     assert -np.polyfit(np.arange(len(SLABS)), np.log2(errors), 1)[0] > 1.5
     assert errors[-1] < 1e-4

@@ -14,7 +14,7 @@ from tline.study.programs import ngspice
 
 DEFAULT = 20  # steps in the shortest delay, which an exported netlist asks for
 REFINED = {"rc": 640, "rlc": 640, "lossy": 160}  # the lossy element's time goes with the square
-ERRORS = {"rc": (0.03, 5e-5), "rlc": (0.04, 1e-3), "lossy": (7e-5, 5.2e-6)}  # twice what version 39.3 shows
+ERRORS = {"rc": (0.03, 5e-5), "rlc": (0.04, 1e-3), "lossy": (7e-5, 5e-6)}  # twice what version 39.3 shows
 
 pytestmark = pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
 
@@ -22,7 +22,9 @@ pytestmark = pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice
 @pytest.mark.parametrize("name", ERRORS)
 def test_it_agrees_within_its_own_error(name):
     scene = chart_scene(name).scene
-    judge = Judge(scene, 20)
+    if name == "lossy":  # whose inverse Laplace transforms take long
+        scene = scene.change({"t_end": scene.t_end / 3})
+    judge = Judge(scene, 40)
     ours = simulated(scene, 1e-8)
     assert max(judge.errors(ours)) < 3e-8
     for steps, bound in zip((DEFAULT, REFINED[name]), ERRORS[name], strict=True):

@@ -28,7 +28,7 @@ def carson(q: complex) -> mpmath.mpc:
 @pytest.mark.parametrize("resistivity", [10, 100, 1000])
 @pytest.mark.parametrize("height", [5, 10, 30])
 def test_the_complex_depth_is_within_three_per_cent_of_carsons_integral(height, resistivity):
-    for f in np.logspace(1, 6, 11):
+    for f in np.logspace(1, 6, 6):
         s = 2j * np.pi * f
         expected = s * MU0 / (2 * np.pi) * complex(carson(height * np.sqrt(s * MU0 / resistivity)))
         found = complex(EarthReturn(height, resistivity).at(s))

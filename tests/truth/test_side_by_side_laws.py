@@ -119,12 +119,12 @@ BRANCHED = {
 def test_copies_are_runs_of_their_own(change):
     """Loops, trees and heights, from a steady state or rest; kinks of a relief valve are found copy by copy."""
     scene = tl.Scene(**BRANCHED | change)
-    numbers = {"loads.valve.kv": np.linspace(200, 400, 20), "loads.leak.resistance": np.linspace(1e7, 3e7, 20)}
+    numbers = {"loads.valve.kv": np.linspace(200, 400, 8), "loads.leak.resistance": np.linspace(1e7, 3e7, 8)}
     tol = 1e-5
     found = sweep(scene, numbers, sample="list", keep=["extremes", TIMES], tol=tol)
     assert found.method == "vectorised"
     assert found["estimate"].max() <= tol
-    for k in (0, 7, 19):
+    for k in (0, 3, 7):
         alone = tl.simulate(scene.change({path: float(values[k]) for path, values in numbers.items()}), tol=tol / 10)
         for j, probe in enumerate(alone.probes.values()):
             (low, _), (high, _) = extremes(probe, "gauge_pressure")

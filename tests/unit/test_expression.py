@@ -1,6 +1,5 @@
 """The parser builds the tree one expects, or says in one sentence, at a column, why it does not."""
 
-import pickle
 from fractions import Fraction
 
 import pytest
@@ -160,13 +159,3 @@ def test_long_sums_and_products_make_flat_trees():
 def test_symbols():
     assert symbols(parse("R + s*L1 + 1/(s*C)^2 - exp(-T*s)*sqrt(x)")) == {"R", "s", "L1", "C", "T", "x"}
     assert symbols(parse("2 nH")) == set()
-
-
-def test_error_names_its_parts():
-    error = ExpressionError("column 3", "something is wrong", "this", "that")
-    assert isinstance(error, ValueError)
-    assert (error.where, error.problem, error.expected, error.got) == ("column 3", "something is wrong", "this", "that")
-    assert str(error) == "column 3: something is wrong, expected this, got that"
-    assert str(ExpressionError("", "wrong")) == "wrong"
-    again = pickle.loads(pickle.dumps(error))  # as when it comes back from a worker process
-    assert (str(again), again.where) == (str(error), "column 3")

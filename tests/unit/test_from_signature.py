@@ -138,24 +138,6 @@ def test_huge_numbers_are_answered(text, statuses, options):
         assert json.loads(result.stdout)["status"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "statuses"),
-    [
-        (["R*s + 1", "--param", "R > (1e400)^60"], (0, 3)),
-        (["s + R", "--param", "0 < R < 1e-400"], (0, 3)),
-        (["(9 + R - 50*s)^40", "--param", "R > 0"], (1, 3)),
-        (["1 + s", "--z0", "1e400"], (0,)),
-        (["1 + s", "--z0", "1e400", "--delay", "1e-400"], (0,)),
-        (["-s", "--z0", "1e-400", "--delay", "1e400"], (1,)),
-        (["1 + s", "--within", "1e-400"], (0,)),
-        (["R", "--param", "R=(1e400)^100"], (2,)),
-    ],
-)
-def test_huge_parameters_are_answered(arguments, statuses):
-    result = CliRunner().invoke(main, ["passivity", *arguments])
-    assert result.exit_code in statuses, result.output
-
-
 def test_a_count_of_pulses_beyond_doubles_is_refused():
     from tline.scene.waveform import Pulses
 

@@ -224,21 +224,6 @@ def test_floats_are_refused_where_they_would_vanish():
 # ---- systems of other packages
 
 
-@pytest.mark.parametrize(
-    "system",
-    [
-        scipy.signal.TransferFunction([1, 3], [1, 4, 5]),
-        scipy.signal.ZerosPolesGain([-3], [-2 + 1j, -2 - 1j], 1),
-        scipy.signal.StateSpace([[0, 1], [-5, -4]], [[0], [1]], [[3, 1]], [[0]]),
-        control.tf([1, 3], [1, 4, 5]),
-        control.zpk([-3], [-2 + 1j, -2 - 1j], 1),
-        control.ss([[0, 1], [-5, -4]], [[0], [1]], [[3, 1]], 0),
-    ],
-)
-def test_systems(system):
-    assert pair(RationalFunction.from_system(system)) == ((1, 3), (1, 4, 5))
-
-
 def test_systems_at_the_edge():
     assert RationalFunction.from_system(control.tf([1, 0], [1])) == s
     assert RationalFunction.from_system(control.tf([3.0], [1.0])) == of("3")
