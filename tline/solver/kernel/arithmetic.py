@@ -168,3 +168,13 @@ def fallen(coef, level, start):
 def after(place, s):
     """The next look at a slab, beyond this one however it is rounded."""
     return min((int(place * LOOKS * s + STEP_ROUNDING) + 1) / (LOOKS * s), 1.0)
+
+
+@function
+def exchange_part(values, at, count, kept, give):
+    """Put `count` values from position `at` on aside, or give them back."""
+    for i in range(count):
+        if give:
+            values[at + i] = kept[i]
+        else:
+            kept[i] = values[at + i]

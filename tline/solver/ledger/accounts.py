@@ -39,6 +39,12 @@ class Port(NamedTuple):
     twin: int = -1  # the port at which the same flow leaves the element
 
 
+def _sums(shares: NDArray, values: NDArray) -> NDArray:
+    """Weighted sums of values along their first axis."""
+    sums = thin_product(values.reshape(len(values), -1).T, shares.T)
+    return np.ascontiguousarray(sums.T).reshape(-1, *values.shape[1:])
+
+
 class Flows(NamedTuple):
     """Flows from nodes into elements, as linear combinations of the remainders r."""
 
@@ -176,7 +182,7 @@ class Accounts(NamedTuple):
         m, integral = len(columns.slab), columns.integral
         found = np.zeros((len(self.where), len(COLUMNS), m))
         u = np.zeros((len(self.gathers), m, columns.basis.s))
-        rest = np.tensordot(self.gathers, w - o, 1)
+        rest = _sums(self.gathers, w - o)
         for node, end in self.heads.items():
             u[node] = (w[end] + o[end]) / 2
         for node, shape in self.held.items():
@@ -196,7 +202,7 @@ class Accounts(NamedTuple):
             found[account, DISSIPATED] += integral(gauge, gauge) * g
             found[self.gravity, SUPPLIED] -= self.above_level[node] * g * columns.integral_of(gauge)
             rest[node] -= g[:, None] * gauge
-        flows = np.tensordot(self.flows.shares, rest, 1)
+        flows = _sums(self.flows.shares, rest)
         for flow, node, falls, (account, column, member) in zip(
             flows, self.flows.node, self.falls, self.posts, strict=True
         ):

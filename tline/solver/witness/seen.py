@@ -55,7 +55,7 @@ class Seen:
 
     def __init__(self, result: Result, description: Description, tol: float, windows: bool):
         self.result, self.description, self.tol = result, description, tol
-        self.instants = _one_in_each(description.t_end, INSTANTS)
+        self.instants = _one_in_each(INSTANTS) * description.t_end
         self._ends: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
         self.at_node = {
             node: (name, end)
@@ -73,7 +73,7 @@ class Seen:
         lines = self.result.lines.values()
         fronts = [wave.breakpoints() for line in lines for wave in (line.a1, line.b1, line.a2, line.b2)]
         known = np.concatenate([np.empty(0), *fronts])
-        for begin in _one_in_each(t_end, WINDOWS) * (1 - width * WINDOWS / t_end):
+        for begin in _one_in_each(WINDOWS) * (t_end - width * WINDOWS):
             end = begin + width
             slabs = np.arange(np.ceil(begin / h), np.floor(end / h) + 1) * h
             inside = known[(known > begin) & (known < end)]
@@ -138,13 +138,9 @@ class Seen:
         return low, high
 
 
-def _one_in_each(t_end: float, parts: int) -> NDArray:
-    """Random instants, one in each of equal parts of the run, in order."""
-    return _shares(parts) * t_end
-
-
 @cache
-def _shares(parts: int) -> NDArray:
+def _one_in_each(parts: int) -> NDArray:
+    """Random instants over the end time, one in each of equal parts of the run, in order."""
     return (np.arange(parts) + np.random.default_rng(parts).uniform(0.0, 1.0, parts)) / parts
 
 
@@ -201,15 +197,6 @@ def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]
         yield Doubt(where, float(seen.instants[wrong][0]), what)
 
 
-class Signals(NamedTuple):
-    """Effort across a store and flow into it in all windows, and their allowed errors."""
-
-    e: NDArray
-    i: NDArray
-    off_e: float
-    off_i: NDArray
-
-
 def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
     """Yield nodes whose stored quantity does not match its inflow in more than one window."""
     if (windows := seen.windows) is None:
@@ -217,11 +204,11 @@ def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
     for one in nodes:
         if not one.stores or one.held is not None or not seen.reads(one):
             continue
-        equation, signals = one.stores[0].equation, _signals(seen, one)
+        equation = one.stores[0].equation
         if isinstance(equation, Volume):
-            wrong = _misses_volume(equation, signals, windows)
+            wrong = _misses_volume(equation, windows, *_signals(seen, one))
         elif isinstance(equation, Impedance) and equation.degree <= MOST_DEGREE:
-            wrong = _misses_impedance(equation, signals, windows)
+            wrong = _misses_impedance(equation, windows, *_signals(seen, one))
         else:
             continue
         if wrong.sum() > MOST_WINDOWS:
@@ -230,18 +217,21 @@ def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
             )
 
 
-def _signals(seen: Seen, one: Balance) -> Signals:
+def _signals(seen: Seen, one: Balance) -> tuple[NDArray, NDArray, float, NDArray]:
+    """Effort across a store and flow into it in all windows, and their allowed errors."""
     store, (low, high), (off_u, off_y), at = one.stores[0], seen.passed(one), seen.allowed(one), slice(INSTANTS, None)
     e, sign = seen.across(store, seen.efforts(one)[0])
     i = sign * (seen.out(one) - (low + high) / 2)
-    return Signals(e[at], i[at], off_u if store.beyond is None else 2 * off_u, ((high - low) / 2 + off_y)[at])
+    return e[at], i[at], off_u if store.beyond is None else 2 * off_u, ((high - low) / 2 + off_y)[at]
 
 
-def _misses_impedance(equation: Impedance, signals: Signals, windows: Windows) -> NDArray:
+def _misses_impedance(
+    equation: Impedance, windows: Windows, e: NDArray, i: NDArray, off_e: float, off_i: NDArray
+) -> NDArray:
     """In which windows the equation of an impedance fails."""
     of_e, of_i = (_adjoint(side, equation.degree, windows) for side in (equation.denominator, equation.numerator))
-    allowed = windows.integral(np.abs(of_e) * signals.off_e + np.abs(of_i) * signals.off_i)
-    return np.abs(windows.integral(of_e * signals.e - of_i * signals.i)) > allowed
+    allowed = windows.integral(np.abs(of_e) * off_e + np.abs(of_i) * off_i)
+    return np.abs(windows.integral(of_e * e - of_i * i)) > allowed
 
 
 def _adjoint(side: tuple[float, ...], degree: int, windows: Windows) -> NDArray:
@@ -257,9 +247,8 @@ def _bump(power: int, derivative: int) -> Polynomial:
     return (Polynomial([0.0, 4.0, -4.0]) ** power).deriv(derivative)
 
 
-def _misses_volume(equation: Volume, signals: Signals, windows: Windows) -> NDArray:
+def _misses_volume(equation: Volume, windows: Windows, e: NDArray, i: NDArray, off_e: float, off_i: NDArray) -> NDArray:
     """In which windows a volume that follows from the effort is not the integral of the flow."""
-    e, i, off_e, off_i = signals
     per_square = equation.capacity**-2.0  # of the loss in the orifice, zero without one
     inside = e - np.sign(i) * i**2 * per_square
     held = equation.held(inside)

@@ -12,7 +12,7 @@ The rest of that one, past which the leaving wave goes, is a rectangle one slab 
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.arithmetic import times
+from tline.solver.kernel.arithmetic import exchange_part, times
 from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import begin, gather, load, note, note_effort, scatter
@@ -23,28 +23,16 @@ BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
 @function
 def keep_states(run, g, kept, give):
     """Put the states of a group aside, or give them back."""
-    laws, states, n = run.network.laws, run.state.load, 0
-    x, count = run.network.load_at[g], np.int64(0)
-    if x >= 0:
-        count = run.network.step_states[run.network.step_row[g]]
-    for i in range(count):
-        if give:
-            states[x + i] = kept[n]
-        else:
-            kept[n] = states[x + i]
-        n += 1
+    laws, states, n = run.network.laws, run.state.load, np.int64(0)
+    if run.network.load_at[g] >= 0:
+        n = run.network.step_states[run.network.step_row[g]]
+        exchange_part(states, run.network.load_at[g], n, kept, give)
     for e in range(laws.first[g], laws.first[g + 1]):
-        for which in range(2):
-            at = laws.state_at[e] if which == 0 else laws.governor_state[e]
-            count = np.int64(0)
-            if at >= 0:
-                count = laws.states[e] if which == 0 else np.int64(3)
-            for i in range(count):
-                if give:
-                    states[at + i] = kept[n]
-                else:
-                    kept[n] = states[at + i]
-                n += 1
+        exchange_part(states, laws.state_at[e], laws.states[e], kept[n:], give)
+        n += laws.states[e]
+        if laws.governor_state[e] >= 0:
+            exchange_part(states, laws.governor_state[e], np.int64(3), kept[n:], give)
+            n += 3
 
 
 @function

@@ -1,7 +1,7 @@
 """Responses of the laws of a group to waves: flows, residuals of the equations, and the system of a Newton step."""
 
 from tline.compiled.unit import function, invoke
-from tline.solver.kernel.arithmetic import FAINT, TINY, eliminate
+from tline.solver.kernel.arithmetic import FAINT, TINY, eliminate, exchange_part
 from tline.solver.kernel.network import MISSES
 
 DIFFERENCE = 1e-7  # of waves, for the slopes of stores
@@ -10,15 +10,9 @@ DIFFERENCE = 1e-7  # of waves, for the slopes of stores
 @function
 def exchange_states(run, g, give):
     """Put the states of a group's stores aside, or give them back."""
-    laws, states, kept = run.network.laws, run.state.load, run.work.circuit.kept
-    for k in range(laws.first[g + 1] - laws.first[g]):
-        e = laws.first[g] + k
-        at = laws.state_at[e]
-        for i in range(laws.states[e]):
-            if give:
-                states[at + i] = kept[k, i]
-            else:
-                kept[k, i] = states[at + i]
+    laws, kept = run.network.laws, run.work.circuit.kept
+    for e in range(laws.first[g], laws.first[g + 1]):
+        exchange_part(run.state.load, laws.state_at[e], laws.states[e], kept[e - laws.first[g]], give)
 
 
 @function

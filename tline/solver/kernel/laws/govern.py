@@ -18,6 +18,7 @@ doi:10.1090/S0025-5718-1965-0198670-6.
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
+from tline.solver.kernel.arithmetic import exchange_part
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Run
 
@@ -83,16 +84,6 @@ def exchange(run, g, n, give):
         exchange_part(states, x, run.network.step_states[r], work.states, give)
     for e in range(laws.first[g], laws.first[g + 1]):
         exchange_part(states, laws.state_at[e], laws.states[e], work.kept[e - laws.first[g]], give)
-
-
-@function
-def exchange_part(values, at, count, kept, give):
-    """Exchange `count` values from position `at` on with kept ones."""
-    for i in range(count):
-        if give:
-            values[at + i] = kept[i]
-        else:
-            kept[i] = values[at + i]
 
 
 @function
