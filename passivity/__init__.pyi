@@ -16,7 +16,6 @@ from passivity.exact.robustness import Robustness as Robustness
 from passivity.exact.robustness import robustness as robustness
 from passivity.rational.elements import impedances as impedances
 from passivity.rational.elements import scattering as scattering
-from passivity.rational.elements import transformer_scattering as transformer_scattering
 from passivity.rational.function import RationalFunction as RationalFunction
 from passivity.rational.matrix import RationalMatrix as RationalMatrix
 from passivity.rational.state_space import StateSpace as StateSpace

@@ -19,6 +19,7 @@ from passivity.rational.state_space import StateSpace
 from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
+    from passivity.calculus.pole import Spot
     from passivity.calculus.question import Question
     from passivity.floats.axis import AxisAnalysis
     from passivity.floats.system import FloatSystem
@@ -100,6 +101,8 @@ class Witness:
         v; 1 of one port.
     names : mapping of str to Fraction
         Values of names in the function.
+    spot : Spot or None
+        Of a point nearer to a zero of a part than digits tell: the disc around s that holds it, and that part's value.
     """
 
     kind: Kind
@@ -108,6 +111,7 @@ class Witness:
     found: Any
     vector: tuple[Parts, ...] = _ONE
     names: Mapping[str, Fraction] = field(default_factory=dict)
+    spot: "Spot | None" = None
 
     @cached_property
     def image(self) -> tuple[Parts, ...] | None:
@@ -148,9 +152,12 @@ class Witness:
     def why(self) -> str:
         """Sentence on the value of the function there, known in a ball."""
         s, value = f"s = {digits(self.re)} + {digits(self.im)}j", self.found
+        s += f" to {digits(self.spot.radius, 3)}, near a zero of a part" if self.spot else ""
         s += "".join(f", {name} = {digits(x)}" for name, x in self.names.items())
-        if not self.im and value.imag != 0:
+        if not self.im and not self.spot and value.imag != 0:
             return f"the value at {s} is not real, as if a branch cut ran there"
+        if self.spot:
+            return f"{'|H(s)| > 1' if self.kind is Kind.BR else 'Re Z(s) < 0'} at {s}"
         if self.kind is Kind.BR:
             return f"|H(s)| = {abs(value).str(15, radius=False)} at {s}"
         return f"Re Z(s) = {value.real.str(6, radius=False)} at {s}"

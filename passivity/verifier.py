@@ -13,12 +13,14 @@ import json
 import re
 import sys
 from bisect import bisect_left
+from contextlib import suppress
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from fractions import Fraction
 from functools import partial, reduce
 from itertools import pairwise, product, zip_longest
 from math import gcd, inf, lcm, prod
 from operator import add, mul, truediv
+from random import Random
 
 FUNCTIONS = "exp", "log", "sqrt", "tanh", "cosh"
 FORMAT, LARGEST = "passivity proof 1", 4000  # terms of a polynomial, arguments of an exponential
@@ -116,21 +118,15 @@ class Graph:
         self.nodes.append((kind, tuple(parts)))
 
     def look(self):
-        """Reject divisors that may be 0 at all of some points; remember the nodes that may be 0 there."""
-        left = self.zero = {*range(len(self.nodes))}
+        """Find a point where bounds show that nothing is divided by 0; remember the nodes that may be 0 there."""
         for s, digits in POINTS:
-            if not left:
-                return
-            values = []
-            with localcontext(DECIMAL, prec=digits):
+            with localcontext(DECIMAL, prec=digits), suppress(ArithmeticError, TypeError, ValueError):
+                values = []
                 for kind, parts in self.nodes:
-                    try:
-                        values.append(self.value(kind, parts, values, s))
-                    except (ArithmeticError, TypeError, ValueError):  # nor has what is made of it a value
-                        values.append(None)
-            left = {n for n in left if not values[n]}
-            self.zero = {n for n in self.zero if not values[n] or values[n][0] <= 0 <= values[n][1]}
-        need(not left, "a division by 0")
+                    values.append(self.value(kind, parts, values, s))
+                self.zero = {n for n, (low, high) in enumerate(values) if low <= 0 <= high}
+                return
+        raise ValueError("a division by 0")
 
     def value(self, kind, parts, values, s):
         """Bounds of a node at a point s > 0 and for one choice of the names, from those of the nodes before it."""
@@ -145,9 +141,8 @@ class Graph:
 
         if kind in ("s", "name"):
             low, high = (s, s) if kind == "s" else disc(self.names[parts[0]])
-            low, mark = max(low, min(high, 1) - 1), int.from_bytes("".join(parts).encode(), "big")
-            share = Fraction(2**61 - 1, 2**62 + mark * 11400714819323198485 % 2**61)  # by name, far apart
-            return times(low + (min(high, low + 1) - low) * share, one)
+            low = max(low, min(high, 1) - 1)
+            return times(low + (min(high, low + 1) - low) * Fraction(Random("".join(parts)).random()), one)
         if kind in ("one", "mul"):
             return reduce(by, (values[n] if e > 0 else over(values[n]) for n, e in parts for _ in range(abs(e))), one)
         x, *more = [times(c, values[n]) for c, n in parts]

@@ -7,6 +7,7 @@ from typing import Any, Self
 
 from passivity.calculus.fact import BOUNDED_REAL, CLAIMS, Fact, in_texts
 from passivity.calculus.graph import Graph, Value
+from passivity.calculus.pole import Spot, value_at
 from passivity.calculus.read import read
 from passivity.calculus.values import at_point
 from passivity.expression.number import written
@@ -38,19 +39,24 @@ class Question:
         """Which property."""
         return Kind.BR if self.claim == BOUNDED_REAL else Kind.PR
 
-    def fails(self, re: Fraction, im: Fraction, values: Mapping[str, Fraction]) -> Witness | None:
-        """The point as a witness, if balls show that the property fails there."""
+    def fails(
+        self, re: Fraction, im: Fraction, values: Mapping[str, Fraction], spot: Spot | None = None
+    ) -> Witness | None:
+        """The point, or that of a disc around it, as a witness, if balls show that the property fails there."""
         if re <= 0:
             return None
-        found = at_point(self.graph, self.value, re, im, values)
+        if spot:
+            found = value_at(self.graph, self.value, re, im, spot, values)
+        else:
+            found = at_point(self.graph, self.value, re, im, values)
         wrong = found.real < 0 if self.kind is Kind.PR else abs(found) > 1
-        unreal = not im and (found.imag > 0 or found.imag < 0)
+        unreal = not im and not spot and (found.imag > 0 or found.imag < 0)
         shown = found.is_finite() and (wrong or unreal)
-        return Witness(self.kind, re, im, found, names=dict(values)) if shown else None
+        return Witness(self.kind, re, im, found, names=dict(values), spot=spot) if shown else None
 
     def file(self, witness: Witness) -> dict[str, Any] | None:
         """Return the contents of a file for `check_file`, if balls show that a point is a witness."""
-        found = self.fails(witness.re, witness.im, witness.names)
+        found = self.fails(witness.re, witness.im, witness.names, witness.spot)
         return found and {
             "format": FORMAT,
             "text": self.text,
@@ -60,6 +66,7 @@ class Question:
             "values": {name: written(x) for name, x in witness.names.items() if name in self.graph.names},
             "s": [written(witness.re), written(witness.im)],
             "value": found.found.str(20, radius=False),
+            "spot": found.spot and [written(found.spot.radius), *found.spot[1:]],
         }
 
 
@@ -72,11 +79,12 @@ def check_file(witness: dict[str, Any]) -> str | None:
         kind = Kind.BR if read_fact(witness["claim"]) == BOUNDED_REAL else Kind.PR
         question = Question.of(kind, witness["text"], numbers, names)
         values = {name: Fraction(x) for name, x in witness["values"].items()}
-        re, im = witness["s"]
+        (re, im), told = map(Fraction, witness["s"]), witness.get("spot")
+        spot = told and Spot(Fraction(told[0]), *map(int, told[1:]))
         allowed = all(_allows(names[name], x) for name, x in values.items())
-        shown = need and allowed and question.fails(Fraction(re), Fraction(im), values) is not None
+        shown = need and allowed and question.fails(re, im, values, spot) is not None
         return None if shown else "balls do not show that the claim fails there"
-    except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError) as error:
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         return f"not a witness: {error}"
 
 

@@ -1,7 +1,7 @@
 """Where a property may fail: searched in floats, over a grid, at poles, along the axis."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
@@ -10,6 +10,7 @@ from flint import acb, ctx
 from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
+from passivity.calculus.pole import Spot
 from passivity.calculus.question import Question
 from passivity.calculus.rewrite import Line
 from passivity.calculus.values import Array, in_balls, in_floats, needed
@@ -17,7 +18,7 @@ from passivity.expression.number import double
 from passivity.status import Kind
 from passivity.verdict import Witness
 
-_RADII, _ANGLES = 240, 16  # of a logarithmic grid
+_SIZES, _ANGLES = 240, 16  # of a logarithmic grid
 _AXIS = 4000
 _COARSE = 40, (0.0, 0.8, 1.3, 1.5, 1.56, 1.5705), 300  # radii, angles, points near the axis of the first look
 _TURNS = 1e4  # of the shortest delay, after which loads are as at infinite frequency, some more of which are looked at
@@ -31,7 +32,10 @@ _BITS = 160, 1024, 4096, 16384  # of precision
 _LENGTHS = 24, 53, 120, 240, 480, 960, 1920, 3840, 7680, 15360  # of a witness, in bits
 _SURE = 1.5  # bits of precision for each neper that is lost on the way of a wave to the input and back
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
-_DISTANCES = (4, 8, 16, 32, 64, 128, 256, 512, 1024, 4096, 16384)  # binary, in parts of the modulus
+_DISTANCES = (4, 8, 16, 32)  # binary, in parts of the modulus
+_RADII = (16, 64, 512, 2048)  # of discs, likewise
+_EXPONENTS = 16, 2**12, 2**40, 2**1400  # of the size of a part near its zero
+_USUAL = 1e-2, 1e2  # moduli of zeros of which the coefficients do not tell, as of sqrt(s) - 2
 _DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))
 
 
@@ -85,22 +89,24 @@ class Search:
         sizes = self.periods + self.scales.ratios(self.floats) or [1.0]
         self.low, self.high = min(sizes) * 1e-6, max(sizes) * 1e6
 
-    def glance(self) -> Witness | None:
-        """A witness among the points of a coarse grid, of the axis, and of both axes far out; the worst first."""
+    def glance(self, count: int = _COARSE[0], angles: Array = _COARSE[1]) -> Witness | None:
+        """A witness among points of a grid, of the axis, and of both axes far out; the nearest to its middle first."""
         import numpy as np
 
-        count, angles, fine = _COARSE
+        fine = _COARSE[2]
         radii = np.geomspace(self.low * 1e3, self.high / 1e3, count)
         grid = (radii[:, None] * np.exp(1j * np.array(angles))).ravel()
         far = np.logspace(math.log10(self.high), min(math.log10(self.high) + _FAR, 300), _FAR // 5)
         turns = _TURNS * max(self.periods, default=0.0) * np.linspace(1, 1.005, fine)[: fine * bool(self.periods)]
         axis = np.concatenate([np.geomspace(self.low * 1e3, self.high / 1e3, fine) * (1e-6 + 1j), turns * (1e-13 + 1j)])
         s = np.concatenate([grid, axis, far])
-        wrong = self.badness(s)
+        wrong, there = self.badness(s), self.values(radii + 0j)
         suspects = [s[k] for k in np.argsort(-wrong)[:6] if wrong[k] > _VISIBLE]
         clear = s[wrong > min(max(wrong.max() / 2, _VISIBLE), 1)]
-        for point in (*_nearest(clear, math.sqrt(self.low) * math.sqrt(self.high)), *suspects):
-            for bits in (6, 14, 40):
+        unreal = radii[np.abs(there.imag) > 1e-6 * np.abs(there)]
+        middle = math.sqrt(self.low) * math.sqrt(self.high)
+        for point in (*_nearest(clear, middle), *suspects, *_nearest(unreal, middle)):
+            for bits in (3, 6, 14, 40):
                 if found := self.check(_short(float(point.real), bits), _short(float(point.imag), bits)):
                     return found
         return None
@@ -109,25 +115,36 @@ class Search:
         """A witness where Re Z < 0, |H| > 1, or where the value at a real s is not real; None if none was found."""
         import numpy as np
 
-        roots = []
         with np.errstate(all="ignore"):
-            for suspect in islice(self._suspects(), _POLISHED):
-                for root in self._zeros(suspect, self._spread())[:_ROOTS]:
-                    place = acb(root.real, root.imag)
-                    if found := self.around(place, _DISTANCES[:4]):
-                        return found
-                    roots.append((suspect, place))
-            if found := next(filter(None, (self.check(*place) for place in self._candidates())), None):
+            suspects = islice(self._suspects(), _POLISHED)
+            roots = [(suspect, place) for suspect in suspects for place in self._located(suspect)]
+            if found := next(filter(None, (self.around(place) for _, place in roots)), None):
                 return found
-        closer = (self.around(self._located(*each), _DISTANCES[4:]) for each in roots)
-        return next(filter(None, closer), None)
+            if found := self.glance(_SIZES, np.linspace(0, np.pi / 2, _ANGLES, endpoint=False)):
+                return found
+            for w in (float(w) for tilt in (0.0, 1e-6) for w in self._refined(tilt)[:4]):
+                if found := self.beside(w):
+                    return found
+        return next(filter(None, (self._close(*each) for each in roots)), None)
 
-    def _located(self, value: Value, root: acb) -> acb:
-        """A zero of a part in as many digits as witnesses nearest to it need."""
-        with ctx.workprec(2 * _DISTANCES[-1]):
+    def _located(self, value: Value) -> list[acb]:
+        """Some zeros of a part in Re s > 0."""
+        starts = (self._zeros(value, self._spread(*ends))[:_ROOTS] for ends in ((), _USUAL))
+        return [acb(root.real, root.imag) for roots in starts for root in roots]
+
+    def _close(self, value: Value, root: acb) -> Witness | None:
+        """The whole may fail where a part is small enough near its zero, whatever else is small there."""
+        with ctx.workprec(2 * _RADII[-1]):
             for place in _approaching(lambda s: in_balls(self.question.graph, [value], s, self.names)[0], root):
                 root = place
-        return root
+        size = _short(max(near(root.real), near(root.imag), key=abs), 1)
+        for radius in (size / 2**bits for bits in _RADII):
+            re, im = (round(8 * x / radius) * radius / 8 for x in (near(root.real), near(root.imag)))
+            for exponent in _EXPONENTS:
+                for turn in range(1 if self.question.kind is Kind.BR else 4):
+                    if found := self.question.fails(re, im, self.names, Spot(radius, value[1], exponent, turn)):
+                        return found
+        return None
 
     def behind(self, lines: list[tuple[int, int, Line]]) -> Witness | None:
         """A witness where the load of a line is near -z0, in Re s > 0, for the first lines of some, or for the last.
@@ -155,11 +172,11 @@ class Search:
                         return found
         return None
 
-    def _spread(self) -> Array:
+    def _spread(self, low: float = 0.0, high: float = 0.0) -> Array:
         """Places in the right half plane on a logarithmic grid."""
         import numpy as np
 
-        radii = np.geomspace(self.low * 1e5, self.high / 1e4, 30)
+        radii = np.geomspace(low or self.low * 1e5, high or self.high / 1e4, 30)
         return (radii[:, None] * np.exp(1j * np.array([0, 0.5, 0.9, 1.2, 1.4, 1.5]))).ravel()
 
     def _ladder(self) -> Array:
@@ -227,15 +244,12 @@ class Search:
         """A witness near a frequency on the axis."""
         return next(filter(None, (self.check(*place) for place in _beside(w))), None)
 
-    def around(self, root: acb, distances: Iterable[int]) -> Witness | None:
+    def around(self, root: acb) -> Witness | None:
         """A witness ever nearer to a pole or a zero in Re s >= 0."""
-        size = max(abs(near(root.real)), abs(near(root.imag))) or Fraction(1)
-        unit = Fraction(2) ** (size.numerator.bit_length() - size.denominator.bit_length())
-        for distance in distances:
-            grid = unit / 2**distance
-            re, im = (round(near(part) / grid) for part in (root.real, root.imag))
+        re, im = near(root.real), near(root.imag)
+        for unit in (_short(max(re, im, key=abs), 1) / 2**distance for distance in _DISTANCES):
             for x, y in _DIRECTIONS:
-                if found := self.check((re + x) * grid, (im + y) * grid):
+                if found := self.check(round(re / unit + x) * unit, round(im / unit + y) * unit):
                     return found
         return None
 
@@ -272,23 +286,6 @@ class Search:
         with np.errstate(all="ignore"):
             found = size - 1 if self.question.kind is Kind.BR else -f.real / (size if relative else 1)
         return np.where(np.isfinite(found), found, -np.inf)
-
-    def _candidates(self) -> Iterator[tuple[Fraction, Fraction]]:
-        """Points to try: of a grid, on the real axis where values are not real, beside the axis."""
-        import numpy as np
-
-        radii = np.geomspace(self.low, self.high, _RADII)
-        there = self.values(radii + 0j)
-        unreal = radii[np.abs(there.imag) > 1e-6 * np.abs(there)]
-        s = (radii[:, None] * np.exp(1j * np.pi / 2 * np.linspace(0, 1, _ANGLES, endpoint=False))).ravel()
-        wrong = self.badness(s)
-        clear = s[wrong > min(max(wrong.max() / 2, 0), 1)]
-        middle = math.sqrt(self.low) * math.sqrt(self.high)
-        for point in (*_nearest(clear, middle), *_nearest(unreal, middle)):
-            yield from _rounded(complex(point))
-        for tilt in (0.0, 1e-6):
-            for w in self._refined(tilt)[:4]:
-                yield from _beside(float(w))
 
     def _suspects(self) -> Iterator[Value]:
         """Functions whose zeros in Re s > 0 may be poles of the whole, or zeros of an impedance."""
@@ -348,14 +345,6 @@ def _nearest(s: Array, size: float) -> Array:
     import numpy as np
 
     return s[np.argsort(np.abs(np.log(np.abs(s) / size)))[:3]]
-
-
-def _rounded(s: complex) -> Iterator[tuple[Fraction, Fraction]]:
-    """The point with few digits, then with more."""
-    if not math.isfinite(abs(s)) or s.real <= 0:
-        return
-    for bits in (3, 6, 12, 24, 50):
-        yield _short(s.real, bits), _short(abs(s.imag), bits)
 
 
 def _beside(w: float) -> Iterator[tuple[Fraction, Fraction]]:

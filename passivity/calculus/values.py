@@ -29,14 +29,9 @@ def needed(graph: Graph, *roots: int, known: Iterable[int] = ()) -> list[int]:
     return sorted(seen)
 
 
-def in_ball(
-    graph: Graph, value: Value, s: acb, names: Names | None = None, known: Mapping[int, acb] | None = None
-) -> acb:
-    """A ball with the values at all points of a ball, constants for the names; not finite where it may hold a pole.
-
-    Nodes that are known have the values given.
-    """
-    return in_balls(graph, [value], s, names, known)[0]
+def in_ball(graph: Graph, value: Value, s: acb, names: Names | None = None) -> acb:
+    """A ball with the values at all points of a ball, constants for the names; not finite where it may hold a pole."""
+    return in_balls(graph, [value], s, names)[0]
 
 
 def in_balls(
@@ -47,7 +42,7 @@ def in_balls(
     known: Mapping[int, acb] | None = None,
     order: list[int] | None = None,
 ) -> list[acb]:
-    """Evaluate several values in balls, common parts once; `order` lists the nodes needed for them."""
+    """Evaluate several values in balls, common parts once, from nodes known; `order` lists the nodes needed."""
     numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
     at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
     order = needed(graph, *(n for _, n in values), known=known or ()) if order is None else order

@@ -23,11 +23,12 @@ from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.calculus.derivation import Derivation
 from passivity.errors import ExpressionError, shown
 from passivity.exact.positive_real import check_bounded_real, check_positive_real
+from passivity.exact.witness import from_axis, from_root, of_one_port
 from passivity.expression.number import digits
+from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.evaluate import Exact, exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic.question import delayed_witness
 from passivity.verdict import Verdict, Witness
 
 
@@ -77,7 +78,7 @@ def check_line(load: RationalFunction | str, z0: Exact, delay: Exact) -> Derivat
         return chain(delayed, _port(h2, reflection, travel))
     try:
         with budget(ASIDE):
-            witness = delayed_witness(reflection, 2 * travel)
+            witness = _behind(reflection, travel)
             there = witness and _input(witness, travel)
         assert witness is not None
         assert there is not None
@@ -104,6 +105,16 @@ def _port(h2: RationalFunction, reflection: Verdict, delay: Fraction) -> str:
     elif not special and reflection.lossless:
         special = "nothing is lost, so all poles of G1 are simple and on the axis"
     return "Re G1 = (1 - |H1|^2)/|1 + H1|^2 >= 0" + (f"; {special}" if special else "")
+
+
+def _behind(reflection: Verdict, delay: Fraction) -> Witness | None:
+    """s with |H1(s)| > 1, shown in ball arithmetic, for a verdict that refutes H2."""
+    h2 = reflection.function
+    if not delay:
+        return reflection.witness
+    test, allowed = of_one_port(Kind.BR, h2.p, h2.q, delay), allowance(Kind.BR, h2.p, h2.q)
+    sign = find_sign(allowed)
+    return from_axis(test, allowed, sign) if isinstance(sign, Fraction) else from_root(test, h2.reduced().q)
 
 
 def _input(witness: Witness, delay: Fraction) -> acb:

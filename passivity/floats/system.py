@@ -21,7 +21,7 @@ _EPS = float(np.finfo(float).eps)
 _PER_DECADE, _MOST = 8, 200  # frequencies of the first grid
 _MINIMA = 6  # of which the lowest are followed
 _FARTHEST = 1e30
-_GOLDEN = (np.sqrt(5) - 1) / 2
+_ROUNDS, _INSIDE = 12, 12  # in which minima are approached, and points between the neighbours of each
 Band = tuple[float, float]
 
 
@@ -192,25 +192,13 @@ class Samples:
         return min(known, key=lambda place: place.value + place.error)
 
     def follow(self) -> None:
-        """Go down to the lowest of the local minima, by golden sections."""
-        row = self._sorted()
-        inner = [x for x in zip(row, row[1:], row[2:], strict=False) if x[1].value <= min(x[0].value, x[2].value)]
-        for before, here, after in sorted(inner, key=lambda x: x[1].value)[:_MINIMA]:
-            high = after.w if np.isfinite(after.w) else 4 * here.w
-            self._descend(before.w, high)
-
-    def _descend(self, low: float, high: float) -> None:
-        width = _GOLDEN * (high - low)
-        left, right = self.add([high - width, low + width])
-        for _ in range(60):
-            if high - low <= 1e-8 * high:
-                return
-            if left.value < right.value:
-                high, right = right.w, left
-                (left,) = self.add([high - _GOLDEN * (high - low)])
-            else:
-                low, left = left.w, right
-                (right,) = self.add([low + _GOLDEN * (high - low)])
+        """Go down to the lowest of the local minima, closer in each round."""
+        for _ in range(_ROUNDS):
+            row = self._sorted()
+            inner = [x for x in zip(row, row[1:], row[2:], strict=False) if x[1].value <= min(x[0].value, x[2].value)]
+            lowest = sorted(inner, key=lambda x: x[1].value)[:_MINIMA]
+            ends = [(before.w, min(after.w, 4 * here.w)) for before, here, after in lowest]
+            self.add(w for low, high in ends if high - low > 1e-8 * high for w in np.linspace(low, high, _INSIDE)[1:-1])
 
     def bands(self) -> list[Band]:
         """Where the value is negative, the ends found by bisection; places where its sign is not known do not count."""

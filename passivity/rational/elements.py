@@ -1,4 +1,4 @@
-"""Scattering matrices from impedances and back, S = (Z - I)(Z + I)^-1, Z = (I + S)(I - S)^-1; the ideal transformer.
+"""Scattering matrices from impedances and back, S = (Z - I)(Z + I)^-1, Z = (I + S)(I - S)^-1.
 
 All flows are counted into the network; waves a and b are those of ports with the same reference resistance.
 """
@@ -6,7 +6,7 @@ All flows are counted into the network; waves a and b are those of ports with th
 from flint import fmpz_poly
 
 from passivity.errors import ExpressionError
-from passivity.rational.evaluate import Exact, exact, positive
+from passivity.rational.evaluate import Exact, positive
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
 from passivity.rational.polynomial_matrix import PolynomialMatrix, add, identity, minor_sums, scaled
@@ -85,26 +85,3 @@ def inverted(n: PolynomialMatrix, d: fmpz_poly) -> tuple[fmpz_poly, PolynomialMa
 
 def _quotient(n: PolynomialMatrix, d: fmpz_poly) -> RationalMatrix:
     return RationalMatrix(tuple(tuple(RationalFunction(x, d).reduced() for x in row) for row in n))
-
-
-def transformer_scattering(ratio: Exact) -> RationalMatrix:
-    """S of the ideal transformer u1 = n u2, y2 = -n y1; it has no impedances.
-
-    Parameters
-    ----------
-    ratio : int, float, Fraction, Decimal or str
-        n, dimensionless.
-
-    Raises
-    ------
-    ExpressionError
-        It is no number.
-
-    Examples
-    --------
-    >>> print(transformer_scattering(2))
-    [(3)/(5), (4)/(5); (4)/(5), (-3)/(5)]
-    """
-    n = exact(ratio, "ratio")
-    square = n * n + 1
-    return RationalMatrix.from_rows([[(n * n - 1) / square, 2 * n / square], [2 * n / square, (1 - n * n) / square]])

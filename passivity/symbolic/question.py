@@ -12,31 +12,26 @@ from fractions import Fraction
 from math import inf
 from typing import Any
 
-from flint import arb, fmpq
-
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.fact import CLAIMS, Fact
 from passivity.calculus.graph import Graph, Value
 from passivity.calculus.question import Question as Asked
+from passivity.calculus.search import Search
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError, shorten
 from passivity.exact.positive_real import check
-from passivity.exact.witness import from_axis, from_root, of_one_port
-from passivity.polynomial.sign import allowance as allowance_on_axis
-from passivity.polynomial.sign import find_sign
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind, Status
+from passivity.status import Kind
 from passivity.symbolic.assumption import Range
 from passivity.symbolic.conditions import allowance, as_impedance, low_degree_condition, positivity_condition
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, claim, join, polynomial_text, quotient_text, value
-from passivity.verdict import Verdict, Witness
+from passivity.verdict import Witness
 from passivity.verifier import Graph as Nodes
 from passivity.verifier import scaled
 
 _SHOWN = 400  # characters of a line
 _E = 1  # the generator exp(-tau s)
-_MAX_DOUBLINGS = 200
 
 
 @dataclass(frozen=True)
@@ -97,10 +92,11 @@ class Question:
             verdict = check(RationalFunction.from_coefficients(*sides), self.kind)
         except ExpressionError:
             return None
-        delay = over / under if under else Fraction(0)
-        point = delayed_witness(verdict, delay) if under else None
-        witness = asked.fails(point.re, point.im, values) if point and delay else point
-        if witness is None:
+        delay, witness = over / under if under else Fraction(0), verdict.witness
+        if delay and (verdict.refuted or delay < 0):
+            search = Search(asked, values)
+            witness = search.glance() or search.hunt()
+        if witness is None or not under:
             return None
         why = f"of the reflection H behind the delay, {verdict.why}" if delay else verdict.why
         why = "exp(-delay*s) with a negative delay grows without bound" if delay < 0 else why
@@ -154,28 +150,3 @@ def _single_power(f) -> tuple:
     if len(parts) > 1:
         raise ExpansionError("it is not exp(-T*s) times a rational reflection, nor the impedance of one")
     return parts[0] if parts else (f, 0)
-
-
-def delayed_witness(verdict: Verdict, delay: Fraction) -> Witness | None:
-    """s with |exp(-delay s) H2(s)| > 1, shown in ball arithmetic, for a verdict on H2 as a reflection."""
-    h2 = verdict.function
-    if delay < 0:
-        return _growing(h2, delay)
-    if verdict.status is not Status.REFUTED:
-        return None
-    if not delay:
-        return verdict.witness
-    test, allowed = of_one_port(Kind.BR, h2.p, h2.q, delay / 2), allowance_on_axis(Kind.BR, h2.p, h2.q)
-    sign = find_sign(allowed)
-    return from_axis(test, allowed, sign) if isinstance(sign, Fraction) else from_root(test, h2.reduced().q)
-
-
-def _growing(h2: RationalFunction, delay: Fraction) -> Witness | None:
-    """A real s so large that exp(-delay s) |H2(s)| > 1."""
-    for k in range(_MAX_DOUBLINGS):
-        s = fmpq(2) ** k
-        p, q = h2.p(s), h2.q(s)
-        if q and abs(arb(p / q)) * (arb(fmpq(-delay.numerator, delay.denominator)) * arb(s)).exp() > 1:
-            size = p / q
-            return Witness(Kind.BR, Fraction(2**k), Fraction(0), ((Fraction(int(size.p), int(size.q)), Fraction(0)),))
-    return None

@@ -1,5 +1,6 @@
 """Poles, balls, and lines with passive and active ends."""
 
+import json
 import math
 from fractions import Fraction
 
@@ -16,6 +17,7 @@ from passivity import (
 from passivity.ball import near
 from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.calculus.ask import ask
+from passivity.calculus.question import check_file
 from passivity.expression.number import written
 
 
@@ -41,6 +43,55 @@ def test_an_unstable_pole_outside_the_exponentials_refutes(text, kind):
     assert verdict.status is Status.REFUTED
     assert verdict.witness
     assert verdict.why
+
+
+LONG = "exp(-1e10*s)*(s+2)/(s-2)"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "pole"),
+    [
+        (LONG, Kind.BR, 2),
+        ("exp(-1e300*s)/(s-2)", Kind.BR, 2),
+        (f"1 + {LONG}", Kind.PR, 2),
+        (f"(1 - {LONG})/(1 + {LONG})", Kind.PR, 2),
+        ("exp(-1e10*s)/(s^2 - 2*s + 2)^2", Kind.BR, 1 + 1j),
+        ("exp(-1e9*sqrt(s))/(sqrt(s) - 2)", Kind.BR, 4),
+        ("exp(-1e5*s)/(log(s) - 1)", Kind.BR, math.e),
+    ],
+)
+def test_a_pole_behind_any_delay_refutes(text, kind, pole):
+    """Where exp(-T s) is below 10^-8685889638 no digits tell a point near the pole: a divisor that is as small does."""
+    verdict = ask(text, kind)
+    assert verdict.status is Status.REFUTED
+    assert complex(verdict.witness.re, verdict.witness.im) == pytest.approx(pole)
+    assert verdict.witness.spot.radius < 1e-9
+    assert check_file(json.loads(json.dumps(verdict.evidence))) is None
+
+
+@pytest.mark.parametrize(
+    "spot",
+    [
+        ["3", 5, 2**40, 0],
+        ["1/1048576", 1, 2**40, 0],
+        ["1/1048576", 0, 2**40, 0],
+        ["1/1048576", 4, 1, 0],
+        ["1/1048576", 99, 2**40, 0],
+        ["1/1048576", 4, -(2**40), 0],
+        ["-1/1048576", 4, 2**40, 0],
+        ["1/1048576"],
+    ],
+)
+def test_other_spots_are_no_witnesses(spot):
+    """A disc beyond the half plane, of a part without a zero there, or one that is not that small along its edge."""
+    told = ask(LONG, Kind.BR).evidence
+    assert check_file(told | {"s": ["5/2", "0"]}) is not None
+    assert check_file(told | {"spot": spot}) is not None
+
+
+@pytest.mark.parametrize("text", ["exp(-1e10*s)*(exp(-s) - exp(-2))/(s - 2)", "exp(-1e5*s)*(s - 2)/(s - 2)/(s + 1)"])
+def test_no_pole_is_left_where_a_factor_takes_it(text):
+    assert ask(text, Kind.BR).status is not Status.REFUTED
 
 
 @pytest.mark.parametrize("at", ["2", "1/3", "17"])
