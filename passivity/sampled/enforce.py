@@ -36,6 +36,7 @@ from passivity.sampled.extremes import (
     extremes_on_grid,
     grid_of,
     inside,
+    is_passive,
     off_poles,
     places_of,
     verdict_of,
@@ -74,8 +75,6 @@ class Enforced(Decided):
         The passive model; the given one if none was found.
     original : PoleResidueModel
         As given.
-    verdict : Verdict
-        Exact verdict of `model`. Passive if and only if it is `PROVED`.
     rounds : int
         How often the coefficients were changed.
     change : Deviation
@@ -88,12 +87,16 @@ class Enforced(Decided):
 
     model: PoleResidueModel
     original: PoleResidueModel
-    verdict: Verdict
     rounds: int
     change: Deviation
     misfit: Deviation
     misfit_before: Deviation
     samples: SampledResponse
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Exact verdict of `model`. Passive if and only if it is `PROVED`."""
+        return verdict_of(self.model)
 
     @property
     def status(self) -> Status:  # pyright: ignore[reportIncompatibleVariableOverride]
@@ -214,13 +217,13 @@ def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -
     """
     w, data = 2 * np.pi * samples.f, samples.values
     free = _free(model, samples, only_constant)
-    verdict, rounds, changed = verdict_of(model), 0, model
-    if verdict.status is not Status.PROVED:
-        found, after, rounds = _nearest(model, w, free)
-        changed, verdict = (found, after) if after.status is Status.PROVED else (model, verdict)
+    changed, rounds = model, 0
+    if not is_passive(model, w):
+        found, rounds = _nearest(model, w, free)
+        changed = found or model
     here, before = changed.matrices(w), model.matrices(w)
     errors = deviation(here, before), deviation(here, data), deviation(before, data)
-    return Enforced(changed, model, verdict, rounds, *errors, samples)
+    return Enforced(changed, model, rounds, *errors, samples)
 
 
 def deviation(values: NDArray, reference: NDArray) -> Deviation:
@@ -293,8 +296,8 @@ def _least_changed(
     return changed, MAX_ROUNDS
 
 
-def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleResidueModel, Verdict, int]:
-    """The nearest passive model, of several ports moved inside until that is proved; else the last that was tried."""
+def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleResidueModel | None, int]:
+    """The nearest passive model, of several ports moved inside until that is proved; None if it is not."""
     marks, size = [], 0.0
     unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
     many = model.ports > 1 and model.order > MANY_POLES
@@ -316,17 +319,13 @@ def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleRe
     if many and rounds:  # it touches the bound, where floats suggest no proof
         beyond = max((x for _, x, _, _ in extremes(found)), default=0.0)
         if beyond > ROOM[-1] * unit:  # no proof, which would take long to fail
-            return model, verdict_of(model), rounds
+            return None, rounds
         found = found.moved_inside(beyond + INSIDE * unit)
-    verdict = verdict_of(found)
-    for room in [x for x in ROOM if not many or x > INSIDE]:
-        if verdict.status is Status.PROVED or not size < math.inf:
-            break
-        moved = found.moved_inside(max(size, 0.0) + room * unit)
-        verdict = verdict_of(moved)
-        if verdict.status is Status.PROVED:
-            return moved, verdict, rounds
-    return found, verdict, rounds
+    if verdict_of(found).proved:
+        return found, rounds
+    rooms = [x for x in ROOM if not many or x > INSIDE] if size < math.inf else []
+    tried = (found.moved_inside(max(size, 0.0) + room * unit) for room in rooms)
+    return next((moved for moved in tried if verdict_of(moved).proved), None), rounds
 
 
 def whitening(phi: NDArray[np.complex128]) -> NDArray:

@@ -24,6 +24,7 @@ NEARLY_INFINITE = 1e6  # times the largest frequency: replaces infinity, its inv
 AROUND = np.tan(np.linspace(-1.5, 1.5, 17))  # of the half width of a resonance: frequencies that show it
 EVEN = 100  # frequencies at equal ratios
 MOST_EXTREMES = 40  # extremes that are followed
+SURELY = 1e-9  # beyond the bound, of the size of the model: more than rounding
 CLOSER = 3  # rounds, ten times closer each, in which a maximum is located
 Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far beyond the bound, vectors u and v
 
@@ -37,6 +38,13 @@ def verdict_of(model: PoleResidueModel) -> Verdict:
         return check(model.rational(), model.parameter.kind)
     system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
     return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)
+
+
+def is_passive(model: PoleResidueModel, w: NDArray) -> bool:
+    """Whether a model is proved passive, which takes long for many poles where a grid does not show that it is not."""
+    unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
+    beyond = (x for _, x, _, _ in extremes_on_grid(model, w, np.zeros(0)))
+    return max(beyond, default=0.0) <= SURELY * unit and verdict_of(model).proved
 
 
 def seen(model: PoleResidueModel) -> AxisAnalysis:

@@ -28,7 +28,7 @@ from passivity.floats.axis import AxisAnalysis
 from passivity.rational.state_space import MAX_STATES
 from passivity.sampled.check import check_samples
 from passivity.sampled.enforce import enforce
-from passivity.sampled.extremes import FEW_PORTS, bands_of, seen, verdict_of, worst_of
+from passivity.sampled.extremes import FEW_PORTS, bands_of, is_passive, seen, verdict_of, worst_of
 from passivity.sampled.fit import MANY, MEETING, WHITE, Reached, fit, fits
 from passivity.sampled.mirror import ALIKE, joined, mirrored, on_grid, proved_on_grid
 from passivity.sampled.model import PoleResidueModel, terms
@@ -81,8 +81,7 @@ class DelayedModel:
     @cached_property
     def decisive(self) -> PoleResidueModel:
         """The model, or the part of it on which its verdict rests."""
-        parts = self.parts or (self.model,)
-        return next((part for part in parts if not verdict_of(part).proved), parts[0])
+        return next((part for part in self.parts if not verdict_of(part).proved), (*self.parts, self.model)[0])
 
     @property
     def order(self) -> int:
@@ -259,7 +258,7 @@ def _nearest_of(tried: list[DelayedModel]) -> DelayedModel | None:
     """The nearest passive model to the best fit that has one."""
     fewest = math.inf
     for found in sorted(tried, key=lambda each: each.error):
-        if found.order < fewest and (passive := found.nearest).verdict.proved:
+        if found.order < fewest and is_passive((passive := found.nearest).decisive, 2 * np.pi * passive.samples.f):
             return passive
         fewest = min(fewest, found.order)  # what has more poles is no easier
     return None

@@ -1,11 +1,12 @@
 """Model of an IBIS file at one corner, as numbers: tables of voltage and current, capacitance, edges, package."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationInfo
 
 from tline.errors import InputError
 from tline.scene.ibis.keywords import (
@@ -18,7 +19,7 @@ from tline.scene.ibis.keywords import (
     table_of,
     without_far_ends,
 )
-from tline.scene.text_file import read_text
+from tline.scene.text_file import beside, read_text
 from tline.words.wording import nearest, shown
 
 TABLES = ("pullup", "pulldown", "power clamp", "gnd clamp")
@@ -83,6 +84,16 @@ class Buffer(NamedTuple):
     package: tuple[float, float, float]  # R, L, C
     damper: tuple[float, float]  # R and C in series from the die to earth, C = 0 for none
     notes: list[str]
+
+
+def read_once(read: Callable[..., Any], file: str, info: ValidationInfo, *asked: Any) -> Any:
+    """Read a model of a file beside the scene's, once for each time of modification; errors name the file."""
+    path = beside(file, info)
+    try:
+        return read(path, path.stat().st_mtime_ns if path.is_file() else 0, *asked)
+    except InputError as error:
+        told = f"'{file}': {error.problem}" if error.where == "file" else error.problem
+        raise InputError(error.where, told, error.expected, error.got) from None
 
 
 def read_buffer(

@@ -21,12 +21,11 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
 from tline.scene.element import AtNode, OneMedium
-from tline.scene.ibis.buffer import ALWAYS, DRIVING, Buffer, CurrentTable, EdgeWaveform, read_buffer
+from tline.scene.ibis.buffer import ALWAYS, DRIVING, Buffer, CurrentTable, EdgeWaveform, read_buffer, read_once
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.rational import Capacitor, Ratio, RationalImpedance, Series, exact
 from tline.scene.shape import Shape
 from tline.scene.source import Source
-from tline.scene.text_file import beside
 from tline.words.wording import shown
 
 SWITCHED = "pullup", "pulldown"  # tables that are weighted over time; all others are always connected
@@ -196,13 +195,8 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
 
     @model_validator(mode="after")
     def _readable(self, info: ValidationInfo):
-        path = beside(self.file, info)
-        try:
-            stamp = path.stat().st_mtime_ns if path.is_file() else 0
-            self._buffer = _read(path, stamp, self.model, self.pin, self.component, self.corner, self.bits is not None)
-        except InputError as error:
-            told = f"'{self.file}': {error.problem}" if error.where == "file" else error.problem
-            raise InputError(error.where, told, error.expected, error.got) from None
+        asked = self.model, self.pin, self.component, self.corner, self.bits is not None
+        self._buffer = read_once(_read, self.file, info, *asked)
         self._edges = self._checked()
         self._ratio = Ratio.of_fractions([1], [exact(self._buffer.capacitance), 0])
         return self
