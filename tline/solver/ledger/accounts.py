@@ -41,8 +41,9 @@ class Port(NamedTuple):
 
 def _sums(shares: NDArray, values: NDArray) -> NDArray:
     """Weighted sums of values along their first axis."""
-    sums = thin_product(values.reshape(len(values), -1).T, shares.T)
-    return np.ascontiguousarray(sums.T).reshape(-1, *values.shape[1:])
+    n, m, s = values.shape
+    sums = thin_product(values.reshape(n, m * s).T, shares.T)
+    return np.ascontiguousarray(sums.T).reshape(len(shares), m, s)
 
 
 class Flows(NamedTuple):
