@@ -132,7 +132,7 @@ def _of_multiport(network: RationalMatrix | StateSpace, kind: Kind) -> Verdict:
         if found := lossless_storage(kind, network):
             certificate = StorageCertificate(kind, network, *found)
             return Verdict(kind, network, Status.PROVED, certificate, lossless=True, hidden=hidden_modes(network))
-        if network.states >= _FLOATS_FIRST and (verdict := _by_floats(kind, network)) is not None:
+        if network.states >= _FLOATS_FIRST and (verdict := by_floats(kind, network)) is not None:
             return verdict
     try:
         return replace(_by_minors(kind, network), hidden=hidden_modes(network))
@@ -164,13 +164,7 @@ def _by_minors(kind: Kind, network: RationalMatrix | StateSpace) -> Verdict:
     return Verdict(kind, network, Status.PROVED, certificate, lossless=not any(a for a, _ in totals))
 
 
-def by_storage(system: StateSpace) -> Verdict:
-    """The verdict on S that a storage function gives, or a point where there can be none; no minors."""
-    found = _by_floats(Kind.BR, system)
-    return refuted_or_undecided(Kind.BR, system, "no storage function was found") if found is None else found
-
-
-def _by_floats(kind: Kind, system: StateSpace) -> Verdict | None:
+def by_floats(kind: Kind, system: StateSpace) -> Verdict | None:
     """Refute at a point, or prove by a storage function, found in floats and checked exactly; None if neither works."""
     from passivity.floats.modes import Modes
     from passivity.floats.storage import as_scattering, strict_storage

@@ -37,6 +37,7 @@ from passivity.sampled.extremes import (
     grid_of,
     inside,
     is_passive,
+    is_proved,
     off_poles,
     places_of,
     verdict_of,
@@ -321,11 +322,11 @@ def _nearest(model: PoleResidueModel, w: NDArray, free: NDArray) -> tuple[PoleRe
         if beyond > ROOM[-1] * unit:  # no proof, which would take long to fail
             return None, rounds
         found = found.moved_inside(beyond + INSIDE * unit)
-    if verdict_of(found).proved:
+    if is_proved(found):
         return found, rounds
     rooms = [x for x in ROOM if not many or x > INSIDE] if size < math.inf else []
     tried = (found.moved_inside(max(size, 0.0) + room * unit) for room in rooms)
-    return next((moved for moved in tried if verdict_of(moved).proved), None), rounds
+    return next((moved for moved in tried if is_proved(moved)), None), rounds
 
 
 def whitening(phi: NDArray[np.complex128]) -> NDArray:

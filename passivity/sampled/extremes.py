@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passivity.budget import UndecidedError
-from passivity.exact.positive_real import by_storage, check
+from passivity.exact.positive_real import by_floats, check, refuted_or_undecided
 from passivity.floats.axis import AxisAnalysis, analyse
 from passivity.floats.system import FloatSystem
 from passivity.polynomial.roots import violations
@@ -16,7 +16,7 @@ from passivity.rational.state_space import StateSpace
 from passivity.sampled.check import excess, worst_first, worst_values
 from passivity.sampled.model import PoleResidueModel
 from passivity.sampled.response import Parameter
-from passivity.status import Status
+from passivity.status import Kind, Status
 from passivity.verdict import Verdict
 
 FEW_PORTS, MANY_POLES = 4, 40  # ports and poles up to which the exact test takes seconds
@@ -32,19 +32,38 @@ Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far b
 @lru_cache(maxsize=8)
 def verdict_of(model: PoleResidueModel) -> Verdict:
     """Exact: of the function, of the matrix up to FEW_PORTS ports and MANY_POLES poles, else of a state space."""
-    if model.ports == 1 or np.any(model.proportional):
+    if model.ports == 1 or np.any(model.proportional) or (model.ports <= FEW_PORTS and model.order <= MANY_POLES):
         return check(model.rational(), model.parameter.kind)
-    if model.ports <= FEW_PORTS and model.order <= MANY_POLES:
-        return check(model.rational(), model.parameter.kind)
-    system = StateSpace.from_entries(*(x.tolist() for x in model.realised()))
-    return by_storage(system) if model.parameter is Parameter.S else check(system, model.parameter.kind)
+    if model.parameter is not Parameter.S:
+        return check(_state_space(model), model.parameter.kind)
+    if (found := _by_storage(model)) is not None:
+        return found
+    return refuted_or_undecided(Kind.BR, _state_space(model), "no storage function was found")
+
+
+@lru_cache(maxsize=8)
+def _by_storage(model: PoleResidueModel) -> Verdict | None:
+    """The verdict on S that a storage function gives, or a point that floats suggest; no minors."""
+    return by_floats(Kind.BR, _state_space(model))
+
+
+def _state_space(model: PoleResidueModel) -> StateSpace:
+    return StateSpace.from_entries(*(x.tolist() for x in model.realised()))
+
+
+def is_proved(model: PoleResidueModel) -> bool:
+    """Whether a model is proved passive, without looking for the reason if S of many poles is not."""
+    many = model.ports > FEW_PORTS or (model.ports > 1 and model.order > MANY_POLES)
+    if many and model.parameter is Parameter.S:
+        return (found := _by_storage(model)) is not None and found.proved
+    return verdict_of(model).proved
 
 
 def is_passive(model: PoleResidueModel, w: NDArray) -> bool:
     """Whether a model is proved passive, which takes long for many poles where a grid does not show that it is not."""
     unit = 1.0 if model.parameter is Parameter.S else float(np.abs(model.at(w)).max())
     beyond = (x for _, x, _, _ in extremes_on_grid(model, w, np.zeros(0)))
-    return max(beyond, default=0.0) <= SURELY * unit and verdict_of(model).proved
+    return max(beyond, default=0.0) <= SURELY * unit and is_proved(model)
 
 
 def seen(model: PoleResidueModel) -> AxisAnalysis:
