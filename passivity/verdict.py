@@ -347,7 +347,8 @@ class Verdict(Decided):
 
     def plot(self, ax: Any = None) -> Any:
         """Impedance plane, Smith chart and reflection, z0 = 1; of one port. On `ax` the Smith chart alone."""
-        if not isinstance(self.function, RationalFunction):
+        sampled = self.function is None and self.asked[0] and not self.question.graph.names
+        if not (sampled or isinstance(self.function, RationalFunction)):
             return super().plot(ax)
         from passivity.exact.picture import draw_verdict
 

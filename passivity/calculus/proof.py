@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 from passivity.ball import near
@@ -192,8 +191,3 @@ class Texts:
         text = self.of(m)
         inner = f"({text})" if self.nodes[m][0] == "sum" and text[0] != "#" else text
         return inner if e == 1 else f"{inner}^{e}"
-
-
-def save(evidence: dict[str, Any], path: str | Path) -> None:
-    """Write a proof or a witness as JSON."""
-    Path(path).write_text(json.dumps(evidence, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
+from passivity.calculus.search import Search
 from passivity.errors import ExpressionError
 from passivity.exact.margin import Margin, Margins
 from passivity.rational.function import RationalFunction
@@ -33,11 +34,9 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
 
     On `ax` the Smith chart alone.
     """
-    verdict.function.to_floats()
     if not sys.float_info.min <= z0 < math.inf:
         raise ExpressionError("z0", "too large or too small to be drawn", "a number from 1e-307 to 1e308")
-    w = frequencies(verdict.function, [m.frequency for m in margins if m is not None])
-    values = np.array([verdict.function(1j * x) for x in w])
+    w, values = _on_axis(verdict, [m.frequency for m in margins if m is not None])
     with np.errstate(invalid="ignore", divide="ignore"):
         h = values if verdict.kind is Kind.BR else np.where(np.isfinite(values), (values - z0) / (values + z0), 1)
     width, columns = (13.0, 3) if verdict.kind is Kind.PR else (9.5, 2)
@@ -51,6 +50,17 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
     draw_smith(smith, h)
     _size(size, w, np.abs(h), margins.reflection, "" if verdict.kind is Kind.BR else f" against z0 = {z0:.6g}")
     return drawn
+
+
+def _on_axis(verdict: Verdict, also: list[float]) -> tuple[NDArray, NDArray]:
+    """Frequencies, and the values there."""
+    if verdict.function is not None:
+        verdict.function.to_floats()
+        w = frequencies(verdict.function, also)
+        return w, np.array([verdict.function(1j * x) for x in w])
+    search = Search(verdict.question, {})
+    w = np.geomspace(search.low * 1e4, search.high / 1e5, POINTS)
+    return w, search.values(1j * w)
 
 
 def frequencies(function: RationalFunction, also: list[float]) -> NDArray:

@@ -82,11 +82,12 @@ def test_a_larger_budget_decides_more():
 
 def test_pictures_and_notebooks():
     assert "<img" in is_positive_real("(s + 2)/(s^2 + s + 1)")._repr_html_()
-    shown = is_positive_real("tanh(s)")._repr_html_()
+    assert "<img" in is_bounded_real("exp(-s)/2")._repr_html_()
+    shown = is_positive_real("tanh(s) + Z2", ["Z2 positive real"])._repr_html_()
     assert "proved" in shown
     assert "<img" not in shown
     with pytest.raises(ExpressionError, match="there is no picture of this"):
-        is_positive_real("tanh(s)").plot()
+        is_positive_real("tanh(s) + Z2", ["Z2 positive real"]).plot()
 
 
 def test_long_proofs_take_one_screen():

@@ -104,7 +104,7 @@ def test_answers(arguments, status, words):
         ("'exp(-s)' --delay 1", "--delay: says nothing about functions that are not rational"),
         ("'[s, 1; 2]'", "matrix, row 2: not square, expected 2 entries, got 1"),
         ("'[s, 1'", "matrix: its last bracket is missing"),
-        ("'1 + exp(-s)' --plot a.png", "--plot: there is no picture of this"),
+        ("'R + exp(-s)' --param 'R>0' --plot a.png", "--plot: there is no picture of this"),
         ("none.toml", "none.toml: cannot be read"),
         ("none.csv", "none.csv: cannot be read"),
         ("none.s2p", "none.s2p: cannot be read"),

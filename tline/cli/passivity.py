@@ -22,7 +22,7 @@ FILES = {
     "plot": picture("Nyquist and Smith chart, |H(jω)|, or samples"),
     "certificate": FileKind((".json",), "Write the proof along the expression, or the witness"),
 }
-PICTURED = "a rational impedance or reflection without delay, or samples"
+PICTURED = "a function of one port without names and line, or samples"
 EXAMPLES = """\b
 Examples:
   tline passivity "R + s*L + 1/(s*C)" --param R="50 ohm" --param L="10 nH" --param C="4 pF" --z0 50

@@ -85,7 +85,7 @@ def expression(text: str, asked: Asked) -> Output:
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
     about = "functions with names" if assumed else "functions that are not rational"
     asked.refuse(about, "z0", "delay", "within")
-    return _concluded(verdict)
+    return _concluded(verdict, assumed)
 
 
 def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str]) -> Output:
@@ -100,19 +100,23 @@ def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str])
     return answer(last.status, derived.text_lines(), last.to_dict(), certificate=_certificate(last))
 
 
-def _concluded(verdict: "Verdict") -> Output:
-    return answer(verdict.status, verdict.text_lines(), verdict.to_dict(), certificate=_certificate(verdict))
+def _concluded(verdict: "Verdict", assumed: list[str]) -> Output:
+    plot = {} if assumed else {"plot": drawn("tline.cli.verdicts:draw", verdict)}
+    return answer(verdict.status, verdict.text_lines(), verdict.to_dict(), certificate=_certificate(verdict), **plot)
+
+
+def draw(verdict: "Verdict") -> "Figure":
+    """Draw a verdict, z0 = 1."""
+    return verdict.plot()
 
 
 def _certificate(verdict: "Verdict") -> Callable[[str], str | None]:
     """Return a writer of a file that anyone can check."""
 
     def save(file: str) -> str | None:
-        from passivity.calculus.proof import save as save_evidence
-
         if verdict.evidence is None:
             return "nothing was written: no proof along the expression, and no witness in reach"
-        save_evidence(verdict.evidence, file)
+        write_text(json.dumps(verdict.evidence, ensure_ascii=False) + "\n", file)
 
     return save
 
