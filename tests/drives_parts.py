@@ -3,12 +3,6 @@
 A flange carries the belt's speed v, positive from spool 1 to spool 2, and the force f on the component in that sense.
 """
 
-FLANGE = """\
-connector Flange
-  Real v "speed of the belt, m/s";
-  flow Real f "force on the component in the sense of v, N";
-end Flange;"""
-
 DRIVE = """\
 model Drive "spool on a motor's shaft"
   parameter Real J, B, r;

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline import InputError, Result, Scene
+from tline import Result, Scene
 from tline.cli.report import summary
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
@@ -18,7 +18,6 @@ from tline.solver.simulate import UnresolvedWarning, simulate
 CLOSE = 1e-7  # slabs of the finer run; what is nearer to a jump is on either side of it
 CELLS = (4, 1024)  # times as narrow as the finest run's slabs, beside cells, and at most as the first ones
 NEAR, FOLLOWED = 12, 1e-9  # slabs of each width behind a front, and what of the largest wave is followed there
-JUMP = 1e-4  # of the range, between two neighbours that far apart as a slab: a front
 
 
 class Kept(NamedTuple):
@@ -108,8 +107,3 @@ def _instants(t: NDArray, probe, result: Result) -> tuple[NDArray, NDArray]:
 def _at_fronts(t: NDArray, doubt: NDArray) -> NDArray:
     """Instants where the references differ by far more than around: a front that they did not follow."""
     return doubt > 1e3 * (np.median(doubt) + 1e-14)
-
-
-def is_refused(error: InputError) -> bool:
-    """Whether a scene cannot be run at all."""
-    return "no flow was found" in str(error)

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("folder")
 
 def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None:
     pytest.importorskip("wntr")
-    operations = "--trip duty@1s --close ab@2s+1s --burst 'c:5 L/s@2s+1s' --demand d:-4L/s@1s+1s --for 8s --no-cavities"
+    operations = "--trip duty@1s --close ab@2s+1s --burst 'c:5 L/s@2s+1s' --demand d:-4L/s@1s+1s --for 5s --no-cavities"
     pictures = "--heads heads.png --map map.png --profile way.png --path lake,tower --envelope table.csv"
     done = run(f"surge {TOWN} --at-hour 1 {operations} {pictures} --at b,c --rating '6 bar' --save scene.toml")
     assert done.exit_code == 1
@@ -28,7 +28,7 @@ def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None
     told = run("run scene.toml --envelope again.csv")
     assert told.exit_code < 2
     assert (folder / "again.csv").read_text() == (folder / "table.csv").read_text()
-    again = json.loads(run("surge scene.toml --for 8s --json --no-cavities").stdout)
+    again = json.loads(run("surge scene.toml --for 5s --json --no-cavities").stdout)
     first = json.loads(run(f"surge {TOWN} --at-hour 1 {operations} --json").stdout)
     assert again["risen"] == first["risen"]
     assert first["fallen"][0]["node"] == "lift"

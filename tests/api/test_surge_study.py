@@ -19,7 +19,7 @@ VESSEL = {"at": "lift", "kind": "air vessel", "gas_pressure": "7 bar", "gas_volu
 STUDY = {
     "title": "A town",
     "network": str(TOWN),
-    "run": {"t_end": "1.5 s", "cavities": False},
+    "run": {"t_end": "2 s", "cavities": False},
     "paths": [["lake", "tower"]],
     "variants": {"vessel": {"loads": {"vessel": VESSEL}}},
     "events": {"power failure": {"trip": "duty@0.5s"}, "burst": {"burst": "b*:5 L/s@0.5s", "each": "nodes"}},
@@ -48,7 +48,7 @@ def test_every_event_runs_in_every_variant(study):
 def test_a_scenario_is_what_operate_finds_and_its_scene_runs_just_so(study, folder):
     (outcome,) = (each for each in study.outcomes if each.scenario.name == "burst b, vessel")
     scene = tl.read(TOWN).change({"loads.vessel": VESSEL})
-    direct = tl.operate(scene, burst="b:5 L/s@0.5s", t_end="1.5 s", cavities=False)
+    direct = tl.operate(scene, burst="b:5 L/s@0.5s", t_end="2 s", cavities=False)
     assert outcome.told["highest"] == direct.to_dict()["highest"]
     assert outcome.worst["highest"]["highest"] == direct.worst.highest.highest
     again = tl.simulate(folder / f"{outcome.scenario.file}.toml", envelope=True).envelope

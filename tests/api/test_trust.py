@@ -16,7 +16,6 @@ from tline.errors import SceneError
 from tline.scene.file import read_scene
 from tline.words.printable import CONTROL
 
-PAGE = (Path(__file__).parents[2] / "docs" / "trust.md").read_text(encoding="utf-8")
 CABLE = """
 medium = "electrical"
 t_end = "8 ns"

@@ -34,7 +34,6 @@ DATA = [
     ["1", [-3]],
     [True, 1],
 ]
-RATIONAL = {"p": ["1"], "q": ["1"], "factors": [[["1"], 1]], "breaks": []}
 
 
 def passive(p, q):

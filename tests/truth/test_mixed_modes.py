@@ -6,7 +6,7 @@ import pytest
 from tline import InputError, Scene, simulate
 from tline.scene.stretches import expanded
 
-NS, RISE, T_END, SAMPLES = 1e-9, 0.3e-9, 5e-9, 1 << 16
+RISE, T_END, SAMPLES = 0.3e-9, 5e-9, 1 << 16
 NODES, TERMINATIONS = ("a1", "a2", "b1", "b2"), (50.0, 60.0, 75.0, 40.0)
 LINE = {
     "nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"], "length": 0.2,

@@ -11,7 +11,6 @@ from scipy.integrate import cumulative_simpson
 import tline as tl
 
 PIPE = {"length": "400 m", "diameter": "30 cm", "wave_speed": 1000, "density": 1000}
-AREA = pi * 0.3**2 / 4
 
 
 def run(links, loads, *, lines=None, t_end="3 s", **more):

@@ -16,7 +16,6 @@ from tline.study.reference.network import ReferenceNetwork
 
 PAIR = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]}
 MODES = {"even": {"z0": 60, "delay": "1.1 ns"}, "odd": {"z0": 40, "delay": "0.9 ns"}}
-SWITCH = {"at": "b1", "kind": "switch", "before": 1, "after": 2, "time": 1}
 LOSSY = MODES["even"] | {"resistance": 5}
 L, C = [[3e-7, 6e-8], [6e-8, 3e-7]], [[1.3e-10, -1.3e-11], [-1.3e-11, 1.3e-10]]
 MATRICES = {"inductance": L, "capacitance": C, "length": 1}

@@ -31,7 +31,6 @@ def scene(**more):
     return Scene(**data)
 
 
-LOSSY = {"nodes": ["a", "b"], "z0": 50.0, "delay": 1.0, "length": 1.0, "resistance": 1.0}
 COIL = {"at": "b", "kind": "series", "inductance": 1.0}
 DIODE = {"at": "b", "kind": "diode", "saturation": 1e-9}
 SWITCH = {"at": "b", "kind": "switch", "before": 1, "after": 2, "time": 1}
