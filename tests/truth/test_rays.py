@@ -53,6 +53,36 @@ def test_the_error_beside_fronts_falls_with_the_slabs_of_each_width_and_not_with
     assert off(8, 16) > more / 8
 
 
+SINGLE = {
+    "nodes": ["a", "b"], "length": 0.2, "inductance": 250e-9, "capacitance": 100e-12,
+    "skin": {"resistance": 60, "frequency": "10 GHz"},
+}  # fmt: skip
+PAIR = {
+    "nodes1": ["a", "c"], "nodes2": ["b", "d"], "length": 0.3, "resistance": [[8, 1], [1, 3]],
+    "inductance": [[300e-9, 60e-9], [60e-9, 380e-9]], "capacitance": [[140e-12, -22e-12], [-22e-12, 105e-12]],
+    "skin": {"resistance": [[33, 5], [5, 16]], "frequency": "1 GHz", "added": True},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", [SINGLE, PAIR])
+def test_a_law_that_is_a_resistor_answers_fronts_as_one(line):
+    ramp = {"shape": "ramp", "to": 1, "duration": "0.13 ns"}
+    linear = {"at": "b", "kind": "table", "points": [[-1, -0.004], [0, 0], [1, 0.004]]}
+    found = []
+    for load in (linear, {"at": "b", "kind": "resistor", "resistance": 250}):
+        scene = Scene(
+            medium="electrical", t_end="8 ns", lines={"l": line}, probes={"near": {"at": "a"}, "far": {"at": "b"}},
+            loads={"b": load, "c": {"at": "b", "kind": "capacitor", "capacitance": "0.7 pF"}},
+            sources={"s": {"at": "a", "kind": "voltage", "resistance": 50, "value": ramp}},
+        )  # fmt: skip
+        runs = Convolved(describe(scene), [])
+        found.append(runs.run(Resolution(5, 0.17e-9, convolved=True, layers=1e-9, near=12)).probes)
+    t = np.random.default_rng(3).uniform(0, 8e-9, 2000)
+    for name, probe in found[0].items():
+        assert np.abs(probe.at(t).u - found[1][name].at(t).u).max() < 1e-7
+        assert np.abs(probe.at(t).y - found[1][name].at(t).y).max() < 1e-9
+
+
 STEM, LEFT, RIGHT = (("d", "f", 0.08), ("f", "a", 0.05), ("f", "b", 0.0713))
 TREE = Scene(
     medium="electrical", t_end=4e-9,

@@ -124,9 +124,11 @@ class Coupled(Element):
         Raises
         ------
         InputError
-            Always: the caller does not know coupled conductors.
+            Always: each mode has its own.
         """
-        raise InputError("lines", "coupled conductors are simulated over time, and not known here", "single lines")
+        raise InputError(
+            "lines", "coupled conductors have parameters of each mode, and none as a whole", "single lines"
+        )
 
     @model_validator(mode="after")
     def _settle(self):

@@ -40,7 +40,7 @@ from tline.solver.steady.steady_state import Before
 
 BLOCK = 32  # slabs whose past is summed directly
 APART = 1e-11  # of a wave; laws that send each other less within a slab do not interact at once
-LEAST, DIGITS = 1e-4, 3  # of a tangent over its matched conductance, or the reverse; and of its logarithm
+LEAST, DIGITS = 1e-4, 6  # of a tangent over its matched conductance, or the reverse; and of its logarithm
 MOST_CLOCKS = 16  # clocks of slabs for jumps of laws
 
 

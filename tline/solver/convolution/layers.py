@@ -131,18 +131,13 @@ class Layers:
                 values = values.reshape(*values.shape[:2], -1, 2).transpose(2, 3, 0, 1)
                 left[ray.rows, :, begin : begin + self.rule.n] = taken - values[:, :, : taken.shape[2]]
                 at = (t + ray.delay) / self.h
-                layer = Layer(
-                    at + self._edges(levels[k], at, begin + self.rule.n),
-                    self._joined(answers[k], levels[k], weights),
-                    0,
-                )
+                end = begin + self.rule.n
                 until = max(int(np.ceil(at + self.near * (levels[k] > 0) - EDGE)), int(at + EDGE) + 1)
-                until = min(until, begin + self.rule.n)
-                behind = left[ray.rows, :, until : begin + self.rule.n]
-                left[ray.rows, :, until : begin + self.rule.n] = behind + layer.sampled(
-                    until, behind.shape[2], self.order
-                )
-                yield layer._replace(end=until)
+                values = self._joined(answers[k], levels[k], weights)
+                layer = Layer(at + self._edges(levels[k], at, end), values, min(until, end))
+                n = left[ray.rows, :, layer.end : end].shape[2]
+                left[ray.rows, :, layer.end : end] += layer.sampled(layer.end, n, self.order)
+                yield layer
 
     def _front(self, source: Fronts, k: int, first: int) -> tuple[NDArray, NDArray]:
         """Transform of a front on whole slabs, from its own slab on; and its jump and bend."""
