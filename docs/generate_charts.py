@@ -14,7 +14,6 @@ from tline.study.charts.work_precision import peers, work_precision
 from tline.style import save_figure
 
 FOLDER = DOCS / "charts"
-TEXTBOOK_ALONE = ("friction", "network")  # whose baseline method stands beside peers
 BESIDE_PEERS = ("rc", "rlc", "lossy", "y", "chain", "inductor", "hammer", "friction", "network")
 
 
@@ -46,7 +45,6 @@ if __name__ == "__main__":
         if name in others:
             others[name]()
             continue
-        if name not in TEXTBOOK_ALONE:
-            written(work_precision(name, progress=True), f"work_precision_{name}")
+        written(work_precision(name, progress=True), f"work_precision_{name}")
         if name in BESIDE_PEERS:
             written(peers(name, progress=True), f"peers_{name}")

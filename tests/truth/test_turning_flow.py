@@ -61,17 +61,3 @@ def test_errors_are_as_told(frequency, tol):
         told = getattr(result.accuracy.inside[where], letter)
         off = np.abs(getattr(result.probes[where].at(t), letter) - wanted[1:-1]).max() / size
         assert off <= told + doubt.max() / size
-
-
-@pytest.mark.parametrize("frequency", [0.35, 0.6])
-def test_slabs_by_hand_follow_a_flow_that_turns_at_their_order(frequency):
-    """Friction from its values at the points of slabs alone is some 2e-6 off here: |y| y bends inside diamonds."""
-    pipe = {"length": SPEED, "radius": RADIUS, "density": DENSITY, "wave_speed": SPEED}
-    pipe |= {"friction": {"kind": "darcy", "factor": FACTOR}}
-    sine, load = {"shape": "sine", "amplitude": 2e5, "frequency": frequency}, {"kind": "reservoir", "pressure": 0}
-    result = simulate(one_line(T_END, pipe, sine, 0, load, medium="hydraulic", solver={"order": 6, "slab": 1 / 8}))
-    coarse, fine = (grid(n, 2e5 * np.sin(2 * np.pi * frequency * np.arange(T_END * n + 1) / n), 0) for n in (512, 1024))
-    exact, t = (fine + (fine - coarse) / 3)[[0, 2], 16:-1:16], np.arange(1, 8 * T_END) / 8
-    for where, y in zip(("near", "far"), exact, strict=True):
-        assert y.min() < 0 < y.max()
-        assert result.probes[where].at(t).y == pytest.approx(y, abs=5e-8 * np.abs(y).max())

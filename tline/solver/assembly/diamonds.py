@@ -31,7 +31,6 @@ from tline.solver.steady.edges import Ends
 if TYPE_CHECKING:
     from tline.solver.assembly.layout import Junctions, SlabGrid
 
-CLOSER = 4  # times s: points on a line on which the flow turns
 EXPONENT = 1023  # of 1.0, as numbers hold it
 EXACT, SHARE = 1e-15, 1e-6  # of the largest wave, and of what may be left out: changes that end an iteration
 STEP, WEAK = 1e-5, 8.0  # of the largest wave, and of what may be left out: jumps that part a cell
@@ -48,8 +47,6 @@ class Triangle(NamedTuple):
     moments: NDArray
     gained: NDArray
     left: NDArray
-    lines: NDArray
-    spread: NDArray
 
 
 @lru_cache
@@ -77,13 +74,7 @@ def triangle(s: int) -> Triangle:
     values, by_weight, c = modes(p, q), 1 / order.A[-1][:, None], order.c
     gained = np.stack([before(c, c), by_weight * seen.T])
     left = np.stack([behind(c, np.ones(s)), by_weight * sent.T])
-    x, w = gauss(CLOSER * s)
-    lines = np.array(
-        [[modes(p * x, p * np.ones_like(x)) for p in c], [modes(np.full_like(x, p), p + (1 - p) * x) for p in c]]
-    )
-    spread = np.array([np.outer(c, w), np.outer(1 - c, w)])
-    arrays = sent, seen, inside, values, values.T * weights, gained, left, lines, spread
-    return Triangle(*map(np.ascontiguousarray, arrays))
+    return Triangle(*map(np.ascontiguousarray, (sent, seen, inside, values, values.T * weights, gained, left)))
 
 
 def _points(n: int) -> tuple[NDArray, NDArray, NDArray]:
@@ -124,8 +115,6 @@ def diamonds_of(
     matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in grid.rests if halves]
     circuits = [grid.circuits[name] for name, line in grid.lines.items() if line.dispersive]
     alike = [circuits[k] for k in first.tolist()]
-    rough = basis(min(order.s, CELL_ORDER)) if cell else order  # of friction
-    x, weights = gauss(CLOSER * rough.s)
     friction = [_friction(line, own.series.loss, grid.h) for line, own in zip(each, alike, strict=True)]
     found = Diamonds(
         here,
@@ -136,11 +125,9 @@ def diamonds_of(
         np.array([constants for _, constants in friction]).reshape(-1, 5)[like],
         tables,
         table_at[like],
-        tools_of(rough),
+        tools_of(basis(min(order.s, CELL_ORDER)) if cell else order),
         order.A[-1],
         *triangle(order.s if halves else 1),
-        closer=rough.evaluation(x),
-        moment=rough.moments(x, weights),
         ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
         exact=max(EXACT, SHARE * same),
         cell=np.array([k for k, _ in cells], int)[like],
@@ -151,7 +138,7 @@ def diamonds_of(
         memory=_memory(
             zip(each, alike, cells, (slabs + rest[first]).tolist(), strict=True),
             like.tolist(),
-            rough,
+            basis(min(order.s, CELL_ORDER)),
             grid.h,
         ),
     )

@@ -96,10 +96,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         states + (GOVERNED + int(network.laws.states.max(initial=0))) * elements,
     )
     return DiamondWork(
-        start=np.empty((r, r)),
         taken=np.empty((r, r)),
-        beyond=np.empty((2, r, r)),
-        line=np.empty(len(network.diamonds.closer)),
         along=np.empty((r, r)),
         base=np.empty((r, r)),
         value=np.empty((r, r)),
@@ -118,8 +115,6 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         tail=np.empty((ends, s)),
         seen=np.empty((ends, modes)),
         modes=np.empty((ends, modes)),
-        more=np.empty((2, ends, s)),
-        turned=np.zeros(ends, np.int64),
         flow=np.empty(modes),
         sent=np.empty(s),
         kept=np.empty(kept),

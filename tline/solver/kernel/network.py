@@ -89,10 +89,6 @@ class Diamonds(NamedTuple):
     moments: Floats2  # (K, M) modes of values at the points
     gained: Floats3  # (2, s, K) gain of the arriving wave by friction, at the points, and projected
     left: Floats3  # (2, s, K) loss of the leaving one
-    lines: Floats4  # (2, s, N, K) values of modes along the arriving and the leaving wave of each point
-    spread: Floats3  # (2, s, N) weights of these in integrals
-    closer: Floats2  # (N, r) values of a polynomial at Gauss points from those at Radau's
-    moment: Floats2  # (r, N) and back, as L2 projection
     ends: Floats4  # (rows of shift, 2, s, s) a rest of a slab in the next one, and the rest of a slab
     exact: float  # of the largest wave: changes that end an iteration
     cell: (
@@ -262,10 +258,7 @@ class GovernWork(NamedTuple):
 class DiamondWork(NamedTuple):
     """Workspace of diamonds, and of their halves at the E ends of a group."""
 
-    start: Floats2  # (r, r) flow without what is taken
     taken: Floats2  # (r, r) by friction
-    beyond: Floats3  # (2, r, r) friction on lines of a, and of b, less the polynomial through its values at the points
-    line: Floats  # (N,) friction on such a line
     along: Floats2  # (r, r) the flow that this leaves
     base: Floats2  # (r, r) the flow at which the next two are
     value: Floats2  # (r, r) of friction
@@ -284,8 +277,6 @@ class DiamondWork(NamedTuple):
     tail: Floats2  # (E, s) the rest of a slab
     seen: Floats2  # (E, K)
     modes: Floats2  # (E, K) of friction
-    more: Floats3  # (2, E, s) gain of the arriving wave and loss of the leaving one beside these
-    turned: Integers  # (E,) whether the flow turns in a half diamond
     flow: Floats  # (K,)
     sent: Floats  # (s,)
     kept: Floats  # states of the group

@@ -19,13 +19,10 @@ SLOWEST = 1e-200  # Reynolds number
 BITS, MANTISSA, ONE = 52, 2**52 - 1, 1023 << 52  # of a number: those of its fraction, and 1.0
 TERMS, PLACES = 7, 128  # of a power's series, and in its table
 ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
-CLOSE = 30  # rounds, at most, where the flow turns
-MATTERS = 1e5  # times changes that end an iteration: friction that is worth a closer look
 TANGENT_RANGE, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
 LINEAR = 1e-5  # of the correction by a step of Newton's method: largest rest after its rounds
 ROUNDED = 1e-12  # of the largest wave: with smaller changes a stalled iteration ends
 MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
-BALANCED = 1e-15  # of the energy, by which waves may gain for rounding
 REACH = 0.6  # about the change of the flow at a place by the loss there, of order 1; all lead to the same end
 
 
@@ -119,84 +116,35 @@ def bent(slope, flow, base):
 
 
 @function
-def turns(diamonds, row, low, high, size):
-    """Whether a flow between two bounds turns, where friction is not too little to matter beside waves of a size."""
-    if low < 0.0 < high:
-        value, _ = lost(diamonds, row, min(-low, high))
-        return value > MATTERS * diamonds.exact * size
-    return False
+def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
+    """Advance s values of a from place p past s of b from place q, through a rectangle `wide` × `high` slabs.
 
-
-@function
-def look_closer(diamonds, row, a, p, b, q, wide, high, work, share):
-    """Integrate friction of the flow's polynomial on each line of a and b, at more points than these have.
-
-    Where the flow turns friction bends, and integrals from its values at the points alone are of third order. What is
-    beyond these goes a share of the way. Returns the largest rest.
-    """
-    closer, moment, line, beyond, flow = diamonds.closer, diamonds.moment, work.line, work.beyond, work.along
-    s, radau, change = flow.shape[0], diamonds.tools.radau, 0.0
-    begun = diamonds.steady[row, 2] - diamonds.steady[row, 0]
-    for side in range(2):
-        for i in range(s):
-            for n in range(line.size):
-                d = 0.0
-                for j in range(s):
-                    d += closer[n, j] * (flow[i, j] if side == 0 else flow[j, i])
-                line[n], _ = lost(diamonds, row, d)
-            for j in range(s):
-                x, y = (i, j) if side == 0 else (j, i)
-                more = -work.value[x, y]
-                for n in range(line.size):
-                    more += moment[j, n] * line[n]
-                change = max(change, abs(more - beyond[side, x, y]))
-                beyond[side, x, y] += share * (more - beyond[side, x, y])
-    for i in range(s):
-        for j in range(s):
-            x, y = 0.0, 0.0
-            for k in range(s):
-                x += radau[j, k] * beyond[0, i, k]
-                y += radau[i, k] * beyond[1, k, j]
-            work.start[i, j] = a[p + i] - b[q + j] + begun - high * x - wide * y
-    return change
-
-
-@function
-def find_friction(diamonds, row, radau, work, a, p, b, q, wide, high, closely):
-    """Find friction in a rectangle, and whether that ended, and the flow turns and was looked at `closely` for that.
-
-    The iteration is Newton's, for friction is dear, each step of it by rounds that leave no more of the last one than
-    the slope of friction. Where steps do not end, for friction bends, each is a single round.
+    Returns whether the iteration ended: Newton's, for friction is dear, each step of it by rounds that leave no more of
+    the last one than the slope of friction. Where steps do not end, for friction bends, each is a single round.
     """
     s, taken, flow, base, value, slope = radau.shape[0], work.taken, work.along, work.base, work.value, work.slope
-    start, weight, steady, inside = work.start, work.weight, diamonds.steady[row], MIDDLE if s == 1 else 1.0
-    begun, size, last, reach = steady[2] - steady[0], 0.0, 1e300, REACH * (wide + high) / np.sqrt(s)
-    done, turning = False, False
+    weight, steady, inside = work.weight, diamonds.steady[row], MIDDLE if s == 1 else 1.0
+    begun = steady[2] - steady[0]
+    size, last, reach, done = 0.0, 1e300, REACH * (wide + high) / np.sqrt(s), False
     for i in range(s):
         size = max(size, abs(a[p + i]), abs(b[q + i]))
         for j in range(s):
-            flow[i, j] = start[i, j] = a[p + i] - b[q + j] + begun
-            taken[i, j] = work.beyond[0, i, j] = work.beyond[1, i, j] = 0.0
+            flow[i, j] = a[p + i] - b[q + j] + begun
+            taken[i, j] = 0.0
     for turn in range(ROUNDS):
-        off, steep, least, most = 0.0, 0.0, flow[0, 0], flow[0, 0]
+        off, steep = 0.0, 0.0
         for i in range(s):
             for j in range(s):
                 base[i, j] = flow[i, j]
-                least, most = min(least, flow[i, j]), max(most, flow[i, j])
                 value[i, j], slope[i, j] = lost(diamonds, row, flow[i, j])
                 value[i, j], slope[i, j] = (value[i, j] - steady[3]) * weight[i, j], slope[i, j] * weight[i, j]
                 off, steep = max(off, abs(value[i, j] - taken[i, j])), max(steep, slope[i, j])
-        turning = turning or (closely and turns(diamonds, row, least, most, size))
-        if turning and turn >= CLOSE:
-            break
-        if turning:
-            off = max(off, look_closer(diamonds, row, a, p, b, q, wide, high, work, 1.0 / (1.0 + reach * steep)))
         weak = min(reach * steep, 1.0)
         if off * weak <= diamonds.exact * size or (off >= 0.5 * last and off * weak <= ROUNDED * size):
             done = True  # after one round more
         last = off
         for _ in range(ROUNDS if turn < NEWTON else 1):
-            change, rest = 0.0, UNKNOWN if turning else 0.0
+            change, rest = 0.0, 0.0
             for i in range(s):
                 for j in range(s):
                     here = value[i, j] + slope[i, j] * (flow[i, j] - base[i, j])
@@ -211,48 +159,18 @@ def find_friction(diamonds, row, radau, work, a, p, b, q, wide, high, closely):
                     for k in range(s):
                         x += radau[j, k] * taken[i, k]
                         y += radau[i, k] * taken[k, j]
-                    flow[i, j] = start[i, j] - inside * (high * x + wide * y)
+                    flow[i, j] = a[p + i] - b[q + j] + begun - inside * (high * x + wide * y)
                     rest = max(rest, bent(slope[i, j], flow[i, j], base[i, j]))
             if change * weak <= max(LINEAR * off, diamonds.exact * size):
                 done = max(rest, change * weak) <= diamonds.exact * size
                 break
         if done:
             break
-    return done, turning
-
-
-@function
-def makes_energy(radau, taken, beyond, a, p, b, q, wide, high):
-    """Whether waves leave a rectangle with more energy than they bring."""
-    s, gain, size = radau.shape[0], 0.0, 0.0
     for i in range(s):
         x, y = 0.0, 0.0
         for k in range(s):
-            x += high * radau[s - 1, k] * (taken[i, k] + beyond[0, i, k])
-            y += wide * radau[s - 1, k] * (taken[k, i] + beyond[1, k, i])
-        here, there = a[p + i], b[q + i]
-        gain += radau[s - 1, i] * (wide * x * (x - 2.0 * here) + high * y * (y + 2.0 * there))
-        size += radau[s - 1, i] * (wide * here * here + high * there * there)
-    return gain > BALANCED * size
-
-
-@function
-def meet(diamonds, row, radau, work, a, p, b, q, wide, high):
-    """Advance s values of a from place p past s of b from place q, through a rectangle `wide` × `high` slabs.
-
-    Returns whether friction was found. Integrals of friction where the flow turns might make energy; if these do, or
-    are not found soon, they are those by its values at the points, which do not (docs/theory.md).
-    """
-    s, taken, beyond = radau.shape[0], work.taken, work.beyond
-    closely = s > 1 and diamonds.cell[row] == 0
-    done, turned = find_friction(diamonds, row, radau, work, a, p, b, q, wide, high, closely)
-    if turned and (not done or makes_energy(radau, taken, beyond, a, p, b, q, wide, high)):
-        done, _ = find_friction(diamonds, row, radau, work, a, p, b, q, wide, high, False)
-    for i in range(s):
-        x, y = 0.0, 0.0
-        for k in range(s):
-            x += radau[s - 1, k] * (taken[i, k] + beyond[0, i, k])
-            y += radau[s - 1, k] * (taken[k, i] + beyond[1, k, i])
+            x += radau[s - 1, k] * taken[i, k]
+            y += radau[s - 1, k] * taken[k, i]
         a[p + i] = flushed(a[p + i] - high * x)
         b[q + i] = flushed(b[q + i] + wide * y)
     return done

@@ -13,9 +13,11 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import exchange_part, times
-from tline.solver.kernel.diamonds.full import BALANCED, CLOSE, ROUNDED, ROUNDS, bent, flushed, lost, meet_apart, turns
+from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
 from tline.solver.kernel.network import Run
 from tline.solver.kernel.scatter import begin, gather, load, note, note_effort, scatter
+
+BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
 
 
 @function
@@ -45,9 +47,7 @@ def part_of(matrix, values, o, out):
 
 @function
 def begin_half(diamonds, e, coming, work, k):
-    """Put aside the share of the arriving wave in the flow in the triangle, which is not known to turn."""
-    work.projected[k] = work.turned[k] = 0
-    work.more[:, k] = 0.0
+    """Put aside the share of the arriving wave in the flow in the triangle."""
     n = diamonds.moments.shape[0]
     for i in range(n):
         work.seen[k, i] = 0.0
@@ -65,7 +65,6 @@ def arrive(diamonds, taken, e, coming, work, k, out, o):
         total = 0.0
         for j in range(modes.size):
             total += diamonds.gained[work.projected[k], i, j] * modes[j]
-        total += work.more[0, k, i]
         out[o + i] = coming[k, i] + total * work.width[0]
 
 
@@ -77,34 +76,14 @@ def has_ended(diamonds, change, last, turn, size):
 
 
 @function
-def look_closer_at_half(diamonds, row, s, work, k, share):
-    """Integrate friction of the flow on each line, beside its modes, as `look_closer`. Returns the largest rest."""
-    lines, spread, flow, modes, change = diamonds.lines, diamonds.spread, work.flow, work.modes[k], 0.0
-    for side in range(2):
-        for i in range(s):
-            more = 0.0
-            for n in range(spread.shape[2]):
-                d = 0.0
-                for j in range(modes.size):
-                    d += lines[side, i, n, j] * flow[j]
-                value, _ = lost(diamonds, row, d)
-                more += spread[side, i, n] * value
-            for j in range(modes.size):
-                more -= (diamonds.gained[0, i, j] if side == 0 else diamonds.left[0, i, j]) * modes[j]
-            change = max(change, abs(more - work.more[side, k, i]))
-            work.more[side, k, i] += share * (more - work.more[side, k, i])
-    return change
-
-
-@function
 def lose_half(diamonds, row, taken, e, sent, work, k, turn, size):
     """Set friction to that of the flow due to the sent wave. Returns the largest change.
 
     From the second turn on it is taken from its tangent where that is exact enough, for friction is costly.
     """
-    flow, modes, wide, change, least, most = work.flow, work.modes[k], work.width[0], 0.0, 0.0, 0.0
+    flow, modes, wide, change = work.flow, work.modes[k], work.width[0], 0.0
     base, here, slopes = work.tangent[0, k], work.tangent[1, k], work.tangent[2, k]
-    reach, steep = wide / np.sqrt(sent.size), 0.0
+    reach = wide / np.sqrt(sent.size)
     for i in range(modes.size):
         flow[i] = -work.seen[k, i]
     part_of(diamonds.sent, sent, 0, flow)
@@ -117,19 +96,12 @@ def lose_half(diamonds, row, taken, e, sent, work, k, turn, size):
         d = 0.0
         for j in range(modes.size):
             d += diamonds.values[i, j] * flow[j]
-        least, most = min(least, d), max(most, d)
         if turn == 0 or bent(slopes[i], d, base[i]) > diamonds.exact * size:
             here[i], slopes[i] = lost(diamonds, row, d)
             base[i] = d
         step = (here[i] + slopes[i] * (d - base[i]) - taken[e, i]) / (1.0 + reach * slopes[i])
         taken[e, i] += step
-        steep = max(steep, slopes[i])
         change = max(change, abs(step))
-    if work.projected[k] == 0 and turn < CLOSE and (work.turned[k] or turns(diamonds, row, least, most, size)):
-        work.turned[k] = 1
-        return max(change, look_closer_at_half(diamonds, row, sent.size, work, k, 1.0 / (1.0 + reach * steep)))
-    if work.turned[k]:
-        work.more[:, k] = 0.0
     return change
 
 
@@ -138,7 +110,7 @@ def leave(diamonds, sent, work, k):
     """Replace the wave that the node has sent by the one that leaves the triangle."""
     modes, wide = work.modes[k], work.width[0]
     for i in range(sent.size):
-        total = work.more[1, k, i]
+        total = 0.0
         for j in range(modes.size):
             total += diamonds.left[work.projected[k], i, j] * modes[j]
         sent[i] -= total * wide
@@ -149,7 +121,7 @@ def makes_energy(diamonds, coming, arrived, sent, work, k):
     """Whether a half diamond would give more energy than it gets."""
     s, modes, wide, gain, size = sent.size, work.modes[k], work.width[0], 0.0, 0.0
     for i in range(s):
-        total = work.more[1, k, i]
+        total = 0.0
         for j in range(modes.size):
             total += diamonds.left[0, i, j] * modes[j]
         out, weight = sent[i] - wide * total, diamonds.weight[i]
@@ -184,6 +156,7 @@ def prepare(run, g):
             part_of(diamonds.ends[rest, 0], before[e], 0, work.coming[k])
             times(diamonds.ends[rest, 1], waves, o, work.tail[k])
         begin_half(diamonds, e, work.coming, work, k)
+        work.projected[k] = 0
 
 
 @function
@@ -250,7 +223,7 @@ def check_energy(run, g, n):
                 for j in range(n):
                     work.sent[j] = 2.0 * u[q + j] - waves[o + j]
                 if makes_energy(diamonds, work.coming[k], waves[o : o + n], work.sent, work, k):
-                    work.projected[k], work.more[:, k], found = 1, 0.0, True
+                    work.projected[k], found = 1, True
     return found
 
 

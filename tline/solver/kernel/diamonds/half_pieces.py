@@ -25,6 +25,7 @@ def begin_piece(job, g, piece):
             for j in range(s):
                 work.coming[k, j] = fronts.work.arrived[k, piece, j]
             begin_half(network.diamonds, e, work.coming, work, k)
+            work.projected[k] = 0
 
 
 @function
@@ -77,7 +78,7 @@ def check_piece(job, g, piece):
         if network.diamonds.row[network.ends[i] >> 1] >= 0 and work.projected[k] == 0:
             given = work.coming[k], arrived[k, piece], left[k, piece]
             if makes_energy(run.network.diamonds, given[0], given[1], given[2], work, k):
-                work.projected[k], work.more[:, k], found = 1, 0.0, True
+                work.projected[k], found = 1, True
     return found
 
 
