@@ -124,6 +124,29 @@ def test_disturbance_is_that_of_all_patterns(symbols, rate):
     assert np.mean(norm.sf((found - sums) / spread)) == pytest.approx(rate, rel=0.02)
 
 
+def tail(x, h, noise, symbols):
+    """P(sum > x) by J. Gil-Pelaez, 1/2 - 1/pi of the integral of sin(wx) phi(w)/w, phi the characteristic function."""
+    levels, sd = np.linspace(-1, 1, symbols), np.hypot(noise, np.linalg.norm(h))
+    w = (np.arange(int(90 * sd / noise)) + 0.5) * 0.1 / sd
+    phi = np.exp(-((noise * w) ** 2) / 2)
+    for each in h:
+        phi *= np.cos(np.outer(levels, w * each)).mean(axis=0)
+    return 0.5 - float((np.sin(w * x) * phi / w).sum()) * 0.1 / sd / np.pi
+
+
+MANY = np.abs(np.random.default_rng(3).normal(size=4000)) * 1e-3
+
+
+@pytest.mark.parametrize("symbols", [2, 4])
+@pytest.mark.parametrize("rate", [1e-5, 1e-9])
+@pytest.mark.parametrize(
+    ("h", "noise"),
+    [(np.full(5000, 1.001e-4), 0.01), (np.full(3000, 1.5e-4), 0.01), (MANY, 0.02), (np.append(MANY, 0.2), 0.01)],
+)
+def test_many_cursors_smaller_than_a_level_disturb_as_their_law(h, noise, rate, symbols):
+    assert tail(exceeded(h, noise, symbols, rate), h, noise, symbols) == pytest.approx(rate, rel=0.02)
+
+
 def test_noise_alone_is_normal():
     for rate in (1e-3, 1e-12):
         assert exceeded(np.zeros(3), 0.7, 2, rate) == pytest.approx(0.7 * norm.isf(rate), rel=1e-3)

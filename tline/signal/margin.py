@@ -11,7 +11,7 @@ from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.signal.channel import modes_of, read_samples
 from tline.signal.clauses import Clause, clause
-from tline.signal.density import LEVELS, TAILS, density, power, without_small
+from tline.signal.density import LEVELS, TAILS, density, largest, power, without_small
 from tline.signal.reference_receiver import Equalised, Way, equalised, feedback, signal, slopes
 from tline.units import engineering
 
@@ -171,7 +171,9 @@ def exceeded(cursors: NDArray, noise: float, symbols: int, rate: float) -> float
     0.0611
     """
     cursors, noise = without_small(cursors, noise, symbols)
-    step = (float(cursors.sum()) + TAILS * noise) / LEVELS or 1.0
+    if not cursors.any() and not noise:
+        return 0.0
+    step = (largest(cursors) + TAILS * noise) / LEVELS
     found = density(cursors, noise, step, symbols)
     below = np.maximum(np.cumsum(found) - found / 2, 1e-300)
     k = max(int(np.searchsorted(below, rate)), 1)
