@@ -124,6 +124,43 @@ def test_disturbance_is_that_of_all_patterns(symbols, rate):
     assert np.mean(norm.sf((found - sums) / spread)) == pytest.approx(rate, rel=0.02)
 
 
+def tail(x, h, noise, symbols):
+    """P(sum > x) by J. Gil-Pelaez, 1/2 - 1/pi of the integral of sin(wx) phi(w)/w, phi the characteristic function."""
+    levels, sd = np.linspace(-1, 1, symbols), np.hypot(noise, np.linalg.norm(h))
+    w = (np.arange(int(90 * sd / noise)) + 0.5) * 0.1 / sd
+    phi = np.exp(-((noise * w) ** 2) / 2)
+    for each in h:
+        phi *= np.cos(np.outer(levels, w * each)).mean(axis=0)
+    return 0.5 - float((np.sin(w * x) * phi / w).sum()) * 0.1 / sd / np.pi
+
+
+MANY = np.abs(np.random.default_rng(3).normal(size=4000)) * 1e-3
+
+
+@pytest.mark.parametrize("symbols", [2, 4])
+@pytest.mark.parametrize("rate", [1e-5, 1e-9])
+@pytest.mark.parametrize(
+    ("h", "noise"),
+    [(np.full(5000, 1.001e-4), 0.01), (np.full(3000, 1.5e-4), 0.01), (MANY, 0.02), (np.append(MANY, 0.2), 0.01)],
+)
+def test_many_cursors_smaller_than_a_level_disturb_as_their_law(h, noise, rate, symbols):
+    assert tail(exceeded(h, noise, symbols, rate), h, noise, symbols) == pytest.approx(rate, rel=0.02)
+
+
+def test_nothing_disturbs_by_nothing():
+    assert exceeded(np.zeros(3), 0.0, 2, 1e-5) == 0
+
+
+def test_a_base_has_the_rest_of_packages_and_boards(tmp_path):
+    by = clause({"base": "100GBASE-CR4", "package": {"Z_c": "85 ohm"}, "board": {"z_tx": "0.1 m"}})
+    assert by.board is not None
+    assert (by.package.Z_c, by.package.C_d, by.board.z_tx, by.board.Z_c) == (85, 250e-15, 0.1, 109.8)
+    file = tmp_path / "pairs.json"
+    file.write_text("[[1, 2]]")
+    with pytest.raises(InputError, match="is no table in JSON"):
+        clause(file)
+
+
 def test_noise_alone_is_normal():
     for rate in (1e-3, 1e-12):
         assert exceeded(np.zeros(3), 0.7, 2, rate) == pytest.approx(0.7 * norm.isf(rate), rel=1e-3)
@@ -221,6 +258,9 @@ def test_ports_in_any_order_and_neighbours_in_one_file():
     by = given(delta_f="40 MHz")
     one = operating_margin(a_cable(), by, "1,3 2,4").margin
     assert operating_margin(a_cable(swapped=True), by, "1,2 3,4").margin == pytest.approx(one, rel=1e-12)
+    assert (
+        operating_margin(a_cable(F[500:]), by, "1,3 2,4").lacking[0].startswith("are 5.01e+09 Hz apart, or from rest")
+    )
     lacking = operating_margin(a_cable(F[:2000:4]), given(), "1,3 2,4").lacking
     assert [each.partition(",")[0] for each in lacking] == ["end at 1.997e+10 Hz", "are 4e+07 Hz apart"]
     f = F[::4]
@@ -246,6 +286,14 @@ def test_what_is_refused():
         ({"ffe": {"c(1)": [-0.9, -0.8, 0.1]}}, "Clause.c_0: larger than the main tap"),
         ({"g_DC": [0, -3, 1]}, "Clause.g_DC: not a range"),
         ({"f_p": [], "b_max": []}, "Clause.f_p: too few.*\nClause.b_max: too few"),
+        ({"g_DC2": [-4, 0, 1]}, "Clause.f_LF: is missing"),
+        ({"b_max": [0.5] * 15}, "Clause.b_max: longer than the feedback"),
+        ({"R_LM": 0}, "Clause.R_LM: ratio of level mismatch out of range"),
+        ({"package": {"gamma_0": 100}}, "Clause.package.gamma_0: attenuation out of range"),
+        ({"package": {"a_2": "6.141e-3 s/m"}}, "Clause.package.a_2: time per length out of range"),
+        ({"M": 128, "N_b": 200, "ffe": {f"c({k})": [-0.1, 0, 3e-3] for k in (-2, -1, 1)}}, "too many settings, .*3,6"),
+        ({"g_DC": [-12, 0, 0.1], "g_DC2": [-4, 0, 0.02], "f_LF": 0.02}, "Clause.g_DC2: too many settings with"),
+        ({"package": {"gamma_0": 1, "a_1": 1, "a_2": 1e-6, "tau": 1e-6}}, "ports: .*the sender arrives"),
         ({"delta_f": "1 kHz"}, "Clause.delta_f: frequency out of range"),
         ({"base": "KR4"}, "clause: not known, expected one of '100GBASE-KR4'"),
     ):
@@ -253,6 +301,10 @@ def test_what_is_refused():
             operating_margin(a_cable(), given(**more) if "base" not in more else more, "1,3 2,4")
     with pytest.raises(InputError, match="too few samples for a margin, expected four and more, up to 1"):
         operating_margin(a_cable(F[:1000]), KR4, "1,3 2,4")
+    with pytest.raises(InputError, match="ports: single ports beside pairs"):
+        operating_margin(a_cable(), KR4, "1,3 2")
+    with pytest.raises(InputError, match="fext: not single ports and pairs"):
+        operating_margin(a_cable(), KR4, "1,3 2,4", fext=[a_cable().between([[0, 2]])])
     with pytest.raises(InputError, match="ports: nothing of the sender arrives"):
         operating_margin(SampledResponse(F, np.zeros((len(F), 4, 4)), "S"), given(), "1,3 2,4")
     with pytest.raises(InputError, match="ports: the sender arrives inverted"):

@@ -174,7 +174,7 @@ def _equalised(
     if ctle is not None:
         first, _, rest = ctle.partition(",")
         corners = _numbers(rest, "ctle", "Hz")
-        gains = [-float(k) for k in range(13)] if first.strip() == "best" else [*_numbers(first, "ctle", "dB")]
+        gains = [0.0 - k for k in range(13)] if first.strip() == "best" else [*_numbers(first, "ctle", "dB")]
     best = None
     for gain in gains:
         own, *others = pulses if gain is None else [each.with_ctle(gain, *corners) for each in pulses]

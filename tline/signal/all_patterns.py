@@ -118,7 +118,7 @@ class StatisticalEye(Presentation):
         """Signal over disturbance at the error rate, 20 log(A_s/A_ni), dB; `operating_margin` is that of a standard."""
         signal = float(self.levels[-1] - self.levels[0]) / 2
         disturbed = signal - self.height / 2
-        return float(20 * np.log10(signal / disturbed)) if signal > 0 < disturbed else float("inf")
+        return float(20 * np.log10(signal / disturbed)) if signal > 0 < disturbed else np.inf if signal > 0 else -np.inf
 
 
 def statistical_eye(
@@ -263,7 +263,7 @@ class _Density:
 
     def __init__(self, flat: NDArray, others: Sequence[NDArray], taps: NDArray, noise: float):
         self.flat, self.others, self.taps, self.noise = flat, others, taps, noise
-        most = max(np.abs(x).reshape(-1, FINE).sum(0).max() for x in (flat, *others)) * (1 + len(others))
+        most = np.sum([np.abs(x).reshape(-1, FINE).sum(0) for x in (flat, *others)], axis=0).max()
         self.step = ((most + np.abs(taps).sum()) / 2 + TAILS * noise) / LEVELS or 1.0
         self.sums: dict[int, NDArray] = {}
 

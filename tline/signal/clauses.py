@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from tline.errors import InputError
 from tline.scene.element import Element
@@ -21,13 +21,16 @@ Length = Annotated[Quantity, Role("length", "m", at_least=0, at_most=10)]
 Volt = Annotated[Quantity, Role("amplitude", "V", above=0)]
 Frequency = Annotated[Quantity, Role("frequency over f_b", "", at_least=1e-6, at_most=100)]
 Share = Annotated[Quantity, Role("ratio", "", at_least=0, at_most=1)]
+Mismatch = Annotated[Quantity, Role("ratio of level mismatch", "", above=0, at_most=1)]
 Decibels = Annotated[Quantity, Role("decibels", "", at_least=-100, at_most=100)]
 Tap = Annotated[Quantity, Role("tap", "", at_least=-1, at_most=1)]
-Loss = Annotated[Quantity, Role("attenuation", "", at_least=0)]
-PerMetre = Annotated[Quantity, Role("time per length", "s/m", at_least=0)]
+Loss = Annotated[Quantity, Role("attenuation", "", at_least=0, at_most=1)]
+PerMetre = Annotated[Quantity, Role("time per length", "s/m", at_least=0, at_most=1e-6)]
 ONE, ZERO, MM_12 = Quantity(1, ""), Quantity(0, ""), Quantity("12 mm", "m")
 TAPS = {f"c({k})": k for k in (*range(-9, 0), *range(1, 10))}
-MOST = 50_000  # settings of the sender's taps, and steps of a range
+MOST = 50_000  # settings of the sender's taps
+SAMPLES = 100_000_000  # of all settings together
+GAINS = 10_000  # settings of both gains
 
 
 class LossyLine(Element):
@@ -48,8 +51,9 @@ class LossyLine(Element):
         x, log = f / 1e9, np.log(np.maximum(f / 1e9, 1e-300))
         by_f = 1e6 * (float(self.a_2) * (1 - 2j / np.pi * log) + 2j * np.pi * float(self.tau))
         gamma = 1e3 * length * (float(self.gamma_0) + float(self.a_1) * (1 + 1j) * np.sqrt(x) + by_f * x)
-        c, s, own = np.cosh(gamma), np.sinh(gamma), float(self.Z_c)
-        return v / (c + z / own * s), (z * c + own * s) / (c + z / own * s)
+        e, own = np.exp(-gamma), float(self.Z_c)  # of cosh and sinh, which overflow
+        divided = 1 + e**2 + z / own * (1 - e**2)
+        return 2 * v * e / divided, (z * (1 + e**2) + own * (1 - e**2)) / divided
 
 
 class Package(LossyLine):
@@ -86,7 +90,7 @@ class Clause(Element):
     f_b: Annotated[Quantity, Role("signaling rate", "Hz", above=0, at_most=2e11)]
     delta_f: Annotated[Quantity, Role("frequency", "Hz", at_least=4e6)] = Quantity("10 MHz", "Hz")
     L: Annotated[int, Whole(2, 16)] = 2
-    R_LM: Share = ONE
+    R_LM: Mismatch = ONE
     M: Annotated[int, Whole(8, 128)] = 32
     R_d: Ohm = Quantity("55 ohm", "ohm")
     A_v: Volt = Quantity("0.4 V", "V")
@@ -112,6 +116,14 @@ class Clause(Element):
     package: Package
     board: Board | None = None
 
+    @model_validator(mode="after")
+    def _are_used(self):
+        if self.f_LF is None and any(self.g_DC2[:2]):
+            raise InputError("f_LF", "is missing", "the frequency of the stage with the gains g_DC2")
+        if len(self.b_max) > max(self.N_b, 1):
+            raise InputError("b_max", "longer than the feedback", f"at most {self.N_b} of N_b", f"{len(self.b_max)}")
+        return self
+
     @property
     def taps(self) -> tuple[NDArray, int]:
         """All settings of the sender's taps in order of time, shape (n, m), and which is the main one."""
@@ -121,8 +133,10 @@ class Clause(Element):
             )
         ranges = {TAPS[name]: _steps(each, f"Clause.ffe.{name}") for name, each in self.ffe.items()}
         lead, last = -min([0, *ranges]), max([0, *ranges])
-        if np.prod([float(len(each)) for each in ranges.values()]) > MOST:
-            raise InputError("Clause.ffe", "too many settings", f"at most {MOST:,}")
+        most = min(MOST, SAMPLES // (self.M * (self.N_b + 2 * (lead + last) + 8)))
+        if (settings := float(np.prod([float(len(each)) for each in ranges.values()]))) > most:
+            expected = f"at most {most:,} with this M and N_b"
+            raise InputError("Clause.ffe", "too many settings", expected, f"{settings:g}")
         found = np.array([*product(*(ranges.get(k, [0.0]) for k in range(-lead, last + 1)))])
         found[:, lead] = 1 - np.abs(found).sum(axis=1)
         found = found[found[:, lead] >= float(self.c_0) - 1e-9]
@@ -136,7 +150,11 @@ class Clause(Element):
     def gains(self) -> list[tuple[float, float]]:
         """All gains at rest of both stages of the receiver's equaliser, dB."""
         second = _steps(self.g_DC2, "Clause.g_DC2") if self.f_LF else np.zeros(1)
-        return [*product(_steps(self.g_DC, "Clause.g_DC").tolist(), second.tolist())]
+        first = _steps(self.g_DC, "Clause.g_DC")
+        if len(first) * len(second) > GAINS:
+            got = f"{len(first) * len(second):,}"
+            raise InputError("Clause.g_DC2", "too many settings with those of g_DC", f"at most {GAINS:,}", got)
+        return [*product(first.tolist(), second.tolist())]
 
 
 def _steps(limits: tuple[float, float, float], where: str) -> NDArray:
@@ -153,7 +171,7 @@ def clause(named: "str | Path | dict[str, Any] | Clause") -> Clause:
     ----------
     named : str, Path, dict or Clause
         A name as ``"100GBASE-KR4"``, a TOML or JSON file or a table with keys of `Clause`, where ``base`` names the
-        clause of all that is not given.
+        clause of all that is not given, inside ``package`` and ``board`` too.
 
     Raises
     ------
@@ -177,11 +195,17 @@ def clause(named: "str | Path | dict[str, Any] | Clause") -> Clause:
     elif str(named).endswith(".json"):
         text = read_text(Path(str(named)))
         try:
-            table = dict(json.loads(text))
-        except (TypeError, ValueError, RecursionError) as error:
-            raise InputError(str(named), f"is no table in JSON: {error!s:.200}", "keys such as f_b") from None
+            table = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise InputError(str(named), f"is no JSON: {error!s:.200}", "a table with keys such as f_b") from None
+        if not isinstance(table, dict):
+            raise InputError(str(named), "is no table in JSON", "keys such as f_b", shown(text))
     while "base" in table:
         if (base := str(table["base"])) not in known:
             raise InputError("clause", "not known", f"{nearest(base, [*known])}, or a .toml or .json file", shown(base))
-        table = known[base] | {key: value for key, value in table.items() if key != "base"}
+        own = {key: value for key, value in table.items() if key != "base"}
+        own |= {
+            key: known[base].get(key, {}) | own[key] for key in ("package", "board") if isinstance(own.get(key), dict)
+        }
+        table = known[base] | own
     return Clause(**table)

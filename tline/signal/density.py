@@ -38,17 +38,20 @@ def density(cursors: NDArray, noise: float, step: float, symbols: int = 2) -> ND
     ([-75, -25, 25, 75], [0.25, 0.25, 0.25, 0.25])
     """
     sizes, noise = without_small(cursors, noise, symbols)
-    found, fine, reach = np.ones(1), step / 2**HALVINGS, 0.0
-    for h in np.sort(sizes):  # small ones first, on levels as near to each other as these are few
-        reach += h
+    sizes, found, fine = np.sort(sizes), np.ones(1), step / 2**HALVINGS
+    for h, reach in zip(sizes, _reaches(sizes), strict=True):  # small ones first, on levels as near as these are few
         while fine < step and reach > LEVELS * fine:
             found, fine = _coarser(found), 2 * fine
         found = _spread(found, h / fine, symbols)
+        beyond = max(len(found) // 2 - LEVELS, 0)
+        found = found[beyond : len(found) - beyond]
     for _ in range(round(np.log2(step / fine))):
         found = _coarser(found)
-    found = np.pad(found, LEVELS)[len(found) // 2 :][: 2 * LEVELS + 1]
+    found, levels = np.pad(found, LEVELS)[len(found) // 2 :][: 2 * LEVELS + 1], np.arange(-LEVELS, LEVELS + 1) * step
+    excess = float(found @ levels**2 - sizes @ sizes * power(symbols))  # of variance, by parts between levels
+    noise = max(noise**2 - excess, 0.0) ** 0.5
     if noise:
-        k = np.arange(-LEVELS, LEVELS + 1) * step / noise
+        k = levels / noise
         bell = np.exp(-(k**2) / 2)
         reach = min(int(TAILS * noise / step) + 1, LEVELS)
         found = np.convolve(found, (bell / bell.sum())[LEVELS - reach : LEVELS + reach + 1], "same")
@@ -60,6 +63,15 @@ def without_small(cursors: NDArray, noise: float, symbols: int = 2) -> tuple[NDA
     sizes = np.abs(cursors)
     kept = sizes >= SMALL * noise
     return sizes[kept], float(np.hypot(noise, np.linalg.norm(sizes[~kept]) * power(symbols) ** 0.5))
+
+
+def largest(cursors: NDArray) -> float:
+    """Sum of symbols that is exceeded with less than 3e-18, by W. Hoeffding, DOI 10.1080/01621459.1963.10500830."""
+    return float(_reaches(np.abs(cursors))[-1]) if len(cursors) else 0.0
+
+
+def _reaches(sizes: NDArray) -> NDArray:
+    return np.minimum(np.cumsum(sizes), TAILS * np.sqrt(np.cumsum(sizes**2)))
 
 
 def power(symbols: int) -> float:

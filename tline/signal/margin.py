@@ -11,9 +11,10 @@ from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.signal.channel import modes_of, read_samples
 from tline.signal.clauses import Clause, clause
-from tline.signal.density import LEVELS, TAILS, density, power, without_small
+from tline.signal.density import LEVELS, TAILS, density, largest, power, without_small
 from tline.signal.reference_receiver import Equalised, Way, equalised, feedback, signal, slopes
 from tline.units import engineering
+from tline.words.wording import shown
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,6 +60,7 @@ class OperatingMargin(Presentation):
     @property
     def rows(self) -> list[list[str]]:
         """Each thing found, and its value."""
+        gains = self.best.gains[: 1 if self.clause.f_LF is None else 2]
         lengths = [engineering(float(z), "m") for z, _ in self.clause.package.z_p]
         told = [["channel operating margin", f"{self.margin:.3g} dB, to pass {float(self.clause.least):g} dB"]]
         told += [[f"with packages of {z}", f"{x:.3g} dB"] for z, x in zip(lengths, self.cases, strict=True)]
@@ -67,7 +69,7 @@ class OperatingMargin(Presentation):
         told += [[name, engineering(value, "V")] for name, value in volts.items()]
         told += [["figure of merit", f"{10 * np.log10(self.best.merit):.3g} dB"]]
         told += [["sender's taps", ", ".join(f"{tap:.4g}" for tap in self.best.taps)]]
-        told += [["receiver's gain at rest", " and ".join(f"{gain:g} dB" for gain in self.best.gains)]]
+        told += [["receiver's gain at rest", " and ".join(f"{gain:g} dB" for gain in gains)]]
         told += [["feedback over the main cursor", ", ".join(f"{b:.3f}" for b in self.dfe) or "none"]]
         return [*told, *(["samples", lack] for lack in self.lacking)]
 
@@ -118,26 +120,38 @@ def operating_margin(
     given = clause(by)
     title, response = read_samples(file)
     names, modes = modes_of(response, ports)
+    if len({"," in name for name in names}) > 1:
+        raise InputError("ports", "single ports beside pairs", "all pairs, or all single ports", shown(ports))
     inside = {each for each in near if isinstance(each, str)} & {*names[2:]}
     ways = [
-        Way(kind, modes.f, modes.values[:, [[k], [1]], [k, 1]], modes.z0[[k, 1]])
+        Way(kind, modes.f, modes.values[:, [[k], [1]], [k, 1]], modes.z0[[k, 1]], title)
         for k, kind in [(0, "tx"), *((k, "next" if names[k] in inside else "fext") for k in range(2, len(names)))]
     ]
     outside = [each for each in near if not (isinstance(each, str) and each in inside)]
     for kind, each in [*(("fext", each) for each in fext), *(("next", each) for each in outside)]:
-        other = modes_of(read_samples(each)[1], " ".join(names[:2]))[1]
-        ways.append(Way(kind, other.f, other.values[:, :2, :2], other.z0[:2]))
+        ways.append(_way(kind, each, " ".join(names[:2])))
     f_b, lacking = float(given.f_b), []
     if short := [way for way in ways if way.f[-1] < f_b / 2 or len(way.f) < 4]:
+        title, expected = short[0].title or "file", f"four and more, up to {f_b / 2:g} Hz"
         got = f"{len(short[0].f)}, up to {short[0].f[-1]:g} Hz"
-        raise InputError("file", "too few samples for a margin", f"four and more, up to {f_b / 2:g} Hz", got)
-    ends, widest = min(way.f[-1] for way in ways), max(float(np.diff(way.f).max()) for way in ways)
+        raise InputError(title, "too few samples for a margin", expected, got)
+    ends, widest = min(way.f[-1] for way in ways), max(float(np.diff(way.f, prepend=0.0).max()) for way in ways)
     lacking += [f"end at {ends:g} Hz, below the signaling rate: their loss goes on"] * bool(ends < f_b)
-    lacking += [f"are {widest:g} Hz apart, more than delta_f"] * bool(widest > 1.01 * float(given.delta_f))
+    lacking += [f"are {widest:g} Hz apart, or from rest, more than delta_f"] * (widest > 1.01 * float(given.delta_f))
     lacking += [f"of single ports, taken as modes against {ways[0].z0[0]:g} ohm"] * ("," not in names[0])
     found = [_margin(given, equalised(given, ways, lengths)) for lengths in given.package.z_p]
     cases = tuple(each.margin for each in found)
     return replace(found[int(np.argmin(cases))], cases=cases, lacking=tuple(lacking), title=title)
+
+
+def _way(kind: str, file: Any, ports: str) -> Way:
+    """From an aggressor in a file of its own."""
+    title, response = read_samples(file)
+    try:
+        modes = modes_of(response, ports)[1]
+    except InputError as error:
+        raise InputError(title or kind, error.problem, error.expected, error.got) from None
+    return Way(kind, modes.f, modes.values[:, :2, :2], modes.z0[:2], title)
 
 
 def _margin(given: Clause, best: Equalised) -> OperatingMargin:
@@ -171,7 +185,9 @@ def exceeded(cursors: NDArray, noise: float, symbols: int, rate: float) -> float
     0.0611
     """
     cursors, noise = without_small(cursors, noise, symbols)
-    step = (float(cursors.sum()) + TAILS * noise) / LEVELS or 1.0
+    if not cursors.any() and not noise:
+        return 0.0
+    step = (largest(cursors) + TAILS * noise) / LEVELS
     found = density(cursors, noise, step, symbols)
     below = np.maximum(np.cumsum(found) - found / 2, 1e-300)
     k = max(int(np.searchsorted(below, rate)), 1)

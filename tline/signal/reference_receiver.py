@@ -30,6 +30,7 @@ class Way(NamedTuple):
     f: NDArray
     S: NDArray  # (n, 2, 2)
     z0: NDArray
+    title: str = ""  # of its file
 
 
 class Equalised(NamedTuple):
