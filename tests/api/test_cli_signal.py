@@ -126,6 +126,11 @@ def test_load_lines(folder: Path) -> None:
         (f"{STATISTICAL} --low-pass '1 Hz'", "--low-pass: not a bandwidth for such bits"),
         ("eye cable.toml --probe far --bit 1e-9 --rise 1e-10 --low-pass 1e9", "--low-pass: is for --statistical alone"),
         (f"{STATISTICAL} --noise -1", "--noise: out of range"),
+        pytest.param(
+            f"eye scenes/ddr_ibis.toml --probe die --bit 1e-9 --bits {'0' * 4096}1",
+            "--bits: too many to be sent one by one, expected at most 4096, got 4097 bits",
+            id="4097 bits",
+        ),
     ],
 )
 def test_a_mistake_is_one_sentence(line: str, sentence: str, folder: Path) -> None:
