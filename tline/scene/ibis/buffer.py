@@ -40,6 +40,7 @@ LEFT_OUT = (
     "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
 )  # fmt: skip
 SMALLEST_CAPACITANCE = 1e-15  # F, smallest capacitance of a die, as its voltage is a state
+MODES = "driving", "non-driving", "all"  # of submodels
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
 TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp that has the same reference
 
@@ -108,18 +109,27 @@ def read_buffer(
     return _buffer(own, added, corner, package, notes)
 
 
+def first_word(section: Section, name: str) -> str:
+    """First word behind a name, in small letters; empty if there is none."""
+    found = section.find(name)
+    return found[1][0].lower() if found and found[1] else ""
+
+
 def _submodels(sections: Sequence[Section], own: Sequence[Section], mode: str) -> tuple[list[Section], list[str]]:
     """Clamps that submodels add in a mode, and notes on submodels that change with the signal."""
     added, notes = [], []
     for line, row in (row for each in own if each.keyword == "add submodel" for row in each.rows):
+        if len(row) > 1 and row[1].lower() not in MODES:
+            problem = f"line {line}: not a mode of a submodel"
+            raise InputError("file", problem, "Driving, Non-Driving or All", shown(row[1]))
         if len(row) > 1 and row[1].lower() not in ("all", mode):
             continue
         parts = own_sections(sections, "submodel", row[0], "file")
-        kind = (parts[0].find("Submodel_type") or (line, [""]))[1][0].lower()
-        if kind != "dynamic_clamp" or any("pulse" in each.keyword for each in parts):
+        if first_word(parts[0], "Submodel_type") != "dynamic_clamp" or any("pulse" in each.keyword for each in parts):
             notes.append(f"submodel {row[0]} changes with the signal and is left out")
             continue
-        added += [each for each in parts if each.keyword in TABLES]
+        added += [each for each in parts if each.keyword in TERMINATING.values()]
+        notes += [f"[{each.keyword.title()}] of a submodel is left out" for each in parts if each.keyword in TABLES[:2]]
     return added, notes
 
 
@@ -223,8 +233,7 @@ def _buffer(
     """Build a model from its keywords, and tables that are added."""
     head = own[0]
     notes = [*notes, *(f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT)]
-    kind = head.find("Model_type")
-    kind = kind[1][0].lower() if kind and kind[1] else ""
+    kind = first_word(head, "Model_type")
     if kind in ("series", "series_switch"):
         raise InputError("model", f"of type '{kind}', it joins two pins", "a link of kind = 'ibis'")
     if kind not in KINDS:
@@ -281,11 +290,12 @@ def _buffer(
     )
 
 
-def above_zero(section: Section, corner: str, unit: str) -> float:
-    """Read the value of a keyword, above zero."""
+def above_zero(section: Section, corner: str, unit: str, or_zero: bool = False) -> float:
+    """Read the value of a keyword, above zero or zero."""
     value = at_corner(section.words, corner, section.line, unit)
-    if value <= 0:
-        raise InputError("file", f"line {section.line}: [{section.keyword}] is not above zero", f"a number of {unit}")
+    if value < 0 or (value == 0 and not or_zero):
+        problem = "is below zero" if or_zero else "is not above zero"
+        raise InputError("file", f"line {section.line}: [{section.keyword}] {problem}", f"a number of {unit}")
     return value
 
 
