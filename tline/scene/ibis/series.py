@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
 from tline.scene.element import Between, OneMedium
-from tline.scene.ibis.buffer import CurrentTable, above_zero, current_table, first_word, own_sections, read_once
+from tline.scene.ibis.buffer import CurrentTable, above_zero, current_table, own_sections, read_once
 from tline.scene.ibis.keywords import Section, sections_of
 from tline.scene.rational import Ratio, RationalImpedance, exact
 from tline.scene.text_file import read_text
@@ -26,7 +26,7 @@ Joint = tuple[Ratio, CurrentTable | None, list[str]]  # side by side an impedanc
 def _read(path: Path, stamp: int, model: str | None, corner: str, on: bool | None) -> Joint:
     """Read a model between two pins; `stamp` is the file's time of modification, as a scene is read several times."""
     own = own_sections(sections_of(read_text(path, "file", legacy=True)), "model", model, "model")
-    kind = first_word(own[0], "Model_type")
+    kind = own[0].first_word("Model_type")
     if kind not in ("series", "series_switch"):
         raise InputError("model", "stands at one pin, a load", "one of type Series or Series_switch", shown(kind))
     if (on is None) == (kind == "series_switch"):
