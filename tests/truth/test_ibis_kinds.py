@@ -8,6 +8,7 @@ import pytest
 from tline import InputError, Scene, simulate
 from tline.frequency.response import respond
 from tline.scene.ibis.buffer import read_buffer
+from tline.scene.ibis.series import IbisSeries
 from tline.shipped import FOLDER
 
 HEAD = "[IBIS Ver] 5.0\n[Component] X\n[Package]\nR_pkg 0\nL_pkg 0\nC_pkg 0\n[Pin] signal model\n1 A M\n2 B M\n"
@@ -122,9 +123,9 @@ C_comp 0
 """
 
 
-def through(folder: Path, **link) -> Scene:
+def through(folder: Path, text: str = SERIES, **link) -> Scene:
     """50 ohm behind a model between pins, after a step of 1 V from 50 ohm."""
-    (folder / "s.ibs").write_text(SERIES, encoding="utf-8")
+    (folder / "s.ibs").write_text(text, encoding="utf-8")
     return Scene(
         str(folder), medium="electrical", t_end=20e-9, start="rest", probes={"out": {"at": "b"}},
         lines={"line": {"nodes": ["near", "a"], "z0": 50, "delay": "1 ns"}},
@@ -164,6 +165,43 @@ def test_a_link_that_is_no_model_between_pins(link, said, tmp_path):
         through(tmp_path, **link)
 
 
+BETWEEN = "[IBIS Ver] 5.0\n[Model] S\nModel_type Series\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", r"line 2: nothing is between the pins, expected R, L, C or \[Series Current\]"),
+        ("[R Series] 0", r"line 4: \[r series\] is not above zero"),
+        ("[L Series] 1n\n[Rl Series] -1", r"line 5: \[rl series\] is below zero"),
+        ("[Rl Series] 5", r"line 4: \[Rl Series\] has nothing to be in series with, expected \[L Series\] beside it"),
+        ("[R Series] 5\n[Rc Series] 5", r"line 5: \[Rc Series\] .* expected \[C Series\] beside it"),
+        ("[R Series] 5\n[Lc Series] 0", r"line 5: \[Lc Series\] .* expected \[C Series\] beside it"),
+        (2 * "[Series Current]\n-5 -1\n5 1\n", r"line 7: a second \[Series Current\], expected one"),
+    ],
+)
+def test_elements_between_pins_that_are_refused(text, said, tmp_path):
+    with pytest.raises(InputError, match=said):
+        through(tmp_path, BETWEEN + text)
+
+
+def test_no_resistance_in_series_may_be_given_as_0(tmp_path):
+    s, text = (
+        1j * np.geomspace(1e8, 1e10, 9),
+        "[L Series] 10n\n[Rl Series] 0\n[C Series] 1p\n[Rc Series] 0\n[Lc Series] 0",
+    )
+    Z = 1 / (1 / (s * 10e-9) + s * 1e-12 + 1e-12)
+    seen = respond(through(tmp_path, BETWEEN + text), s, "s")["out"].u
+    assert seen == pytest.approx(np.exp(-s * 1e-9) * 50 / (Z + 100), rel=1e-9)
+
+
+def test_a_state_that_is_not_in_the_file_is_open_and_told(tmp_path):
+    made = through(tmp_path, SERIES[: SERIES.index("[Off]")], on=False)
+    assert isinstance(link := made.composed["links", "x"], IbisSeries)
+    assert link.summary.endswith("[Off] is not in the file; nothing is between the pins: open")
+    assert abs(respond(made, np.array([1e9j]), "s")["out"].u[0]) < 1e-10
+
+
 @pytest.mark.parametrize(("mode", "clamped"), [("Non-Driving", True), ("Driving", False), ("All", True)])
 def test_a_clamp_of_a_submodel_is_there_in_its_mode(mode, clamped, tmp_path):
     """A receiver's clamp of 25 ohm below 0 V: a step of -1 V is divided by it, or doubled where it is of drivers."""
@@ -174,9 +212,27 @@ def test_a_clamp_of_a_submodel_is_there_in_its_mode(mode, clamped, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("own", "note"),
+    [
+        ("Submodel_type\n[GND Clamp]", "submodel C changes with the signal and is left out"),
+        ("Submodel_type Dynamic_clamp\n[Pullup]", "[Pullup] of a submodel is left out"),
+    ],
+)
+def test_what_is_no_clamp_of_a_submodel_is_left_out_and_told(own, note, tmp_path):
+    text = f"{TERMINATOR}[Rgnd] 50\n[Add Submodel]\nC All\n[Submodel] C\n{own}\n-2 -80m\n0 0\n[End]\n"
+    (tmp_path / "a.ibs").write_text(text, encoding="utf-8")
+    found = read_buffer(tmp_path / "a.ibs", None, "1", None, "typ")
+    assert (list(found.tables), found.notes[0]) == (["rgnd"], note)
+
+
+@pytest.mark.parametrize(
     ("text", "said"),
     [
         ("[Rgnd] 0", r"line 14: \[rgnd\] is not above zero"),
+        (
+            "[Add Submodel]\nC Drives",
+            "line 15: not a mode of a submodel, expected Driving, Non-Driving or All, got 'Drives'",
+        ),
         ("[External Model]\nLanguage SPICE", r"line 14: the model is a program of its own, an \[External Model\]"),
         ("Series_switch", "model: of type 'series_switch', it joins two pins, expected a link of kind = 'ibis'"),
     ],

@@ -266,16 +266,20 @@ def channel(
     from tline.cli.fit import trying
     from tline.signal import measured_channel
 
-    margin = _margin(file, com, given.get("ports", "1 2"), fext, near)
-    exit_code = int(margin is not None and margin.margin < float(margin.clause.least))
-    if margin is not None and bit is None and "report" not in files:
-        return channel.shown(margin, exit_code=exit_code, report=None)
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
     levels = {key: given.pop(key) for key in ("low", "high") if key in given}
     equalisers = {"ffe": ffe, "ctle": ctle, "low_pass": low_pass, "mask": mask}
-    for name, value in (asked | equalisers).items():
+    for name, value in (asked | levels | equalisers).items():
         if bit is None and value is not None:
             raise InputError(f"--{name.replace('_', '-')}", "is of an eye", "--bit beside it")
+    alone = com is not None and bit is None and "report" not in files
+    for name, value in {"rise": rise, "tol": given.get("tol")}.items():
+        if alone and value is not None:
+            raise InputError(f"--{name}", "is not of a margin alone", "--bit or --report beside it")
+    margin = _margin(file, com, given.get("ports", "1 2"), fext, near)
+    exit_code = int(margin is not None and margin.margin < float(margin.clause.least))
+    if margin is not None and alone:
+        return channel.shown(margin, exit_code=exit_code, report=None)
     with trying() as tried:
         found = measured_channel(file, progress=tried, **given)
     edge = 0.5 / float(found.measured.f[-1]) if rise is None else rise

@@ -113,7 +113,7 @@ def eye(
         Time of a change from level to level, straight, which begins with the bit, s; a driver has edges of its own.
     bits : str
         Zeros and ones, at least one of each; or "prbs7", 9, 11, 15, 20, 23, 31. At most 65536 bits, and 4096 where
-        they are sent one by one.
+        they are sent one by one: the first of a longer pseudo-random pattern.
     source : str, optional
         Name of the source, or of the load that is a driver; not needed if there is one only.
     low : float or str
@@ -159,13 +159,13 @@ def eye(
             first = max(int(answer.u.argmax()) // FINE - 1, 0)
             found = _measured(pattern, T, answer.to_pattern(pattern), range(first, first + 3))
             return replace(found, probe=probe, medium=MEDIA[scene.medium], title=scene.title)
-        pattern = pattern[:MARCHED]
+        pattern = _marched(pattern, bits)
         points = _points(np.tile(pattern, 2), T, edge, *levels)
         table["sources"][name]["value"] = {"shape": "piecewise linear", "points": points}
     else:
         if rise is not None:
             raise InputError("rise", f"'{driver}' has edges of its own", "none")
-        pattern = pattern[:MARCHED]
+        pattern = _marched(pattern, bits)
         table["loads"][driver] |= {"bits": 2 * "".join("1" if bit else "0" for bit in pattern), "bit": T, "begin": 0.0}
     start = "rest" if driver is None else scene.start
     table |= {"t_end": 2 * len(pattern) * T, "start": start, "probes": {probe: table["probes"][probe]}, "measures": {}}
@@ -173,6 +173,13 @@ def eye(
     t = T * (len(pattern) + np.arange(len(pattern) * FINE) / FINE)
     found = _measured(pattern, T, seen.at(t).u.reshape(-1, FINE), range(min(LATE, len(pattern))))
     return replace(found, probe=probe, medium=MEDIA[scene.medium], title=scene.title)
+
+
+def _marched(pattern: NDArray, bits: str) -> NDArray:
+    """Bits that are sent one by one: of a long pseudo-random pattern the first."""
+    if len(pattern) > MARCHED and not bits.startswith("prbs"):
+        raise InputError("bits", "too many to be sent one by one", f"at most {MARCHED}", f"{len(pattern)} bits")
+    return pattern[:MARCHED]
 
 
 def _answer(scene: Scene, probe: str, driver: str, *asked: Any) -> PulseResponse | None:

@@ -38,10 +38,10 @@ class Filter(NamedTuple):
 
 def ctle(gain: float, zero: float, *poles: float) -> Filter:
     """A continuous-time linear equaliser, as of `PulseResponse.with_ctle`; (93A-22)."""
-    g, w = 10 ** (gain / 20), 2 * np.pi * np.asarray(poles, float)
-    if not len(w) or not (w > 0).all() or not zero > 0:
-        raise InputError("ctle", "not an equaliser", "gain in dB, then a zero and poles above 0 Hz")
-    w0 = 2 * np.pi * zero
+    w = 2 * np.pi * np.asarray(poles, float)
+    if not len(w) or not (w > 0).all() or not zero > 0 or not abs(gain) <= 100:
+        raise InputError("ctle", "not an equaliser", "gain of -100 to 100 dB, then a zero and poles above 0 Hz")
+    g, w0 = 10 ** (gain / 20), 2 * np.pi * zero
     return Filter(np.array([-g * w0]), -w, float(np.prod(w)) / w0)
 
 
@@ -130,9 +130,9 @@ class PulseResponse:
         Parameters
         ----------
         gain : float
-            g at rest, in dB.
+            g at rest, in dB, -100 to 100.
         zero : float
-            fz, Hz.
+            fz, Hz, 1e-4/period to 1e4/period, as are all poles.
         *poles : float
             f1 and perhaps more, Hz, at least one.
 
@@ -140,7 +140,12 @@ class PulseResponse:
         ----------
         IEEE Std 802.3, annex 93A, (93A-22).
         """
-        return self._behind(ctle(gain, zero, *poles))
+        filtering = ctle(gain, zero, *poles)
+        for corner in (zero, *poles):
+            if not 1e-4 <= corner * self.period <= 1e4:
+                expected = f"a zero and poles of {1e-4 / self.period:g} to {1e4 / self.period:g} Hz"
+                raise InputError("ctle", "not an equaliser for such bits", expected, f"{corner:g} Hz")
+        return self._behind(filtering)
 
     def with_low_pass(self, bandwidth: float | str) -> "PulseResponse":
         """Response behind a receiver's noise filter, Butterworth's of fourth order.

@@ -36,10 +36,9 @@ ALWAYS = {"output", "output_ecl", *OPEN}  # types that cannot be switched off
 DRIVING = {"output", "3-state", "i/o", *OPEN, *(f"i/o_{word}" for word in OPEN)}
 DRIVING |= {f"{word}_ecl" for word in ("output", "3-state", "i/o")}
 KINDS = DRIVING | {"input", "input_ecl", "terminator"}
-LEFT_OUT = (
-    "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower",
-)  # fmt: skip
+LEFT_OUT = "driver schedule", "algorithmic model", "initial delay", "ttgnd", "ttpower"
 SMALLEST_CAPACITANCE = 1e-15  # F, smallest capacitance of a die, as its voltage is a state
+MODES = "driving", "non-driving", "all"  # of submodels
 MATRICES = "resistance matrix", "inductance matrix", "capacitance matrix"
 TERMINATING = {"rgnd": "gnd clamp", "rpower": "power clamp"}  # resistors, by the clamp that has the same reference
 
@@ -112,14 +111,17 @@ def _submodels(sections: Sequence[Section], own: Sequence[Section], mode: str) -
     """Clamps that submodels add in a mode, and notes on submodels that change with the signal."""
     added, notes = [], []
     for line, row in (row for each in own if each.keyword == "add submodel" for row in each.rows):
+        if len(row) > 1 and row[1].lower() not in MODES:
+            problem = f"line {line}: not a mode of a submodel"
+            raise InputError("file", problem, "Driving, Non-Driving or All", shown(row[1]))
         if len(row) > 1 and row[1].lower() not in ("all", mode):
             continue
         parts = own_sections(sections, "submodel", row[0], "file")
-        kind = (parts[0].find("Submodel_type") or (line, [""]))[1][0].lower()
-        if kind != "dynamic_clamp" or any("pulse" in each.keyword for each in parts):
+        if parts[0].first_word("Submodel_type") != "dynamic_clamp" or any("pulse" in each.keyword for each in parts):
             notes.append(f"submodel {row[0]} changes with the signal and is left out")
             continue
-        added += [each for each in parts if each.keyword in TABLES]
+        added += [each for each in parts if each.keyword in TERMINATING.values()]
+        notes += [f"[{each.keyword.title()}] of a submodel is left out" for each in parts if each.keyword in TABLES[:2]]
     return added, notes
 
 
@@ -223,8 +225,7 @@ def _buffer(
     """Build a model from its keywords, and tables that are added."""
     head = own[0]
     notes = [*notes, *(f"[{each.keyword.title()}] is left out" for each in own if each.keyword in LEFT_OUT)]
-    kind = head.find("Model_type")
-    kind = kind[1][0].lower() if kind and kind[1] else ""
+    kind = head.first_word("Model_type")
     if kind in ("series", "series_switch"):
         raise InputError("model", f"of type '{kind}', it joins two pins", "a link of kind = 'ibis'")
     if kind not in KINDS:
@@ -233,41 +234,10 @@ def _buffer(
         if each.keyword == "external model":
             problem = f"line {each.line}: the model is a program of its own, an [External Model]"
             raise InputError("file", problem, "tables of voltage and current")
-    capacitances = next((each for each in own if each.keyword == "c comp corner"), head)
-    row = capacitances.find("C_comp") or head.find("C_comp")
-    if row is None:
-        raise InputError("file", f"line {head.line}: the model has no C_comp", "C_comp and its capacitance")
-    capacitance = at_corner(row[1], corner, row[0], "F")
-    if capacitance < 0:
-        raise InputError("file", f"line {row[0]}: C_comp is below zero", "a capacitance", " ".join(row[1]))
-    if not capacitance:
-        capacitance = SMALLEST_CAPACITANCE
-        notes.append(f"C_comp is 0, taken as {SMALLEST_CAPACITANCE:g} F")
-    volts = {each.keyword: at_corner(each.words, corner, each.line, "V") for each in own if _is_voltage(each)}
-    supply = volts.get("voltage range", volts.get("pullup reference"))
-    if supply is None:
-        raise InputError("file", f"line {head.line}: the model has no supply", "[Voltage Range]")
-    references = {
-        "pullup": volts.get("pullup reference", supply),
-        "pulldown": volts.get("pulldown reference", 0.0),
-        "power clamp": volts.get("power clamp reference", supply),
-        "gnd clamp": volts.get("gnd clamp reference", 0.0),
-    }
-    if kind.endswith("_ecl"):  # its pull-down, too, counts from the upper supply, downwards
-        references["pulldown"] = references["pullup"]
-    tables = {
-        each.keyword: current_table(each, corner, references[each.keyword], kind, notes)
-        for each in own
-        if each.keyword in TABLES
-    }
-    for each in added:
-        tables[f"{each.keyword} {each.line}"] = current_table(each, corner, references[each.keyword], kind, notes)
-    single = {each.keyword: each for each in own if each.keyword in (*TERMINATING, "rac", "cac")}
-    for name, clamp in TERMINATING.items():
-        if name in single:
-            amps = np.array([0.0, 1 / above_zero(single[name], corner, "ohm")])
-            down = name == "rpower"
-            tables[name] = CurrentTable(references[clamp], down, np.array([0.0, 1.0]), -amps if down else amps)
+    capacitance = _capacitance(own, corner, notes)
+    supply, references = _references(own, corner, kind)
+    tables = _tables(own, added, corner, kind, references, notes)
+    single = {each.keyword: each for each in own if each.keyword in ("rac", "cac")}
     damper = (0.0, 0.0)
     if "cac" in single:
         R = above_zero(single["rac"], corner, "ohm") if "rac" in single else 0.0
@@ -281,11 +251,68 @@ def _buffer(
     )
 
 
-def above_zero(section: Section, corner: str, unit: str) -> float:
-    """Read the value of a keyword, above zero."""
+def _capacitance(own: Sequence[Section], corner: str, notes: list[str]) -> float:
+    """Capacitance of the die, F, above zero."""
+    capacitances = next((each for each in own if each.keyword == "c comp corner"), own[0])
+    row = capacitances.find("C_comp") or own[0].find("C_comp")
+    if row is None:
+        raise InputError("file", f"line {own[0].line}: the model has no C_comp", "C_comp and its capacitance")
+    capacitance = at_corner(row[1], corner, row[0], "F")
+    if capacitance < 0:
+        raise InputError("file", f"line {row[0]}: C_comp is below zero", "a capacitance", " ".join(row[1]))
+    if not capacitance:
+        notes.append(f"C_comp is 0, taken as {SMALLEST_CAPACITANCE:g} F")
+    return capacitance or SMALLEST_CAPACITANCE
+
+
+def _references(own: Sequence[Section], corner: str, kind: str) -> tuple[float, dict[str, float]]:
+    """Supply, and the voltage from which each table counts."""
+    volts = {each.keyword: at_corner(each.words, corner, each.line, "V") for each in own if _is_voltage(each)}
+    supply = volts.get("voltage range", volts.get("pullup reference"))
+    if supply is None:
+        raise InputError("file", f"line {own[0].line}: the model has no supply", "[Voltage Range]")
+    references = {
+        "pullup": volts.get("pullup reference", supply),
+        "pulldown": volts.get("pulldown reference", 0.0),
+        "power clamp": volts.get("power clamp reference", supply),
+        "gnd clamp": volts.get("gnd clamp reference", 0.0),
+    }
+    if kind.endswith("_ecl"):  # its pull-down, too, counts from the upper supply, downwards
+        references["pulldown"] = references["pullup"]
+    return supply, references
+
+
+def _tables(
+    own: Sequence[Section],
+    added: Sequence[Section],
+    corner: str,
+    kind: str,
+    references: dict[str, float],
+    notes: list[str],
+) -> dict[str, CurrentTable]:
+    """Tables of the model, those that are added, and its resistors to the references of clamps."""
+    tables = {
+        each.keyword: current_table(each, corner, references[each.keyword], kind, notes)
+        for each in own
+        if each.keyword in TABLES
+    }
+    for each in added:
+        tables[f"{each.keyword} {each.line}"] = current_table(each, corner, references[each.keyword], kind, notes)
+    single = {each.keyword: each for each in own if each.keyword in TERMINATING}
+    for name, clamp in TERMINATING.items():
+        if name in single:
+            amps = np.array([0.0, 1 / above_zero(single[name], corner, "ohm")])
+            down = name == "rpower"
+            tables[name] = CurrentTable(references[clamp], down, np.array([0.0, 1.0]), -amps if down else amps)
+    return tables
+
+
+def above_zero(section: Section, corner: str, unit: str, or_zero: bool = False) -> float:
+    """Read the value of a keyword, above zero or zero."""
     value = at_corner(section.words, corner, section.line, unit)
-    if value <= 0:
-        raise InputError("file", f"line {section.line}: [{section.keyword}] is not above zero", f"a number of {unit}")
+    if value < 0 or (value == 0 and not or_zero):
+        problem = "is below zero" if or_zero else "is not above zero"
+        raise InputError("file", f"line {section.line}: [{section.keyword}] {problem}", f"a number of {unit}")
     return value
 
 

@@ -39,6 +39,11 @@ class Section(NamedTuple):
                 return line, words[1:]
         return None
 
+    def first_word(self, name: str) -> str:
+        """First word behind a name, in small letters; empty if there is none."""
+        found = self.find(name)
+        return found[1][0].lower() if found and found[1] else ""
+
 
 def sections_of(text: str) -> list[Section]:
     """Split a file into its keywords, in order.

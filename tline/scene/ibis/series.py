@@ -17,6 +17,7 @@ from tline.scene.text_file import read_text
 from tline.words.wording import shown
 
 VALUES = {"r series": "ohm", "l series": "H", "rl series": "ohm", "c series": "F", "lc series": "H", "rc series": "ohm"}
+BEHIND = {"rl series": "l series", "lc series": "c series", "rc series": "c series"}  # in series; may be zero
 OPEN = 1e12  # ohm, where nothing else is between the pins
 Joint = tuple[Ratio, CurrentTable | None, list[str]]  # side by side an impedance and a table; notes
 
@@ -25,8 +26,7 @@ Joint = tuple[Ratio, CurrentTable | None, list[str]]  # side by side an impedanc
 def _read(path: Path, stamp: int, model: str | None, corner: str, on: bool | None) -> Joint:
     """Read a model between two pins; `stamp` is the file's time of modification, as a scene is read several times."""
     own = own_sections(sections_of(read_text(path, "file", legacy=True)), "model", model, "model")
-    found = own[0].find("Model_type")
-    kind = found[1][0].lower() if found and found[1] else ""
+    kind = own[0].first_word("Model_type")
     if kind not in ("series", "series_switch"):
         raise InputError("model", "stands at one pin, a load", "one of type Series or Series_switch", shown(kind))
     if (on is None) == (kind == "series_switch"):
@@ -35,12 +35,18 @@ def _read(path: Path, stamp: int, model: str | None, corner: str, on: bool | Non
     values, notes, table = {}, [], None
     for each in _of_state(own, on):
         if each.keyword in VALUES:
-            values[each.keyword] = exact(above_zero(each, corner, VALUES[each.keyword]))
+            values[each.keyword] = exact(above_zero(each, corner, VALUES[each.keyword], each.keyword in BEHIND))
         elif each.keyword == "series current":
             table = current_table(each, corner, 0.0, kind, notes)
         elif each.keyword == "series mosfet":
             problem = f"line {each.line}: [Series MOSFET] is a law of the voltages of both pins"
             raise InputError("file", problem, "R, L, C and [Series Current]")
+    if on is not None and (state := "on" if on else "off") not in {each.keyword for each in own}:
+        notes.append(f"[{state.title()}] is not in the file")
+    if not values and table is None:
+        if on is not False:
+            raise InputError("file", f"line {own[0].line}: nothing is between the pins", "R, L, C or [Series Current]")
+        notes.append("nothing is between the pins: open")
     return _ratio(values), table, notes
 
 
@@ -56,13 +62,21 @@ def _ratio(value: dict[str, Fraction]) -> Ratio:
 
 
 def _of_state(own: list[Section], on: bool | None) -> list[Section]:
-    """Sections of all states and of this one."""
+    """Sections of all states and of this one, elements once and beside what they are in series with."""
     state, found = None, []
     for each in own:
         if each.keyword in ("on", "off"):
             state = each.keyword == "on"
         elif state is None or state == on:
             found.append(each)
+    lines: dict[str, int] = {}
+    for each in found:
+        if each.keyword in (*VALUES, "series current") and lines.setdefault(each.keyword, each.line) != each.line:
+            raise InputError("file", f"line {each.line}: a second [{each.keyword.title()}]", "one")
+    for keyword, needed in BEHIND.items():
+        if keyword in lines and needed not in lines:
+            problem = f"line {lines[keyword]}: [{keyword.title()}] has nothing to be in series with"
+            raise InputError("file", problem, f"[{needed.title()}] beside it")
     return found
 
 
