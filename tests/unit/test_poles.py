@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -17,6 +19,7 @@ from passivity import (
 from passivity.ball import near
 from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.calculus.ask import ask
+from passivity.calculus.pole import Spot
 from passivity.calculus.question import check_file
 from passivity.expression.number import written
 
@@ -90,6 +93,16 @@ def test_poles_near_each_other_or_of_a_function_refute(text, kind, distance):
     assert float(verdict.witness.re) == pytest.approx(distance)
     assert verdict.witness.spot is None
     assert check_file(json.loads(json.dumps(verdict.evidence))) is None
+
+
+def test_a_point_near_a_zero_is_told_by_its_disc_and_the_value_there():
+    why = ask("1 + " + LONG, Kind.PR).why
+    assert re.fullmatch(
+        r"Re Z\(s\) < 0 at a point within \S+e-\d+ of s = 2 \+ 0j, where a part of the function is .*2\^-\S+", why
+    )
+    assert (
+        "a part of the function is -2^-16" in replace(ask(LONG, Kind.BR).witness, spot=Spot(Fraction(1), 1, 16, 2)).why
+    )
 
 
 @pytest.mark.parametrize(
