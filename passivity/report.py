@@ -143,9 +143,9 @@ def _first_steps(verdict: Verdict, room: int) -> list[str]:
 
 def _witness(found: Witness) -> list[str]:
     lines = [f"  {name} = {written(x)}" for name, x in found.names.items()]
-    lines.append(f"  witness s = {complex_text(found.re, found.im)}")
+    place = f"within {digits(found.spot.radius, 3)} of " if found.spot else ""
+    lines.append(f"  witness {place}s = {complex_text(found.re, found.im)}")
     if isinstance(found.found, acb):
-        lines[-1] += f" to {digits(found.spot.radius, 3)}" if found.spot else ""
         return [*lines, f"    {found.kind.letter}(s) = {found.found.str(12)}"]
     if len(found.vector) == 1 and not isinstance(found.found, StateSpace):
         value = "infinite" if found.image is None else complex_text(*found.image[0])

@@ -152,12 +152,14 @@ class Witness:
     def why(self) -> str:
         """Sentence on the value of the function there, known in a ball."""
         s, value = f"s = {digits(self.re)} + {digits(self.im)}j", self.found
-        s += f" to {digits(self.spot.radius, 3)}, near a zero of a part" if self.spot else ""
         s += "".join(f", {name} = {digits(x)}" for name, x in self.names.items())
         if not self.im and not self.spot and value.imag != 0:
             return f"the value at {s} is not real, as if a branch cut ran there"
         if self.spot:
-            return f"{'|H(s)| > 1' if self.kind is Kind.BR else 'Re Z(s) < 0'} at {s}"
+            sort = "|H(s)| > 1" if self.kind is Kind.BR else "Re Z(s) < 0"
+            place = f"a point within {digits(self.spot.radius, 3)} of {s}"
+            small = f"{('', 'j ', '-', '-j ')[self.spot.turn % 4]}2^-{digits(Fraction(self.spot.exponent))}"
+            return f"{sort} at {place}, where a part of the function is {small}"
         if self.kind is Kind.BR:
             return f"|H(s)| = {abs(value).str(15, radius=False)} at {s}"
         return f"Re Z(s) = {value.real.str(6, radius=False)} at {s}"

@@ -1,7 +1,7 @@
 """Where a property may fail: searched in floats, over a grid, at poles, along the axis."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import islice, pairwise
 
@@ -32,7 +32,7 @@ _BITS = 160, 1024, 4096, 16384  # of precision
 _LENGTHS = 24, 53, 120, 240, 480, 960, 1920, 3840, 7680, 15360  # of a witness, in bits
 _SURE = 1.5  # bits of precision for each neper that is lost on the way of a wave to the input and back
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
-_DISTANCES = (4, 8, 16, 32)  # binary, in parts of the modulus
+_DISTANCES, _NEARER = (4, 8, 16, 32), (64, 256, 1024, 4096)  # binary, in parts of the modulus
 _RADII = (16, 64, 512, 2048)  # of discs, likewise
 _EXPONENTS = 16, 2**12, 2**40, 2**1400  # of the size of a part near its zero
 _USUAL = 1e-2, 1e2  # moduli of zeros of which the coefficients do not tell, as of sqrt(s) - 2
@@ -125,18 +125,29 @@ class Search:
             for w in (float(w) for tilt in (0.0, 1e-6) for w in self._refined(tilt)[:4]):
                 if found := self.beside(w):
                     return found
-        return next(filter(None, (self._close(*each) for each in roots)), None)
+        zeros = []
+        for suspect, place in sorted(
+            roots, key=lambda root: abs(float(root[1].arg()))
+        ):  # digits tell those near the axis
+            zeros.append((suspect, self._polished(suspect, place)))
+            if found := self.around(zeros[-1][1], _NEARER, 1 if self.question.kind is Kind.BR else None):
+                return found
+        return next(filter(None, (self._close(*each) for each in zeros)), None)
 
     def _located(self, value: Value) -> list[acb]:
         """Some zeros of a part in Re s > 0."""
         starts = (self._zeros(value, self._spread(*ends))[:_ROOTS] for ends in ((), _USUAL))
         return [acb(root.real, root.imag) for roots in starts for root in roots]
 
+    def _polished(self, value: Value, root: acb) -> acb:
+        """A zero of a part in as many digits as points nearest to it need."""
+        with ctx.workprec(2 * _NEARER[-1]):
+            for place in _approaching(lambda s: in_balls(self.question.graph, [value], s, self.names)[0], root):
+                root = place if place.real > 0 else root
+        return root
+
     def _close(self, value: Value, root: acb) -> Witness | None:
         """The whole may fail where a part is small enough near its zero, whatever else is small there."""
-        with ctx.workprec(2 * _RADII[-1]):
-            for place in _approaching(lambda s: in_balls(self.question.graph, [value], s, self.names)[0], root):
-                root = place
         size = _short(max(near(root.real), near(root.imag), key=abs), 1)
         for radius in (size / 2**bits for bits in _RADII):
             re, im = (round(8 * x / radius) * radius / 8 for x in (near(root.real), near(root.imag)))
@@ -244,11 +255,11 @@ class Search:
         """A witness near a frequency on the axis."""
         return next(filter(None, (self.check(*place) for place in _beside(w))), None)
 
-    def around(self, root: acb) -> Witness | None:
-        """A witness ever nearer to a pole or a zero in Re s >= 0."""
+    def around(self, root: acb, distances: Iterable[int] = _DISTANCES, directions: int | None = None) -> Witness | None:
+        """A witness ever nearer to a pole or a zero in Re s >= 0, in some directions, or in all."""
         re, im = near(root.real), near(root.imag)
-        for unit in (_short(max(re, im, key=abs), 1) / 2**distance for distance in _DISTANCES):
-            for x, y in _DIRECTIONS:
+        for unit in (_short(max(re, im, key=abs), 1) / 2**distance for distance in distances):
+            for x, y in _DIRECTIONS[:directions]:
                 if found := self.check(round(re / unit + x) * unit, round(im / unit + y) * unit):
                     return found
         return None

@@ -2,6 +2,8 @@
 
 import json
 import math
+import re
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -17,6 +19,7 @@ from passivity import (
 from passivity.ball import near
 from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.calculus.ask import ask
+from passivity.calculus.pole import Spot
 from passivity.calculus.question import check_file
 from passivity.expression.number import written
 
@@ -67,6 +70,39 @@ def test_a_pole_behind_any_delay_refutes(text, kind, pole):
     assert complex(verdict.witness.re, verdict.witness.im) == pytest.approx(pole)
     assert verdict.witness.spot.radius < 1e-9
     assert check_file(json.loads(json.dumps(verdict.evidence))) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "distance"),
+    [
+        ("exp(-60*s)/(s^2 - 4*s + 4.01)", Kind.BR, 2),
+        ("exp(-60*s)/(s^2 - 4*s + 3.99)", Kind.BR, 2.1),
+        ("exp(-60*s)/(s^3 - 3*s^2 + 3.01*s - 1.01)", Kind.BR, 1),
+        ("exp(-40*s)*(s + 1)/(s^2 - 2*s + 1.0001)", Kind.BR, 1),
+        ("exp(-20*s)*tanh(s - 5)/10", Kind.BR, 5),
+        ("exp(-500*s)*tanh(s - 5)/10", Kind.BR, 5),
+        ("exp(-100*s)/log(s)", Kind.BR, 1),
+        ("10 + exp(-100*s)*tanh(s - 1)/100", Kind.PR, 1),
+        ("1 + exp(-100*s)*tanh(1/(s - 3))", Kind.PR, 3),
+    ],
+)
+def test_poles_near_each_other_or_of_a_function_refute(text, kind, distance):
+    """No disc shows them: a divisor's balls are too wide along its edge, or the whole does not depend on it."""
+    verdict = ask(text, kind)
+    assert verdict.status is Status.REFUTED
+    assert float(verdict.witness.re) == pytest.approx(distance)
+    assert verdict.witness.spot is None
+    assert check_file(json.loads(json.dumps(verdict.evidence))) is None
+
+
+def test_a_point_near_a_zero_is_told_by_its_disc_and_the_value_there():
+    why = ask("1 + " + LONG, Kind.PR).why
+    assert re.fullmatch(
+        r"Re Z\(s\) < 0 at a point within \S+e-\d+ of s = 2 \+ 0j, where a part of the function is .*2\^-\S+", why
+    )
+    assert (
+        "a part of the function is -2^-16" in replace(ask(LONG, Kind.BR).witness, spot=Spot(Fraction(1), 1, 16, 2)).why
+    )
 
 
 @pytest.mark.parametrize(
