@@ -123,6 +123,14 @@ def test_a_linear_equaliser_is_its_differential_equation():
     assert seen.u.ravel()[:: FINE // 4][: len(exact)] == pytest.approx(exact, abs=1e-5)
 
 
+def test_the_tail_of_a_slow_equaliser_is_missing():
+    """A triangle two bits wide through (1 + s/z)/(1 + s/w), 64 bits of it: (1 - w/z) e^(-63 w) (sinh(w/2)/(w/2))²."""
+    triangle = np.interp(np.arange(64 * FINE) / FINE, [0, 1, 2], [0, 1, 0]).reshape(-1, FINE)
+    w, z = 2 * np.pi * 0.01, 2 * np.pi * 0.05
+    seen = PulseResponse(1.0, triangle, 0.0, 0.0).with_ctle(0, 0.05, 0.01)
+    assert seen.missing == pytest.approx((1 - w / z) * np.exp(-63 * w) * (np.sinh(w / 2) / (w / 2)) ** 2, rel=1e-3)
+
+
 def test_a_low_pass_is_the_sum_of_its_residues():
     """A triangle two bits wide through 1/(1 - 3.4142 x^2 + x^4 + j(2.6131 x - 2.6131 x^3)), x = f/fr, (93A-20)."""
     triangle, bandwidth = np.interp(np.arange(12 * FINE) / FINE, [0, 1, 2], [0, 1, 0]), 0.75 / T

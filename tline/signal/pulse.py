@@ -173,8 +173,9 @@ class PulseResponse:
         zeros, poles = filtering.zeros * seconds, filtering.poles * seconds
         factor = filtering.gain * seconds ** (len(poles) - len(zeros))
         _, u, _ = lsim(ZerosPolesGain(zeros, poles, factor).to_ss(), flat, np.arange(len(flat), dtype=float))
-        at_rest = float(filtering.at(np.zeros(1))[0].real)
-        return replace(self, u=u[:-1].reshape(-1, FINE), base=self.base * at_rest, missing=self.missing * at_rest)
+        u, at_rest = u[:-1].reshape(-1, FINE), float(filtering.at(np.zeros(1))[0].real)
+        missing = at_rest * (float(self.u.sum(0).mean()) + self.missing) - float(u.sum(0).mean())
+        return replace(self, u=u, base=self.base * at_rest, missing=missing)
 
 
 def pulse_response(
