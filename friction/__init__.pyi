@@ -1,11 +1,11 @@
-from friction.armstrong import Armstrong as Armstrong
+from friction.spring_contact import Armstrong as Armstrong
 from friction.fit import Fit as Fit
 from friction.hunting import Swing as Swing
 from friction.hunting import harmonic_damping as harmonic_damping
 from friction.hunting import swings as swings
 from friction.identification import Identification as Identification
 from friction.identification import identify as identify
-from friction.maxwell import MaxwellSlip as MaxwellSlip
+from friction.spring_contact import MaxwellSlip as MaxwellSlip
 from friction.methods import METHODS as METHODS
 from friction.methods import Method as Method
 from friction.models import MODELS as MODELS

@@ -2,10 +2,8 @@
 
 from typing import NamedTuple
 
-from friction.armstrong import Armstrong
-from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
-from friction.spring_contact import SpringContact
+from friction.spring_contact import Armstrong, MaxwellSlip, SpringContact
 from tline.errors import InputError
 
 STATIC, SMOOTH, BRISTLES = (Coulomb, Karnopp), (LuGre, Dahl, ElastoPlastic, Tanh), (LuGre, Dahl, ElastoPlastic)
