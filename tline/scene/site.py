@@ -2,11 +2,11 @@
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator
 
 from tline.errors import InputError
-from tline.scene.element import Element
-from tline.scene.quantity import Quantity, Role
+from tline.scene.element import Element, optional
+from tline.scene.quantity import AnyEffort, Quantity, Role
 from tline.words.wording import shown
 
 GRAVITY = 9.80665  # m/s²
@@ -30,12 +30,11 @@ class Site(Element):
     see the gauge pressure at their node, u - density·g·elevation.
     """
 
-    elevation: Annotated[Quantity, Role("length", "m")] | None = Field(
-        default=None, description="height of the node; 0 m if other nodes have one"
+    elevation: Annotated[Quantity, Role("length", "m")] | None = optional(
+        "height of the node; 0 m if other nodes have one"
     )
-    start: Annotated[Quantity, Role("effort")] | None = Field(
-        default=None,
-        description="piezometric pressure or voltage in the steady state of a part that nothing else determines, such "
-        "as a pocket behind shut valves or check valves",
+    start: AnyEffort | None = optional(
+        "piezometric pressure or voltage in the steady state of a part that nothing else determines, such "
+        "as a pocket behind shut valves or check valves"
     )
-    position: Place | None = Field(default=None, description="coordinates on a map, in any unit")
+    position: Place | None = optional("coordinates on a map, in any unit")
