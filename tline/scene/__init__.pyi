@@ -42,7 +42,7 @@ from tline.scene.scene import Scene as Scene
 from tline.scene.scene import Solver as Solver
 from tline.scene.shape import Constant as Constant
 from tline.scene.shape import Step as Step
-from tline.scene.site import Site as Site
+from tline.scene.heights import Site as Site
 from tline.scene.source import Source as Source
 from tline.scene.switch import Switch as Switch
 from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport

@@ -21,9 +21,9 @@ from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
 from tline.scene.element import Element, TwoNodes, is_name, optional, required
 from tline.scene.friction import AnyFriction
+from tline.scene.heights import Place
 from tline.scene.mistakes import validator
 from tline.scene.quantity import LARGEST, SMALLEST, ConductancePerMetre, Quantity, ResistancePerMetre, Role
-from tline.scene.site import Place
 from tline.scene.vessel import Cavities
 
 STORAGE_MISMATCH = 1e-9  # relative to a storage; tolerated difference between laws and lossless line

@@ -21,9 +21,9 @@ from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Line, single_lines
-from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name, optional, required
-from tline.scene.heights import Height, heights_of
+from tline.scene.file import as_html, as_text, drawn
+from tline.scene.heights import GRAVITY, Height, Site, heights_of
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
 from tline.scene.law import ElementLaw, NonLinear
@@ -35,7 +35,6 @@ from tline.scene.mistakes import MOST_MISTAKES, limited, mistakes, validator
 from tline.scene.quantity import Duration, Effort
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Shape
-from tline.scene.site import GRAVITY, Site
 from tline.scene.solver import Solver
 from tline.scene.source import Source
 from tline.scene.text_file import Folder
