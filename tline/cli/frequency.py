@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.from_signature import FileKind, Output, command, drawn, picture, table
-from tline.cli.options import check_readable, options_named
+from tline.cli.options import options_named
 from tline.errors import InputError
 from tline.units import engineering
 
@@ -101,6 +101,7 @@ def fit(file: str, *, tol: str = "1e-3", delay: str | None = None, nearest: bool
         own S is not passive.
     """
     from passivity.errors import ExpressionError
+    from tline.scene.text_file import check_readable
 
     check_readable(file)
     try:

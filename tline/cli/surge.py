@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.from_signature import Command, FileKind, Output, command, picture, table
-from tline.cli.options import check_readable, hours, options_named, tolerance, write_text
+from tline.cli.options import hours, options_named, tolerance, write_text
 from tline.cli.run import FILES, recorded, writers
 from tline.errors import InputError
 from tline.presentation import Presentation
@@ -45,8 +45,6 @@ def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tupl
     from tline.surge.operate import read_network
     from tline.surge.operation import plan
 
-    if isinstance(network, str) and Path(network).suffix:
-        check_readable(network)
     operations = {kind: given.pop(kind) for kind in OPERATIONS if kind in given}
     reading = {key: given.pop(key) for key in READING if key in given}
     reading |= {"hour": hours(reading["hour"])} if "hour" in reading else {}
@@ -168,7 +166,6 @@ def study(study: str, *, files: dict[str, str], **given: Any) -> Output:
     """
     from tline.surge.study import surge_study
 
-    check_readable(study)
     found = surge_study(study, progress=sys.stderr.isatty(), **given)
     return Output(
         str(found).splitlines(), found.to_dict, dict.fromkeys(STUDY, found.save), (), 1 if found.unsigned else 0

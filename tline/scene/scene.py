@@ -21,8 +21,8 @@ from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Line, single_lines
+from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name, optional, required
-from tline.scene.file import as_html, as_text, drawn
 from tline.scene.heights import GRAVITY, Height, Site, heights_of
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
