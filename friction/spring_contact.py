@@ -1,4 +1,4 @@
-"""Laws whose contact sticks like springs up to limits, and then slides: Maxwell slip, and Armstrong of seven parameters."""
+"""Laws of contacts that stick like springs up to limits, then slide: Maxwell slip, Armstrong of seven parameters."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

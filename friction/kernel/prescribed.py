@@ -1,4 +1,4 @@
-"""Deflection of bristles under a prescribed velocity, from reversal to reversal, by Radau IIA collocation of order 9."""
+"""Deflection of bristles under a given velocity, from reversal to reversal, by Radau IIA collocation of order 9."""
 
 from math import sin
 from typing import NamedTuple
