@@ -1,11 +1,9 @@
-from friction.armstrong import Armstrong as Armstrong
 from friction.fit import Fit as Fit
 from friction.hunting import Swing as Swing
 from friction.hunting import harmonic_damping as harmonic_damping
 from friction.hunting import swings as swings
 from friction.identification import Identification as Identification
 from friction.identification import identify as identify
-from friction.maxwell import MaxwellSlip as MaxwellSlip
 from friction.methods import METHODS as METHODS
 from friction.methods import Method as Method
 from friction.models import MODELS as MODELS
@@ -34,6 +32,8 @@ from friction.result import Ledger as Ledger
 from friction.result import Result as Result
 from friction.result import Status as Status
 from friction.simulation import simulate as simulate
+from friction.spring_contact import Armstrong as Armstrong
+from friction.spring_contact import MaxwellSlip as MaxwellSlip
 from friction.testbench import PID as PID
 from friction.testbench import Force as Force
 from friction.testbench import Ramp as Ramp

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.fit import Fit, fit, left_out
-from friction.measured import FEWEST, measured
+from friction.fit import FEWEST, Fit, fit, left_out, measured
 from friction.models import MODELS, UNITS, Model
 from tline.errors import InputError
 from tline.history import History

@@ -2,14 +2,12 @@
 
 from typing import NamedTuple
 
-from friction.armstrong import Armstrong
-from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
-from friction.spring_contact import SpringContact
+from friction.spring_contact import Armstrong, MaxwellSlip, SpringContact
 from tline.errors import InputError
 
 STATIC, SMOOTH, BRISTLES = (Coulomb, Karnopp), (LuGre, Dahl, ElastoPlastic, Tanh), (LuGre, Dahl, ElastoPlastic)
-ALL, SPRUNG = STATIC + SMOOTH, (MaxwellSlip, Armstrong)
+ALL, SPRING_CONTACTS = STATIC + SMOOTH, (MaxwellSlip, Armstrong)
 
 
 class Method(NamedTuple):
@@ -40,7 +38,11 @@ METHODS = {
     method.name: method
     for method in (
         Method(
-            "events", 20, STATIC + SPRUNG, "events", "none known; a force that only touches F_s may be taken either way"
+            "events",
+            20,
+            STATIC + SPRING_CONTACTS,
+            "events",
+            "none known; a force that only touches F_s may be taken either way",
         ),
         Method("rosenbrock", 5, SMOOTH, "adaptive", "says so where rounding keeps it from its tolerance"),
         Method("taylor", 16, (LuGre, Dahl), "adaptive", "as rosenbrock, which takes over where the contact is stiff"),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.methods import SPRUNG, STATIC
+from friction.methods import SPRING_CONTACTS, STATIC
 from friction.models import MODELS, Karnopp, Model
 from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 FINE, SPREAD = 1e-13, 100.0  # error of steps, relative to the largest deflection, and how much rougher a second run is
 TIME_ROUNDING = 1e-15
 MOST_STEPS = 5_000_000
-LAWS: dict[str, type[Any]] = MODELS | {law.name: law for law in SPRUNG}
+LAWS: dict[str, type[Any]] = MODELS | {law.name: law for law in SPRING_CONTACTS}
 UNITS = {"t": "s", "x": "m", "v": "m/s", "z": "m", "F_f": "N", "F_low": "N", "F_high": "N"}
 
 
@@ -150,7 +150,7 @@ def prescribe(
         motion, rougher, errors["v"] = moved_by(given, t_end, where)
     else:
         motion = rougher = (moved_with if where == "velocity" else moved_along)(given)  # type: ignore[arg-type]
-    if isinstance(model, (*STATIC, *SPRUNG)) and z0:
+    if isinstance(model, (*STATIC, *SPRING_CONTACTS)) and z0:
         raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")
     if isinstance(model, SpringContact):
         force, zeros = model.moved(motion, at, t_end), np.zeros(at.size)

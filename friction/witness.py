@@ -11,9 +11,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.maxwell import MaxwellSlip
 from friction.models import Coulomb, ElastoPlastic, Karnopp, Model, Tanh
-from friction.spring_contact import SpringContact
+from friction.spring_contact import MaxwellSlip, SpringContact
 from friction.testbench import Force, Ramp, Sine, Steps, Table, Testbench
 
 WINDOWS, SEED = 32, 5

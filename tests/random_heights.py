@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from tline.scene.heights import GRAVITY
 from tline.scene.scene import Scene
-from tline.scene.site import GRAVITY
 from tline.scene.user_defined import UserLink, UserLoad
 
 WEIGHT = 1000 * GRAVITY  # Pa/m

@@ -15,7 +15,7 @@ from tline.interchange.epanet import read_epanet
 from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_network import STILL, TRICKLE, WaterNetwork
 from tline.interchange.water_scene import water_scene
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.surge.event import Event
 from tline.surge.operate import operated
 

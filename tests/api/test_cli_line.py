@@ -12,10 +12,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from tline import ElectricalLine, HydraulicLine
-from tline.cli.line import ELECTRICAL, HYDRAULIC, LineMedium, line
+from tline.cli.line import EARTH, MATERIALS, line
 from tline.cli.main import COMMANDS, main
 
-MEDIA = pytest.mark.parametrize("medium", [HYDRAULIC, ELECTRICAL], ids=lambda medium: medium.name)
+LINES = pytest.mark.parametrize("kind", [HydraulicLine, ElectricalLine])
 HEAVY = {"numpy", "scipy", "numba", "pydantic", "pint", "matplotlib"}
 
 
@@ -75,7 +75,7 @@ def test_the_table_is_aligned() -> None:
 def test_json_has_every_quantity_in_full_precision() -> None:
     result = run("line", "hydraulic", "--radius", "10 cm", "--wave-speed", "1500", "--density", "980", "--json")
     expected = HydraulicLine(radius=0.1, wave_speed=1500, density=980)
-    quantities = {item.name: getattr(expected, item.name) for item in HYDRAULIC.quantities}
+    quantities = {item.name: getattr(expected, item.name) for item in HydraulicLine.quantities}
     assert json.loads(result.stdout) == quantities | {"notes": []}
     assert json.loads(result.stdout)["delay"] is None
     result = run("line", "electrical", "--z0", "50", "--velocity-factor", "66 %", "--json")
@@ -157,20 +157,21 @@ def test_an_unknown_command_exits_2() -> None:
     assert "No such command 'lines'" in result.stderr
 
 
-@MEDIA
-def test_the_constructor_the_options_and_the_table_are_the_same(medium: LineMedium) -> None:
-    arguments = list(inspect.signature(medium.build).parameters)
-    assert arguments == [item.name for item in medium.quantities] + list(medium.names)
-    options = [option.name for option in line.commands[medium.name].params]
-    assert options == [*arguments, *(item.name for item in medium.losses), "json"]
+@LINES
+def test_the_constructor_the_options_and_the_table_are_the_same(kind: type[HydraulicLine | ElectricalLine]) -> None:
+    arguments = list(inspect.signature(kind).parameters)
+    name, words, more = ("hydraulic", [*MATERIALS], []) if kind is HydraulicLine else ("electrical", [], [*EARTH])
+    assert arguments == [item.name for item in kind.quantities] + words
+    options = [option.name for option in line.commands[name].params]
+    assert options == [*arguments, *(item.name for item in more), "as_json"]
 
 
-@MEDIA
-def test_every_argument_is_documented_and_no_other(medium: LineMedium) -> None:
-    text = inspect.getdoc(medium.build) or ""
+@LINES
+def test_every_argument_is_documented_and_no_other(kind: type[HydraulicLine | ElectricalLine]) -> None:
+    text = inspect.getdoc(kind) or ""
     section = text.split("Parameters\n----------\n")[1].split("\n\n")[0]
     named = [name for names in re.findall(r"^(\S.*) : ", section, re.MULTILINE) for name in names.split(", ")]
-    assert sorted(named) == sorted(inspect.signature(medium.build).parameters)
+    assert sorted(named) == sorted(inspect.signature(kind).parameters)
 
 
 def _imported_by(arguments: list[str]) -> tuple[int, set[str]]:

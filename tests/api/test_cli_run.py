@@ -15,8 +15,7 @@ from click.testing import CliRunner, Result
 from run_scenes import FORK, VALVE
 
 from tline.cli.main import COMMANDS, main
-from tline.cli.result_files import FILES
-from tline.cli.run import run
+from tline.cli.run import FILES, run
 from tline.cli.scene_files import schema
 from tline.scene.file import read_scene, scene_from
 from tline.solver import simulate as simulation

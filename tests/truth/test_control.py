@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tline.errors import InputError
+from tline.scene.heights import GRAVITY
 from tline.scene.scene import Scene
-from tline.scene.site import GRAVITY
 from tline.solver.simulate import simulate
 from tline.surge.control import read_control, triggered
 from tline.surge.operate import operated

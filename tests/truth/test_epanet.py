@@ -11,8 +11,8 @@ import tline as tl
 from tline.errors import InputError
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_network import WaterNetwork, friction_of
+from tline.scene.heights import GRAVITY
 from tline.scene.line import Pipe
-from tline.scene.site import GRAVITY
 
 wntr = pytest.importorskip("wntr")
 SHIPPED = Path(wntr.__file__).parent / "library" / "networks"

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from tline import Scene, SceneError
 from tline.interchange.water_scene import read_inp
 from tline.scene.file import read_scene
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.solver.simulate import simulate
 
 SCENES = Path(__file__).parents[2] / "scenes"

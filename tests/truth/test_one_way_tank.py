@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tline.scene.file import read_scene
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.solver.simulate import simulate
 
 SCENE = Path(__file__).parents[2] / "scenes" / "one_way_tank.toml"

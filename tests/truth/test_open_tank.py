@@ -12,7 +12,7 @@ from one_line import one_line
 from scipy.integrate import quad, solve_ivp
 
 import tline as tl
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 
 Z0, DELAY, HEAD, SWING, RATE, SECTION, AREA = 2e6, 0.1, 5e4, 3e4, 0.5, 0.003, 5e-3
 WEIGHT = 1000 * GRAVITY

@@ -9,7 +9,7 @@ from settling import ACCURATE, WALLS, good, measured
 from tline import Scene, operate, simulate
 from tline.interchange.epanet import read_epanet
 from tline.interchange.water_scene import water_scene
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.surge.event import Event
 from tline.surge.operate import operated
 

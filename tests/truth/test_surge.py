@@ -5,7 +5,7 @@ import pytest
 
 import tline as tl
 from tline import InputError, Scene, operate, simulate
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.surge.event import Event
 from tline.surge.operate import operated, usual_inertia
 from tline.surge.report import band_text

@@ -14,7 +14,7 @@ from tline.interchange.pipe_walls import wave_speeds
 from tline.interchange.water_network import Valve
 from tline.interchange.water_scene import differences, read_inp, water_scene
 from tline.interchange.water_valves import valve_link
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
 

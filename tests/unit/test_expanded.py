@@ -9,8 +9,8 @@ import pytest
 from tline import InputError, Scene, SceneError
 from tline.frequency import respond
 from tline.pictures import route, surges
-from tline.pictures.along import effort_along, extremes_along, start_effort
 from tline.pictures.lattice import only_line
+from tline.pictures.path import effort_along, extremes_along, start_effort
 from tline.scene.file import scene_from, scene_text
 from tline.scene.stretches import expanded
 from tline.solver.description.description import describe

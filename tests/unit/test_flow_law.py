@@ -12,8 +12,8 @@ from tline import InputError, Scene
 from tline.errors import SceneError
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, SwameeJain, quadratic, side_by_side
 from tline.scene.file import read_scene
+from tline.scene.heights import GRAVITY
 from tline.scene.line import Pipe
-from tline.scene.site import GRAVITY
 from tline.scene.valve import ADDED, Orifice, open_loss, opening_of, shares
 from tline.solver.assembly.diamonds import _power_table
 from tline.solver.description.description import describe

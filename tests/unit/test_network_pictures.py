@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from tline import InputError, Result, Scene, simulate
 from tline.pictures import Route, animated, lines_to_map, plot_map, plot_profile, route, surges
 from tline.pictures import layout as laying
-from tline.pictures.along import extremes_along
 from tline.pictures.bounds import bounds
 from tline.pictures.layout import course, layout
+from tline.pictures.path import extremes_along
 from tline.scene.file import read_scene, scene_from
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.solver.result.interior import inside
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"

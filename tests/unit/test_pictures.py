@@ -14,8 +14,8 @@ from PIL import Image
 
 from tline import InputError, MissingExtraError, Result, plot
 from tline.pictures import Route, plot_lattice, plot_space_time, route, save_figure
-from tline.pictures.along import effort_along
 from tline.pictures.animation import FRAMES, PLACES, STEPS, animated
+from tline.pictures.path import effort_along
 from tline.units import handy
 
 

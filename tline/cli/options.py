@@ -60,17 +60,6 @@ def check_partners(given: Mapping[str, object], partners: Mapping[str, str]) -> 
             raise InputError(flag, "needs its partner", f"{beside} beside it")
 
 
-def check_readable(file: str) -> None:
-    """Raise an error for a file that could be read for ever: a device, a terminal, a named pipe."""
-    from tline.scene.text_file import check_ordinary
-
-    try:
-        check_ordinary(file)
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(file, "cannot be read", got=reason or "no file") from None
-
-
 def hours(text: str | None) -> float | None:
     """Parse the hours of an option `--at-hour`, if it is given."""
     if text is None:

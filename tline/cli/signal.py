@@ -5,7 +5,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import FileKind, Output, command, drawn, picture, table
-from tline.cli.options import check_readable, options_named
+from tline.cli.options import options_named
 from tline.errors import InputError
 
 if TYPE_CHECKING:
@@ -263,7 +263,7 @@ def channel(
     mask : TIME,LEVEL
         As of `tline.cli.signal.eye`.
     """
-    from tline.cli.fit import trying
+    from tline.cli.frequency import trying
     from tline.signal import measured_channel
 
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
@@ -307,6 +307,8 @@ def _margin(
     file: str, com: str | None, ports: str, fext: tuple[str, ...], near: tuple[str, ...]
 ) -> "OperatingMargin | None":
     """Margin by the parameters that are named, if any."""
+    from tline.scene.text_file import check_readable
+
     for each in (file, *fext, *(each for each in near if each not in ports.split())):
         check_readable(each)
     if com is not None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tline.cli.from_signature import Output, drawn
-from tline.cli.options import check_readable, write_text
+from tline.cli.options import write_text
 from tline.errors import InputError
 from tline.words.wording import place
 
@@ -236,6 +236,7 @@ def _read_samples(file: str, asked: Asked) -> "SampledResponse":
     from passivity.expression.number import double
     from passivity.rational.evaluate import exact
     from passivity.sampled.read import read_csv, read_touchstone
+    from tline.scene.text_file import check_readable
 
     check_readable(file)
     if not file.lower().endswith(".csv"):

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from tline.design.search import Trial
 from tline.errors import InputError
-from tline.pictures.along import extremes_along
 from tline.pictures.bounds import one_liquid
-from tline.pictures.path import Route, route
+from tline.pictures.path import Route, extremes_along, route
 from tline.scene.heights import weight_at, words
 from tline.scene.load import Reservoir
 from tline.scene.scene import Scene

@@ -8,7 +8,7 @@ from typing import Any
 from tline.errors import InputError, LeftOutWarning
 from tline.scene.file import EPANET, SPICE, read_scene
 from tline.scene.scene import Scene
-from tline.scene.text_file import check_ordinary
+from tline.scene.text_file import check_readable
 from tline.shipped import examples
 from tline.words.wording import nearest, shown
 
@@ -77,32 +77,20 @@ def _shipped(name: str) -> Scene:
     return examples[name]
 
 
-def read_foreign(
-    path: Path,
-    *,
-    wave_speed: float | str | None = None,
-    material: str | None = None,
-    hour: float | None = None,
-    moving_tanks: bool | None = None,
-) -> tuple[Scene, tuple[str, ...]]:
-    """Scene of another program's file, and notes on parts left out or interpreted."""
-    suffix = path.suffix.lower()
+def read_foreign(path: Path, **water: Any) -> tuple[Scene, tuple[str, ...]]:
+    """Scene of another program's file, and notes on parts left out or interpreted; options are those of `read`."""
+    suffix, given = path.suffix.lower(), {name: value for name, value in water.items() if value is not None}
     if suffix not in (*SPICE, *EPANET):
         raise InputError(str(path), "unknown kind of file", " or ".join((*SPICE, *EPANET)), suffix or "no suffix")
     if suffix in SPICE:
-        refuse_water({"wave_speed": wave_speed, "material": material, "hour": hour, "moving_tanks": moving_tanks})
-    try:
-        check_ordinary(path)
-    except (OSError, ValueError) as error:  # a ValueError for a name with a null character
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(str(path), "cannot be read", got=reason or "no file") from None
-    if suffix in SPICE:
         from tline.interchange.spice import read_spice
 
+        refuse_water(given)
+        check_readable(path)
         return read_spice(path)
     from tline.interchange.water_scene import read_inp
 
-    return read_inp(str(path), wave_speed, material=material, hour=hour or 0.0, moving_tanks=bool(moving_tanks))
+    return read_inp(str(path), **given)
 
 
 def refuse_water(given: Mapping[str, Any]) -> None:

@@ -4,9 +4,7 @@ Its folder is new and empty, and no line that could name another file is among t
 """
 
 import json
-import os
 import re
-import stat
 import subprocess
 import sys
 import tempfile
@@ -22,7 +20,7 @@ from tline.errors import InputError, MissingExtraError
 from tline.interchange import epanet_run
 from tline.interchange.positional_valves import as_throttles
 from tline.interchange.water_network import Position, Travel
-from tline.scene.text_file import LARGEST_FILE
+from tline.scene.text_file import read_bytes
 from tline.words.wording import shown
 
 SECONDS, EACH = 20.0, 10.0  # of the processor: for any file, and for each megabyte more
@@ -124,18 +122,7 @@ def read_text(path: str) -> str:
 
     A line ends at a null character, as EPANET reads it.
     """
-    try:
-        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:  # a pipe has no writer
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise InputError(path, "cannot be read", "an ordinary file")
-            data = file.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(path, "cannot be read", got=reason or str(error)) from None
-    if len(data) > LARGEST_FILE:
-        raise InputError(path, "cannot be read", f"at most {LARGEST_FILE:,} bytes")
+    data = read_bytes(Path(path))
     for encoding in ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1"):
         try:
             text = re.sub(r"\0[^\r\n]*", "", data.decode(encoding))

@@ -29,7 +29,7 @@ from tline.interchange.water_network import (
     pump_curve,
 )
 from tline.scene.connected import connected
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.units import to_si
 from tline.words.wording import shown
 

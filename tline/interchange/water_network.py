@@ -11,7 +11,7 @@ import numpy as np
 from tline.errors import InputError
 from tline.interchange.water_controls import WaterControl
 from tline.scene.friction import FOOT
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 
 SQUARE, STEPS = 2.0, 10  # parts of other power laws
 AT_OPERATING_POINT = 0.25  # of a step: closer to the operating point than that no other is needed

@@ -25,8 +25,8 @@ from tline.interchange.water_network import (
 from tline.interchange.water_valves import guesses, is_shut, put_gate, regulators, valve_link, with_bores
 from tline.scene.connected import connected
 from tline.scene.file import scene_from
+from tline.scene.heights import GRAVITY
 from tline.scene.scene import Scene
-from tline.scene.site import GRAVITY
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
 

@@ -6,7 +6,7 @@ from math import pi, sqrt
 from typing import Any
 
 from tline.interchange.water_network import LEAST_DROP, TRICKLE, WIDE_OPEN, Valve, WaterNetwork, listed
-from tline.scene.site import GRAVITY
+from tline.scene.heights import GRAVITY
 from tline.scene.valve import open_loss, opening_of, shares
 
 KEEPS = {"PRV": "downstream", "PSV": "upstream", "FCV": "flow"}

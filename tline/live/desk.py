@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.along import effort_along
 from tline.pictures.animation import animated
 from tline.pictures.bounds import scale, spread
-from tline.pictures.path import Route, axis, route
+from tline.pictures.path import Route, axis, effort_along, route
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.prepared import prepare

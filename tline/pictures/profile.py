@@ -11,9 +11,8 @@ from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.pictures.along import effort_along, extremes_along, start_effort, waves_along
 from tline.pictures.bounds import Bound, bounds, scale, spread
-from tline.pictures.path import Leg, Route, axis
+from tline.pictures.path import Leg, Route, axis, effort_along, extremes_along, start_effort, waves_along
 from tline.solver.result.result import Result
 from tline.style import COLOURS, DASHES, DIVERGING, INK, Picture, add_bar, figure, name_nodes, styled
 from tline.units import handy

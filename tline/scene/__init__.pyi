@@ -16,6 +16,7 @@ from tline.scene.friction import Linear as Linear
 from tline.scene.friction import QuasiSteady as QuasiSteady
 from tline.scene.friction import VardyBrown as VardyBrown
 from tline.scene.friction import Zielke as Zielke
+from tline.scene.heights import Site as Site
 from tline.scene.line import Cable as Cable
 from tline.scene.line import Creep as Creep
 from tline.scene.line import Pipe as Pipe
@@ -42,7 +43,6 @@ from tline.scene.scene import Scene as Scene
 from tline.scene.scene import Solver as Solver
 from tline.scene.shape import Constant as Constant
 from tline.scene.shape import Step as Step
-from tline.scene.site import Site as Site
 from tline.scene.source import Source as Source
 from tline.scene.switch import Switch as Switch
 from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport

@@ -4,18 +4,27 @@ from math import inf, pi, sqrt
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, optional, required
 from tline.scene.law import ElementLaw, LawKind, OfLiquids, Shown
-from tline.scene.quantity import ZERO, Pressure, Quantity, Role
+from tline.scene.quantity import (
+    ZERO,
+    Density,
+    Diameter,
+    Duration,
+    PositivePressure,
+    Pressure,
+    Quantity,
+    Role,
+    Temperature,
+)
 from tline.scene.rating import WATER
-from tline.scene.vessel import ATMOSPHERE, Absolute
+from tline.scene.vessel import ATMOSPHERE
 
 AIR_VOLUME = "air volume"
 GAS_CONSTANT = 287.05  # of air, J/(kg K)
-Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
 
 
 class Air(LawKind):
@@ -47,28 +56,22 @@ class AirValve(AtNode, OfLiquids):
     """
 
     kind: Literal["air valve"] = "air valve"
-    inlet_diameter: Diameter = Field(description="of the orifice through which air comes in")
-    outlet_diameter: Annotated[Quantity, Role("diameter", "m", at_least=0)] = Field(
-        description="of the orifice through which it leaves, often smaller; 0 for a vacuum breaker"
+    inlet_diameter: Diameter = required("of the orifice through which air comes in")
+    outlet_diameter: Annotated[Quantity, Role("diameter", "m", at_least=0)] = required(
+        "of the orifice through which it leaves, often smaller; 0 for a vacuum breaker"
     )
-    switch_pressure: Annotated[Quantity, Role("pressure", "Pa", above=0)] | None = Field(
-        default=None, description="above the pressure outside, from which the third stage shuts the outlet"
+    switch_pressure: PositivePressure | None = optional(
+        "above the pressure outside, from which the third stage shuts the outlet"
     )
-    switched_diameter: Diameter | None = Field(default=None, description="of the orifice through which air leaves then")
-    closing_time: Annotated[Quantity, Role("time", "s", above=0)] | None = Field(
-        default=None, description="in which the outlet shuts; without it as soon as the air is gone"
+    switched_diameter: Diameter | None = optional("of the orifice through which air leaves then")
+    closing_time: Duration | None = optional("in which the outlet shuts; without it as soon as the air is gone")
+    density: Density = optional("of the liquid that then leaves", Quantity(WATER, "kg/m^3"))
+    discharge_coefficient: Annotated[Quantity, Role("coefficient", "", above=0, at_most=1)] = optional(
+        "of both", Quantity(0.6, "")
     )
-    density: Annotated[Quantity, Role("density", "kg/m^3", above=0)] = Field(
-        default=Quantity(WATER, "kg/m^3"), description="of the liquid that then leaves"
-    )
-    discharge_coefficient: Annotated[Quantity, Role("coefficient", "", above=0, at_most=1)] = Field(
-        default=Quantity(0.6, ""), description="of both"
-    )
-    temperature: Annotated[Quantity, Role("temperature", "K", above=0)] = Field(
-        default=Quantity("20 degC", "K"), description="of the air"
-    )
-    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
-    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
+    temperature: Temperature = optional("of the air", Quantity("20 degC", "K"))
+    atmosphere: PositivePressure = optional("absolute pressure of the air outside", ATMOSPHERE)
+    back_pressure: Pressure = optional("gauge pressure outside; 0 is the open air", ZERO)
 
     shows = (
         Shown(AIR_VOLUME, "m^3", lambda valve, y, i: y),

@@ -7,11 +7,11 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, PrivateAttr, model_validator
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss, DielectricLoss, Law, SkinEffect
-from tline.scene.element import Element, pair
+from tline.scene.element import Element, optional, pair, required
 from tline.scene.quantity import Frequency, Quantity, Role
 from tline.words.wording import nearest, shown
 
@@ -149,9 +149,9 @@ class Attenuation(Element):
     [4.6, 15.9, 61.3]
     """
 
-    unit: str = Field(default="dB/m", description=f"of the decibels: {UNITS}")
-    points: list[Point] = Field(
-        min_length=2, max_length=100, description="pairs [frequency, decibels], frequencies in ascending order"
+    unit: str = optional(f"of the decibels: {UNITS}", "dB/m")
+    points: list[Point] = required(
+        "pairs [frequency, decibels], frequencies in ascending order", min_length=2, max_length=100
     )
 
     _metres: float = PrivateAttr()

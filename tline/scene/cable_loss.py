@@ -4,25 +4,21 @@ from functools import lru_cache
 from math import pi, sqrt
 from typing import Annotated
 
-from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss, DielectricLoss, Foster, Law, RoundWire, SkinEffect, tabulated
-from tline.scene.element import Element
-from tline.scene.quantity import Frequency, Quantity, Role
+from tline.scene.element import Element, optional, required
+from tline.scene.quantity import Frequency, PositiveResistancePerMetre, Quantity, Role
 from tline.scene.text_file import beside, read_rows
 
 
 class Skin(Element):
     """Skin effect from the resistance at one high frequency: above its corner the resistance rises with √f."""
 
-    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", above=0)] = Field(
-        description="per metre, at that frequency"
-    )
-    frequency: Frequency = Field(description="far above the corner")
-    added: bool = Field(
-        default=False, description="whether it adds to the resistance to steady current, as in W elements of SPICE"
-    )
+    resistance: PositiveResistancePerMetre = required("per metre, at that frequency")
+    frequency: Frequency = required("far above the corner")
+    added: bool = optional("whether it adds to the resistance to steady current, as in W elements of SPICE", False)
 
     def laws(self, resistance: float) -> list[Law]:
         """Laws for a resistance to steady current, ohm/m: a transition to the skin effect, or the sum of both."""
@@ -33,14 +29,12 @@ class Skin(Element):
 class Wire(Element):
     """Round wire alone; the other conductor is taken as perfect."""
 
-    radius: Annotated[Quantity, Role("radius", "m", above=0)] | None = Field(
-        default=None, description="of the wire; half the line's wire_diameter or inner_diameter if not given"
+    radius: Annotated[Quantity, Role("radius", "m", above=0)] | None = optional(
+        "of the wire; half the line's wire_diameter or inner_diameter if not given"
     )
-    conductivity: Annotated[Quantity, Role("conductivity", "S/m", above=0)] | None = Field(
-        default=None, description="of its metal"
-    )
-    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", above=0)] | None = Field(
-        default=None, description="to steady current, per metre, instead of the conductivity"
+    conductivity: Annotated[Quantity, Role("conductivity", "S/m", above=0)] | None = optional("of its metal")
+    resistance: PositiveResistancePerMetre | None = optional(
+        "to steady current, per metre, instead of the conductivity"
     )
 
     def law(self, diameter: float | None) -> Law:
@@ -58,10 +52,10 @@ class Wire(Element):
 class LossTangent(Element):
     """Insulation whose loss tangent hardly depends on frequency within a band."""
 
-    value: Annotated[Quantity, Role("loss tangent", "", above=0, at_most=1)] = Field(description="at the frequency")
-    frequency: Frequency = Field(description="between the limits")
-    low: Frequency = Field(description="below it there is less loss")
-    high: Frequency = Field(description="above it there is less loss")
+    value: Annotated[Quantity, Role("loss tangent", "", above=0, at_most=1)] = required("at the frequency")
+    frequency: Frequency = required("between the limits")
+    low: Frequency = required("below it there is less loss")
+    high: Frequency = required("above it there is less loss")
 
     def law(self, capacitance: float) -> Law:
         """Law of the insulation for the capacitance at infinite frequency, F/m; at lower frequencies it is larger."""
@@ -84,9 +78,9 @@ class CableTable(Element):
     refused. z0 and delay, which a front meets, are those at infinite frequency.
     """
 
-    file: str = Field(description="CSV file, looked for beside the scene file; a first line of words is skipped")
-    tolerance: Annotated[Quantity, Role("tolerance", "", at_least=1e-12, at_most=0.5)] = Field(
-        default=Quantity(0.01, ""), description="largest difference of line and table, relative, of R + jωL and G + jωC"
+    file: str = required("CSV file, looked for beside the scene file; a first line of words is skipped")
+    tolerance: Annotated[Quantity, Role("tolerance", "", at_least=1e-12, at_most=0.5)] = optional(
+        "largest difference of line and table, relative, of R + jωL and G + jωC", Quantity(0.01, "")
     )
     _laws: tuple[Foster, ...] = PrivateAttr()
 

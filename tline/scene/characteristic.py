@@ -5,13 +5,13 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Placed, pair
+from tline.scene.element import AtNode, Placed, optional, pair, required
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ANY_DROP, Bend, Constants, ElementLaw, LawKind, NonLinear
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import AnyEffort, Quantity, Role
 from tline.scene.text_file import beside, read_rows
 
 BOLTZMANN, CHARGE = 1.380649e-23, 1.602176634e-19  # J/K, C; exact in the SI
@@ -36,7 +36,7 @@ class Shockley(LawKind):
 class Reversible(AtNode):
     """Element at a node that may point either way."""
 
-    reverse: bool = Field(default=False, description="whether it points from the reference to the node")
+    reverse: bool = optional("whether it points from the reference to the node", False)
 
 
 class Diode(NonLinear, Placed, load=Reversible):
@@ -49,10 +49,10 @@ class Diode(NonLinear, Placed, load=Reversible):
     """
 
     kind: Literal["diode"] = "diode"
-    saturation: Saturation = Field(description="current that flows backwards, Is")
-    emission: Emission = Field(default=Quantity(1, ""), description="n")
-    temperature: Annotated[Quantity, Role("temperature", "K", at_least=COLDEST, at_most=HOTTEST)] = Field(
-        default=Quantity("300.15 K", "K"), description="of the junction"
+    saturation: Saturation = required("current that flows backwards, Is")
+    emission: Emission = optional("n", Quantity(1, ""))
+    temperature: Annotated[Quantity, Role("temperature", "K", at_least=COLDEST, at_most=HOTTEST)] = optional(
+        "of the junction", Quantity("300.15 K", "K")
     )
 
     def law(self) -> ElementLaw:  # noqa: D102
@@ -62,7 +62,7 @@ class Diode(NonLinear, Placed, load=Reversible):
         )
 
 
-Point = Annotated[tuple[Annotated[Quantity, Role("effort")], Annotated[Quantity, Role("flow")]], pair("effort, flow")]
+Point = Annotated[tuple[AnyEffort, Annotated[Quantity, Role("flow")]], pair("effort, flow")]
 
 
 class Tabled(LawKind):
@@ -122,16 +122,11 @@ class Curve(NonLinear, Placed):
     """Flow over effort, to the reference or from node to node: straight lines between points, continued beyond."""
 
     kind: Literal["table"] = "table"
-    points: list[Point] | None = Field(
-        default=None,
-        min_length=2,
-        max_length=MOST_POINTS,
-        description="pairs [effort, flow], neither of which may fall",
+    points: list[Point] | None = optional(
+        "pairs [effort, flow], neither of which may fall", min_length=2, max_length=MOST_POINTS
     )
-    file: str | None = Field(
-        default=None, description="instead of `points`, a CSV file of two columns, effort and flow, in SI"
-    )
-    scale: Factor = Field(default=ALWAYS, description="what all flows are multiplied by, constant or over time")
+    file: str | None = optional("instead of `points`, a CSV file of two columns, effort and flow, in SI")
+    scale: Factor = optional("what all flows are multiplied by, constant or over time", ALWAYS)
 
     _curve: tuple[tuple[float, ...], ...] = PrivateAttr()
 

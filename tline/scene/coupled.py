@@ -3,16 +3,25 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.line.electrical import LIGHT, LIGHT_ROUNDING
 from tline.line.modes import MixedModesError, Modes, even_and_odd, modes
 from tline.scene.cable_loss import Skin
-from tline.scene.element import Element, Name, nodes_of
+from tline.scene.element import Element, Name, nodes_of, optional, required
 from tline.scene.line import Cable, Pipe, SceneLine, read_pipe
 from tline.scene.mistakes import Read, mistakes, validator
-from tline.scene.quantity import LARGEST, SMALLEST, Frequency, Quantity, Role
+from tline.scene.quantity import (
+    LARGEST,
+    SMALLEST,
+    ConductancePerMetre,
+    Frequency,
+    Length,
+    Quantity,
+    ResistancePerMetre,
+    Role,
+)
 
 MOST_CONDUCTORS = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
@@ -27,25 +36,19 @@ Nodes = Annotated[tuple[Name, ...], nodes_of(MOST_CONDUCTORS, "one for each cond
 class OneMode(Element):
     """One mode of a pair of conductors: impedance of each conductor, delay, and losses."""
 
-    z0: Annotated[Quantity, Role("z0", "ohm", above=0)] = Field(description="of each conductor against the reference")
-    delay: Annotated[Quantity, Role("delay", "s", above=0)] = Field(description="time from end to end")
-    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", at_least=0)] | None = Field(
-        default=None, description="of each conductor to steady current, per metre"
-    )
-    conductance: Annotated[Quantity, Role("conductance per metre", "S/m", at_least=0)] | None = Field(
-        default=None, description="of the insulation of each conductor, per metre"
-    )
-    skin: Skin | None = Field(default=None, description="skin effect, by the resistance at a high frequency")
+    z0: Annotated[Quantity, Role("z0", "ohm", above=0)] = required("of each conductor against the reference")
+    delay: Annotated[Quantity, Role("delay", "s", above=0)] = required("time from end to end")
+    resistance: ResistancePerMetre | None = optional("of each conductor to steady current, per metre")
+    conductance: ConductancePerMetre | None = optional("of the insulation of each conductor, per metre")
+    skin: Skin | None = optional("skin effect, by the resistance at a high frequency")
 
 
 class SkinMatrix(Element):
     """Skin effect from the resistances at one high frequency."""
 
-    resistance: list[RowOfR] = Field(description="matrix, its rows, at that frequency")
-    frequency: Frequency = Field(description="far above the corner")
-    added: bool = Field(
-        default=False, description="whether it adds to the resistance to steady current, as in W elements of SPICE"
-    )
+    resistance: list[RowOfR] = required("matrix, its rows, at that frequency")
+    frequency: Frequency = required("far above the corner")
+    added: bool = optional("whether it adds to the resistance to steady current, as in W elements of SPICE", False)
 
 
 class Coupled(Element):
@@ -61,24 +64,20 @@ class Coupled(Element):
     ([60.0, 40.0], ('a1', 'a2', 'b1', 'b2'))
     """
 
-    nodes1: Nodes = Field(description="nodes at end 1, one for each conductor")
-    nodes2: Nodes = Field(description="nodes at end 2, in the same order")
-    inductance: list[Row] | None = Field(default=None, description="matrix L, its rows")
-    capacitance: list[RowOfC] | None = Field(
-        default=None, description="matrix C (Maxwell's: what is between two conductors counts negative), its rows"
+    nodes1: Nodes = required("nodes at end 1, one for each conductor")
+    nodes2: Nodes = required("nodes at end 2, in the same order")
+    inductance: list[Row] | None = optional("matrix L, its rows")
+    capacitance: list[RowOfC] | None = optional(
+        "matrix C (Maxwell's: what is between two conductors counts negative), its rows"
     )
-    length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
-        default=None, description="length; with even and odd where these lose something"
+    length: Length | None = optional("length; with even and odd where these lose something")
+    resistance: list[RowOfR] | None = optional(
+        "matrix R to steady currents, its rows; what conductors share is beside the diagonal"
     )
-    resistance: list[RowOfR] | None = Field(
-        default=None, description="matrix R to steady currents, its rows; what conductors share is beside the diagonal"
-    )
-    conductance: list[RowOfG] | None = Field(default=None, description="matrix G (Maxwell's), its rows")
-    skin: SkinMatrix | None = Field(default=None, description="skin effect, by the resistances at a high frequency")
-    even: OneMode | None = Field(
-        default=None, description="of two alike: z0 and delay where both voltages are the same"
-    )
-    odd: OneMode | None = Field(default=None, description="of two alike: z0 and delay where the voltages are opposite")
+    conductance: list[RowOfG] | None = optional("matrix G (Maxwell's), its rows")
+    skin: SkinMatrix | None = optional("skin effect, by the resistances at a high frequency")
+    even: OneMode | None = optional("of two alike: z0 and delay where both voltages are the same")
+    odd: OneMode | None = optional("of two alike: z0 and delay where the voltages are opposite")
     _modes: Modes = PrivateAttr()
     _lines: list[dict[str, Any]] = PrivateAttr()
     _mixing: bool = PrivateAttr(default=False)

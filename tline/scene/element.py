@@ -118,10 +118,20 @@ class Element(BaseModel):
         return self.model_dump(by_alias=True, exclude_unset=True)
 
 
+def required(description: str, **limits: Any) -> Any:
+    """Key that a table must have."""
+    return Field(description=description, **limits)
+
+
+def optional(description: str, default: Any = None, **limits: Any) -> Any:
+    """Key that a table may have."""
+    return Field(default=default, description=description, **limits)
+
+
 class AtNode(Element):
     """Element between a node and the reference (earth, or the open air at the node's height)."""
 
-    at: Name = Field(description="node")
+    at: Name = required("node")
 
     @property
     def terminals(self) -> tuple[str, None]:
@@ -190,7 +200,7 @@ class Between(Element):
     """Element between two different nodes; flow counts positive from the first to the second."""
 
     section: ClassVar[str] = "links"
-    nodes: TwoNodes = Field(description="first node, second node")
+    nodes: TwoNodes = required("first node, second node")
 
     @property
     def terminals(self) -> tuple[str, str]:

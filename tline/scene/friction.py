@@ -7,16 +7,16 @@ from math import pi
 from operator import or_
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.loss import ChangingLaminarFriction, ConstantLoss, LaminarFriction, Law, TurbulentFriction, hagen_poiseuille
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic
 from tline.scene.alike import content
-from tline.scene.element import Element
+from tline.scene.element import Element, optional, required
+from tline.scene.heights import GRAVITY
 from tline.scene.mistakes import Read, validator
-from tline.scene.quantity import Quantity, Role
-from tline.scene.site import GRAVITY
+from tline.scene.quantity import Length, Quantity, Role
 from tline.words.wording import nearest, shown
 
 FOOT = 0.3048  # m; the Hazen-Williams law of EPANET is in feet
@@ -42,8 +42,8 @@ class Linear(Friction):
     """Pressure drop proportional to the flow."""
 
     kind: Literal["linear"] = "linear"
-    resistance: Annotated[Quantity, Role("resistance per metre", "Pa s/m^4", at_least=0)] = Field(
-        description="drop of pressure per metre and flow"
+    resistance: Annotated[Quantity, Role("resistance per metre", "Pa s/m^4", at_least=0)] = required(
+        "drop of pressure per metre and flow"
     )
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
@@ -54,7 +54,7 @@ class Laminar(Friction):
     """Laminar friction as in steady flow (Hagen, Poiseuille)."""
 
     kind: Literal["laminar"] = "laminar"
-    viscosity: Viscosity = Field(description="dynamic viscosity")
+    viscosity: Viscosity = required("dynamic viscosity")
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
         return ConstantLoss(hagen_poiseuille(density, self.viscosity, (area / pi) ** 0.5).loss)
@@ -64,7 +64,7 @@ class Zielke(Friction):
     """Laminar friction with the frequency dependence of unsteady flow (Zielke)."""
 
     kind: Literal["zielke"] = "zielke"
-    viscosity: Viscosity = Field(description="dynamic viscosity")
+    viscosity: Viscosity = required("dynamic viscosity")
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
         return LaminarFriction(density, self.viscosity, (area / pi) ** 0.5)
@@ -73,12 +73,12 @@ class Zielke(Friction):
 class Unsteady(Element):
     """Unsteady friction of a pipe, in addition to a law of steady flow."""
 
-    kind: Literal["vardy-brown", "zielke"] = Field(description="'vardy-brown' in turbulent flow, 'zielke' in laminar")
-    viscosity: Viscosity = Field(description="dynamic viscosity")
-    reynolds: Reynolds | None = Field(
-        default=None, description="Reynolds number of the flow about which it changes; needed with 'vardy-brown'"
+    kind: Literal["vardy-brown", "zielke"] = required("'vardy-brown' in turbulent flow, 'zielke' in laminar")
+    viscosity: Viscosity = required("dynamic viscosity")
+    reynolds: Reynolds | None = optional(
+        "Reynolds number of the flow about which it changes; needed with 'vardy-brown'"
     )
-    roughness: Roughness = Field(default=Quantity(0.0, "m"), description="of the wall, 0 if smooth")
+    roughness: Roughness = optional("of the wall, 0 if smooth", Quantity(0.0, "m"))
 
     @model_validator(mode="after")
     def _whole(self):
@@ -98,13 +98,11 @@ class ByFlow(Friction):
     """Friction that depends on the flow alone, and local losses spread along the pipe."""
 
     kind: Any
-    minor_loss: Annotated[Quantity, Role("minor loss", "", at_least=0)] = Field(
-        default=Quantity(0.0, ""), description="K of bends and fittings, which take K·ρ·v²/2"
+    minor_loss: Annotated[Quantity, Role("minor loss", "", at_least=0)] = optional(
+        "K of bends and fittings, which take K·ρ·v²/2", Quantity(0.0, "")
     )
-    length: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
-        default=None, description="over which friction acts, if not all along the pipe"
-    )
-    unsteady: Unsteady | None = Field(default=None, description="what it adds while the flow changes")
+    length: Length | None = optional("over which friction acts, if not all along the pipe")
+    unsteady: Unsteady | None = optional("what it adds while the flow changes")
 
     def law(self, density: float, area: float) -> Law | None:  # noqa: D102
         return self.unsteady.law(density, area) if self.unsteady is not None else None
@@ -125,8 +123,8 @@ class Darcy(ByFlow):
     """Turbulent friction with a constant friction factor (Darcy, Weisbach)."""
 
     kind: Literal["darcy"] = "darcy"
-    factor: Annotated[Quantity, Role("friction factor", "", above=0, at_most=1e9)] = Field(
-        description="Darcy friction factor, four times Fanning's"
+    factor: Annotated[Quantity, Role("friction factor", "", above=0, at_most=1e9)] = required(
+        "Darcy friction factor, four times Fanning's"
     )
 
     def along(self, density: float, area: float) -> PowerLaw:  # noqa: D102
@@ -137,8 +135,8 @@ class HazenWilliams(ByFlow):
     """Friction of water in pipes that grows with the flow to the power 1.852 (Hazen, Williams)."""
 
     kind: Literal["hazen-williams"] = "hazen-williams"
-    coefficient: Annotated[Quantity, Role("Hazen-Williams coefficient", "", above=0, at_most=1e9)] = Field(
-        description="C: 150 of a smooth wall, 100 of old cast iron"
+    coefficient: Annotated[Quantity, Role("Hazen-Williams coefficient", "", above=0, at_most=1e9)] = required(
+        "C: 150 of a smooth wall, 100 of old cast iron"
     )
 
     def along(self, density: float, area: float) -> PowerLaw:  # noqa: D102
@@ -150,8 +148,8 @@ class Manning(ByFlow):
     """Turbulent friction of a rough wall: the head falls by n²·v²/R^(4/3) per metre (Manning)."""
 
     kind: Literal["manning"] = "manning"
-    coefficient: Annotated[Quantity, Role("Manning coefficient", "", above=0, at_most=1e9)] = Field(
-        description="n in s/m^(1/3): 0.009 of plastics, 0.013 of concrete"
+    coefficient: Annotated[Quantity, Role("Manning coefficient", "", above=0, at_most=1e9)] = required(
+        "n in s/m^(1/3): 0.009 of plastics, 0.013 of concrete"
     )
 
     def along(self, density: float, area: float) -> PowerLaw:  # noqa: D102
@@ -163,8 +161,8 @@ class WaterworksDarcy(ByFlow):
     """Friction as in steady flow, laminar, transitional or turbulent, as in EPANET (Swamee, Jain, Dunlop)."""
 
     kind: Literal["swamee-jain"] = "swamee-jain"
-    viscosity: Viscosity = Field(description="dynamic viscosity")
-    roughness: Roughness = Field(description="of the wall, 0 if smooth")
+    viscosity: Viscosity = required("dynamic viscosity")
+    roughness: Roughness = required("of the wall, 0 if smooth")
 
     def along(self, density: float, area: float) -> RoughPipe:  # noqa: D102
         return _rough_pipe(SwameeJain, density, area, self.viscosity, self.roughness)
@@ -174,8 +172,8 @@ class QuasiSteady(ByFlow):
     """Friction as in steady flow of the same speed, laminar or turbulent (Colebrook)."""
 
     kind: Literal["quasi-steady"] = "quasi-steady"
-    viscosity: Viscosity = Field(description="dynamic viscosity")
-    roughness: Roughness = Field(description="of the wall, 0 if smooth")
+    viscosity: Viscosity = required("dynamic viscosity")
+    roughness: Roughness = required("of the wall, 0 if smooth")
 
     def along(self, density: float, area: float) -> RoughPipe:  # noqa: D102
         return _rough_pipe(Colebrook, density, area, self.viscosity, self.roughness)
@@ -185,7 +183,7 @@ class VardyBrown(QuasiSteady):
     """Quasi-steady friction and the unsteady part of turbulent friction (Vardy, Brown)."""
 
     kind: Literal["vardy-brown"] = "vardy-brown"  # pyright: ignore[reportIncompatibleVariableOverride]
-    reynolds: Reynolds = Field(description="Reynolds number of the flow about which it changes")
+    reynolds: Reynolds = required("Reynolds number of the flow about which it changes")
 
     def law(self, density: float, area: float) -> Law:  # noqa: D102
         return TurbulentFriction(density, self.viscosity, (area / pi) ** 0.5, self.reynolds, self.roughness)

@@ -19,11 +19,11 @@ from tline.loss.line import Losses
 from tline.scene.alike import content
 from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
-from tline.scene.element import Element, TwoNodes, is_name
+from tline.scene.element import Element, TwoNodes, is_name, optional, required
 from tline.scene.friction import AnyFriction
+from tline.scene.heights import Place
 from tline.scene.mistakes import validator
-from tline.scene.quantity import LARGEST, SMALLEST, Quantity, Role
-from tline.scene.site import Place
+from tline.scene.quantity import LARGEST, SMALLEST, ConductancePerMetre, Quantity, ResistancePerMetre, Role
 from tline.scene.vessel import Cavities
 
 STORAGE_MISMATCH = 1e-9  # relative to a storage; tolerated difference between laws and lossless line
@@ -37,10 +37,8 @@ MATERIALS = {
 class SceneLine(Element):
     """Line from its end 1 (the first node) to its end 2 (the second)."""
 
-    nodes: TwoNodes = Field(description="node at end 1, node at end 2")
-    vertices: list[Place] | None = Field(
-        default=None, description="places on a map that it passes between its nodes, from end 1 on"
-    )
+    nodes: TwoNodes = required("node at end 1, node at end 2")
+    vertices: list[Place] | None = optional("places on a map that it passes between its nodes, from end 1 on")
     _parameters: HydraulicLine | ElectricalLine = PrivateAttr()
     _losses: Losses | None = PrivateAttr(default=None)
 
@@ -123,16 +121,16 @@ def _stored(storage: float, laws: list[Law]) -> Law:
 class Creep(Element):
     """One Kelvin-Voigt element of a wall that creeps."""
 
-    compliance: Annotated[Quantity, Role("creep compliance", "1/Pa", above=0)] = Field(description="J of the element")
-    time: Annotated[Quantity, Role("retardation time", "s", above=0)] = Field(description="τ of the element")
+    compliance: Annotated[Quantity, Role("creep compliance", "1/Pa", above=0)] = required("J of the element")
+    time: Annotated[Quantity, Role("retardation time", "s", above=0)] = required("τ of the element")
 
 
 class _Pipe(SceneLine):
     """Pipe: any sufficient set of quantities."""
 
-    friction: AnyFriction | None = Field(default=None, description="what the flow loses at the wall, by kind")
-    creep: list[Creep] | None = Field(default=None, description="Kelvin-Voigt elements of a wall that creeps")
-    cavities: Cavities | None = Field(default=None, description="column separation at places inside the pipe")
+    friction: AnyFriction | None = optional("what the flow loses at the wall, by kind")
+    creep: list[Creep] | None = optional("Kelvin-Voigt elements of a wall that creeps")
+    cavities: Cavities | None = optional("column separation at places inside the pipe")
 
     @property
     def stretches(self) -> int:
@@ -164,27 +162,19 @@ class _Pipe(SceneLine):
 class _Cable(SceneLine):
     """Cable: any sufficient set of quantities."""
 
-    resistance: Annotated[Quantity, Role("resistance per metre", "ohm/m", at_least=0)] | None = Field(
-        default=None, description="to steady current, per metre"
+    resistance: ResistancePerMetre | None = optional("to steady current, per metre")
+    conductance: ConductancePerMetre | None = optional("of the insulation, per metre")
+    skin: Skin | None = optional("skin effect, by the resistance at a high frequency")
+    wire: Wire | None = optional("a round wire, by radius and conductivity or resistance")
+    earth: Annotated[Quantity, Role("earth resistivity", "ohm m", above=0)] | None = optional(
+        "resistivity of the earth that a wire over ground has as its return"
     )
-    conductance: Annotated[Quantity, Role("conductance per metre", "S/m", at_least=0)] | None = Field(
-        default=None, description="of the insulation, per metre"
+    loss_tangent: LossTangent | None = optional("of the insulation")
+    tabulated: CableTable | None = optional("R(f) and L(f), perhaps G(f) and C(f), instead of these")
+    attenuation: Attenuation | None = optional(
+        "at some frequencies, as in data sheets, instead of skin and loss_tangent"
     )
-    skin: Skin | None = Field(default=None, description="skin effect, by the resistance at a high frequency")
-    wire: Wire | None = Field(default=None, description="a round wire, by radius and conductivity or resistance")
-    earth: Annotated[Quantity, Role("earth resistivity", "ohm m", above=0)] | None = Field(
-        default=None, description="resistivity of the earth that a wire over ground has as its return"
-    )
-    loss_tangent: LossTangent | None = Field(default=None, description="of the insulation")
-    tabulated: CableTable | None = Field(
-        default=None, description="R(f) and L(f), perhaps G(f) and C(f), instead of these"
-    )
-    attenuation: Attenuation | None = Field(
-        default=None, description="at some frequencies, as in data sheets, instead of skin and loss_tangent"
-    )
-    cable: str | None = Field(
-        default=None, description=f"gives z0, velocity_factor and attenuation: {', '.join(TYPES)}"
-    )
+    cable: str | None = optional(f"gives z0, velocity_factor and attenuation: {', '.join(TYPES)}")
     _attenuation: Attenuation | None = PrivateAttr(default=None)
 
     @property

@@ -5,12 +5,12 @@ from __future__ import annotations
 from itertools import combinations
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ValidationInfo, field_validator
 
 from tline.scene import elements
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
-from tline.scene.element import AtNode, OneMedium
+from tline.scene.element import AtNode, OneMedium, required
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
 from tline.scene.medium import check_word
@@ -53,9 +53,7 @@ class Reservoir(OneMedium, AtNode):
 
     medium, instead = "hydraulic", "a voltage source, or 'short'"
     kind: Literal["reservoir"] = "reservoir"
-    pressure: Pressure = Field(
-        description="pressure at the node; piezometric, density·g·head, if nodes have elevations"
-    )
+    pressure: Pressure = required("pressure at the node; piezometric, density·g·head, if nodes have elevations")
 
 
 class Matched(AtNode):

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Element, Name
+from tline.scene.element import Element, Name, optional, required
 from tline.scene.line import SceneLine
 from tline.scene.mistakes import OneOf
-from tline.scene.quantity import Delay, Duration, Position, Quantity, Role, Whole
+from tline.scene.quantity import AnyEffort, Delay, Duration, Position, Quantity, Whole
 from tline.units import to_si
 from tline.words.wording import shown
 
@@ -23,12 +23,12 @@ class Probe(Element):
     probe records the differential mode, u1 - u2 and (i1 - i2)/2, or the common one, (u1 + u2)/2 and i1 + i2.
     """
 
-    at: Name | None = Field(default=None, description="node; without `line`, where not one line ends, its effort alone")
-    line: Name | None = Field(default=None, description="line: whose flow at the node, or on which the position is")
-    position: Position | None = Field(default=None, description="distance from end 1 in m, or a share such as '25 %'")
+    at: Name | None = optional("node; without `line`, where not one line ends, its effort alone")
+    line: Name | None = optional("line: whose flow at the node, or on which the position is")
+    position: Position | None = optional("distance from end 1 in m, or a share such as '25 %'")
 
-    beside: Name | None = Field(default=None, description="node of a second of several conductors at the same end")
-    mode: Literal["differential", "common"] | None = Field(default=None, description="of both: what is recorded")
+    beside: Name | None = optional("node of a second of several conductors at the same end")
+    mode: Literal["differential", "common"] | None = optional("of both: what is recorded")
 
     def fraction(self, line: SceneLine) -> float:
         """Position on the line as a share of its delay, from 0 at end 1 to 1 at end 2.
@@ -55,7 +55,6 @@ class Probe(Element):
         return min(share, 1.0)
 
 
-Level = Annotated[Quantity, Role("effort")]
 START = Quantity(0, "s")
 
 
@@ -63,8 +62,8 @@ class Signal(Element):
     """Effort at a probe, or its difference from that at another one."""
 
     section: ClassVar[str] = "measures"
-    probe: Name = Field(description="probe whose effort counts: voltage, or gauge pressure")
-    minus: Name | None = Field(default=None, description="another probe, whose effort is subtracted")
+    probe: Name = required("probe whose effort counts: voltage, or gauge pressure")
+    minus: Name | None = optional("another probe, whose effort is subtracted")
 
     @property
     def probes(self) -> Iterator[tuple[str, str]]:
@@ -75,18 +74,18 @@ class Signal(Element):
 class LevelCrossing(Signal):
     """Instant at which a signal crosses a level."""
 
-    level: Level = Field(description="that is crossed")
-    edge: Literal["rise", "fall", "any"] = Field(default="any", description="crossings that count")
-    count: Annotated[int, Whole(0)] = Field(default=1, description="which of them, from 1 on; 0 is the last")
-    after: Delay = Field(default=START, description="crossings before this instant do not count")
+    level: AnyEffort = required("that is crossed")
+    edge: Literal["rise", "fall", "any"] = optional("crossings that count", "any")
+    count: Annotated[int, Whole(0)] = optional("which of them, from 1 on; 0 is the last", 1)
+    after: Delay = optional("crossings before this instant do not count", START)
 
 
 class Extent(Signal):
     """Number derived from a signal over the run or a part of it."""
 
     kind: Literal["maximum", "minimum", "peak to peak", "mean", "rms", "integral"]
-    start: Delay = Field(default=START, description="begin of the part")
-    stop: Duration | None = Field(default=None, description="end of the part; that of the run if not given")
+    start: Delay = optional("begin of the part", START)
+    stop: Duration | None = optional("end of the part; that of the run if not given")
 
     @model_validator(mode="after")
     def _ascends(self):
@@ -106,8 +105,8 @@ class Interval(Element):
 
     section: ClassVar[str] = "measures"
     kind: Literal["delay"] = "delay"
-    start: LevelCrossing = Field(description="the first crossing: keys of a crossing, without kind")
-    stop: LevelCrossing = Field(description="the second one")
+    start: LevelCrossing = required("the first crossing: keys of a crossing, without kind")
+    stop: LevelCrossing = required("the second one")
 
     @property
     def probes(self) -> Iterator[tuple[str, str]]:
@@ -120,8 +119,8 @@ class Value(Signal):
     """Value of a signal at an instant, or when one crosses a level."""
 
     kind: Literal["value"] = "value"
-    at: Delay | None = Field(default=None, description="instant")
-    when: LevelCrossing | None = Field(default=None, description="instead of it: keys of a crossing, without kind")
+    at: Delay | None = optional("instant")
+    when: LevelCrossing | None = optional("instead of it: keys of a crossing, without kind")
 
     @model_validator(mode="after")
     def _once(self):

@@ -4,10 +4,10 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Element, Name, nodes_of, sequence_of
+from tline.scene.element import Element, Name, nodes_of, optional, required, sequence_of
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
 from tline.words.wording import shown
 
@@ -76,8 +76,8 @@ def _apart(nodes: tuple[str, ...]) -> tuple[str, ...]:
 
 
 class _TwoPort(Multiport):
-    nodes: Annotated[tuple[Name, ...], TWO_OR_FOUR, AfterValidator(_apart)] = Field(
-        description="a node for each port, against the reference; or four: the first port from the first to the "
+    nodes: Annotated[tuple[Name, ...], TWO_OR_FOUR, AfterValidator(_apart)] = required(
+        "a node for each port, against the reference; or four: the first port from the first to the "
         "second, the second port from the third to the fourth, which may share nodes"
     )
 
@@ -105,9 +105,7 @@ class Transformer(_TwoPort):
     """
 
     kind: Literal["transformer"] = "transformer"
-    ratio: Annotated[Quantity, Role("ratio", "")] = Field(
-        description="n, effort across the first port over the second's"
-    )
+    ratio: Annotated[Quantity, Role("ratio", "")] = required("n, effort across the first port over the second's")
 
     @model_validator(mode="after")
     def _joins(self):
@@ -124,7 +122,7 @@ class Gyrator(_TwoPort):
     """Gyrator: u₁ = -R·i₂ and u₂ = R·i₁, with flows into it; a capacitor C behind it acts as an inductor R²·C."""
 
     kind: Literal["gyrator"] = "gyrator"
-    resistance: PositiveResistance = Field(description="R, of gyration")
+    resistance: PositiveResistance = required("R, of gyration")
 
     def _grounded(self) -> Ports:
         R = float(self.resistance)
@@ -135,12 +133,12 @@ class ControlledSource(_TwoPort):
     """Source at the second port, controlled by the effort across the first, which carries no flow."""
 
     kind: Literal["controlled source"] = "controlled source"
-    gain: Annotated[Quantity, Role("gain", "")] | None = Field(
-        default=None, description="open effort across the second port over that across the first"
+    gain: Annotated[Quantity, Role("gain", "")] | None = optional(
+        "open effort across the second port over that across the first"
     )
-    resistance: Resistance | None = Field(default=None, description="of the source; 0 for an ideal one")
-    transconductance: Annotated[Quantity, Role("transconductance", "")] | None = Field(
-        default=None, description="instead of these: flow into the second port over the effort across the first, SI"
+    resistance: Resistance | None = optional("of the source; 0 for an ideal one")
+    transconductance: Annotated[Quantity, Role("transconductance", "")] | None = optional(
+        "instead of these: flow into the second port over the effort across the first, SI"
     )
 
     @model_validator(mode="after")
@@ -170,9 +168,9 @@ class CoupledInductors(_TwoPort):
     """
 
     kind: Literal["coupled inductors"] = "coupled inductors"
-    inductance: tuple[Inductance, Inductance] = Field(description="of the first winding and the second")
-    coupling: Annotated[Quantity, Role("coupling", "", at_least=-1, at_most=1)] = Field(
-        description="k, with the mutual inductance k·√(L₁·L₂); at most 0.999999"
+    inductance: tuple[Inductance, Inductance] = required("of the first winding and the second")
+    coupling: Annotated[Quantity, Role("coupling", "", at_least=-1, at_most=1)] = required(
+        "k, with the mutual inductance k·√(L₁·L₂); at most 0.999999"
     )
 
     @model_validator(mode="after")
@@ -213,9 +211,9 @@ class Junction(Multiport):
     """
 
     kind: Literal["junction"] = "junction"
-    nodes: PortNodes = Field(description="one for each port")
-    z0: PositiveResistance = Field(description="reference of all ports")
-    scattering: list[list[Annotated[Quantity, Role("scattering", "")]]] = Field(description="matrix S, its rows")
+    nodes: PortNodes = required("one for each port")
+    z0: PositiveResistance = required("reference of all ports")
+    scattering: list[list[Annotated[Quantity, Role("scattering", "")]]] = required("matrix S, its rows")
 
     @model_validator(mode="after")
     def _fits(self):

@@ -4,16 +4,15 @@ from math import inf
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, optional, required
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids
-from tline.scene.quantity import ZERO, Quantity, Role
+from tline.scene.quantity import ZERO, PositiveFlow, PositivePressure, Pressure, Quantity, Role
 
 Exponent = Annotated[Quantity, Role("exponent", "", at_least=0.1, at_most=4)]
-Flow = Annotated[Quantity, Role("flow", "m^3/s", above=0)]
 SOME = Quantity("0.5", "")
 
 
@@ -53,10 +52,10 @@ class Leak(AtNode, OfLiquids):
     """Leak to the open air: flow·(gauge pressure/reference pressure)^exponent out of the node, no inflow."""
 
     kind: Literal["leak"] = "leak"
-    flow: Flow = Field(description="flow at the reference pressure")
-    pressure: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(description="reference gauge pressure")
-    exponent: Exponent = Field(default=SOME, description="0.5 for a hole in a stiff wall")
-    opening: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time: 0 before it bursts")
+    flow: PositiveFlow = required("flow at the reference pressure")
+    pressure: PositivePressure = required("reference gauge pressure")
+    exponent: Exponent = optional("0.5 for a hole in a stiff wall", SOME)
+    opening: Factor = optional("factor of the flow, constant or over time: 0 before it bursts", ALWAYS)
 
     def law(self) -> ElementLaw:  # noqa: D102
         return ElementLaw("leak", (0.0, float(self.flow), float(self.pressure), float(self.exponent)), self.opening)
@@ -74,15 +73,11 @@ class Demand(AtNode, OfLiquids):
     """
 
     kind: Literal["demand"] = "demand"
-    flow: Flow = Field(description="flow that is asked for")
-    required_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
-        description="gauge pressure from which it is met"
-    )
-    least_pressure: Annotated[Quantity, Role("pressure", "Pa")] = Field(
-        default=ZERO, description="gauge pressure below which nothing comes"
-    )
-    exponent: Exponent = Field(default=SOME, description="of the share met")
-    pattern: Factor = Field(default=ALWAYS, description="factor of the flow, constant or over time")
+    flow: PositiveFlow = required("flow that is asked for")
+    required_pressure: Pressure = required("gauge pressure from which it is met")
+    least_pressure: Pressure = optional("gauge pressure below which nothing comes", ZERO)
+    exponent: Exponent = optional("of the share met", SOME)
+    pattern: Factor = optional("factor of the flow, constant or over time", ALWAYS)
 
     @model_validator(mode="after")
     def _rises(self):

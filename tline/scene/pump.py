@@ -6,14 +6,14 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import NAMED, Between, named, pair
+from tline.scene.element import NAMED, Between, named, optional, pair, required
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
 from tline.scene.pump_curves import TABLES, PumpPieces, Suter, backward, in_four_quadrants, parabola, smooth
-from tline.scene.quantity import Pressure, Quantity, Role
+from tline.scene.quantity import Frequency, Inertia, Instant, PositiveShare, Pressure, Quantity, Role
 from tline.scene.waveform import PiecewiseLinear
 from tline.words.wording import shown
 
@@ -22,7 +22,6 @@ EFFICIENCY = 0.75  # if none is given
 LAST_OF_ONE = 2.0  # flow without rise over that of the single point of a curve
 ONE_POINT = 4 / 3  # shut-off rise over that of the single point of a curve (L. A. Rossman, EPANET 2 manual, 2000)
 Flow = Annotated[Quantity, Role("flow", "m^3/s", at_least=0)]
-Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
 
 
 Ratio = Annotated[Quantity, Role("ratio", "")]
@@ -75,35 +74,27 @@ class Pump(Between, OfLiquids):
     """
 
     kind: Literal["pump"] = "pump"
-    curve: list[Annotated[tuple[Flow, Pressure], pair("flow, pressure rise")]] = Field(
-        min_length=1, max_length=100, description="points [flow, pressure rise] at rated speed"
+    curve: list[Annotated[tuple[Flow, Pressure], pair("flow, pressure rise")]] = required(
+        "points [flow, pressure rise] at rated speed", min_length=1, max_length=100
     )
-    efficiency: Annotated[Quantity, Role("share", "", above=0, at_most=1)] | None = Field(
-        default=None,
-        description="of the rotor: power of the water over that of the shaft, for curves of four points or more, "
-        "and at the rated point for quadrants; the rotor of a parabola b, c loses what c takes",
+    efficiency: PositiveShare | None = optional(
+        "of the rotor: power of the water over that of the shaft, for curves of four points or more, "
+        "and at the rated point for quadrants; the rotor of a parabola b, c loses what c takes"
     )
-    quadrants: Quadrants | None = Field(
-        default=None,
-        description="characteristics in four quadrants, with the rated point as the curve: 'radial', 'mixed 61' or "
+    quadrants: Quadrants | None = optional(
+        "characteristics in four quadrants, with the rated point as the curve: 'radial', 'mixed 61' or "
         "'mixed 81', those of pumps of a specific speed of 25, 61 and 81 (turns a minute, m³/s, m), or "
-        "Suter's points [WH, WB] at equal steps of the angle pi + arctan(flow/speed) from 0 to 2 pi",
+        "Suter's points [WH, WB] at equal steps of the angle pi + arctan(flow/speed) from 0 to 2 pi"
     )
-    speed: Factor = Field(default=ALWAYS, description="over the rated speed, constant or over time")
-    trip: Instant | None = Field(default=None, description="when the motor fails and it begins to run down")
-    inertia: Annotated[Quantity, Role("inertia", "kg m^2", above=0)] | None = Field(
-        default=None, description="of all that turns, the liquid in it included; needed with trip and start"
+    speed: Factor = optional("over the rated speed, constant or over time", ALWAYS)
+    trip: Instant | None = optional("when the motor fails and it begins to run down")
+    inertia: Inertia | None = optional("of all that turns, the liquid in it included; needed with trip and start")
+    rated_speed: Frequency | None = optional("turns per second; needed with trip and start")
+    start: Instant | None = optional("when its motor starts it, from rest; or again after a trip, as the power returns")
+    motor_torque: Annotated[Quantity, Role("torque", "N m", above=0)] | None = optional(
+        "while it starts, up to the rated speed; needed with start"
     )
-    rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] | None = Field(
-        default=None, description="turns per second; needed with trip and start"
-    )
-    start: Instant | None = Field(
-        default=None, description="when its motor starts it, from rest; or again after a trip, as the power returns"
-    )
-    motor_torque: Annotated[Quantity, Role("torque", "N m", above=0)] | None = Field(
-        default=None, description="while it starts, up to the rated speed; needed with start"
-    )
-    check_valve: bool = Field(default=False, description="whether a check valve behind it lets nothing back")
+    check_valve: bool = optional("whether a check valve behind it lets nothing back", False)
     shows = (
         Shown("speed", "Hz", lambda pump, y, i: pump.rated_speed * y),
         Shown("flow", "m^3/s", lambda pump, y, i: i),

@@ -136,6 +136,7 @@ class Whole:
 
 
 Time = Annotated[Quantity, Role("time", "s")]
+Instant = Annotated[Quantity, Role("time", "s", at_least=0)]
 Duration = Annotated[Quantity, Role("duration", "s", above=0)]
 Delay = Annotated[Quantity, Role("duration", "s", at_least=0)]
 Frequency = Annotated[Quantity, Role("frequency", "Hz", above=0)]
@@ -145,12 +146,28 @@ FIT_TOLERANCE = Role("tolerance", "", at_least=1e-13, at_most=1.0)  # of samples
 SECONDS = Role("duration", "s", above=0)
 Angle = Annotated[Quantity, Role("angle", "rad")]
 Position = Annotated[Quantity, Role("position", at_least=0)]  # a length, or a share of the line
+Length = Annotated[Quantity, Role("length", "m", above=0)]
+Diameter = Annotated[Quantity, Role("diameter", "m", above=0)]
+Area = Annotated[Quantity, Role("area", "m^2", above=0)]
+PositiveVolume = Annotated[Quantity, Role("volume", "m^3", above=0)]
+Density = Annotated[Quantity, Role("density", "kg/m^3", above=0)]
+Temperature = Annotated[Quantity, Role("temperature", "K", above=0)]
+Inertia = Annotated[Quantity, Role("inertia", "kg m^2", above=0)]
+Acceleration = Annotated[Quantity, Role("acceleration", "m/s^2", above=0)]
+PositiveShare = Annotated[Quantity, Role("share", "", above=0, at_most=1)]
+PositiveFlow = Annotated[Quantity, Role("flow", "m^3/s", above=0)]
 Pressure = Annotated[Quantity, Role("pressure", "Pa")]
+PositivePressure = Annotated[Quantity, Role("pressure", "Pa", above=0)]
+Drop = Annotated[Quantity, Role("pressure", "Pa", at_least=0)]
+AnyEffort = Annotated[Quantity, Role("effort")]
 Effort = Annotated[Quantity, Role("effort", above=0)]
 Resistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True)]
 ACTIVE = "kind = 'impedance' with expression = '{:.9g}', which runs with --active"
 LoadResistance = Annotated[Quantity, Role("resistance", at_least=0, allow_infinite=True, if_negative=ACTIVE)]
 PositiveResistance = Annotated[Quantity, Role("resistance", above=0, if_negative=ACTIVE)]
+ResistancePerMetre = Annotated[Quantity, Role("resistance per metre", "ohm/m", at_least=0)]
+PositiveResistancePerMetre = Annotated[Quantity, Role("resistance per metre", "ohm/m", above=0)]
+ConductancePerMetre = Annotated[Quantity, Role("conductance per metre", "S/m", at_least=0)]
 Inductance = Annotated[Quantity, Role("inductance", above=0)]
 Capacitance = Annotated[Quantity, Role("capacitance", above=0)]
 Parameter = Annotated[Quantity, Role("parameter")]  # of an expression, which forgets its unit

@@ -3,11 +3,11 @@
 from math import pi, sqrt
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Element
-from tline.scene.quantity import Quantity, Role
+from tline.scene.element import Element, optional
+from tline.scene.quantity import Area, Density, Diameter, PositiveFlow, Quantity, Role
 
 BAR, PSI = 1e5, 6894.757293168361  # Pa
 WATER = 1000.0  # kg/m³, reference of Kv and Cv
@@ -22,37 +22,21 @@ WAYS = (
 EXPECTED = "kv, cv, flow with pressure_drop, or loss_coefficient with diameter or area"
 
 
-def _positive(name: str, unit: str) -> Role:
-    return Role(name, unit, above=0)
-
-
 class Rated(Element):
     """Element with flow = C·sqrt(pressure drop), C given in one of the usual ways."""
 
-    loss_coefficient: Annotated[Quantity, _positive("loss coefficient", "")] | None = Field(
-        default=None, description="K: pressure drop over the dynamic pressure, with diameter or area"
+    loss_coefficient: Annotated[Quantity, Role("loss coefficient", "", above=0)] | None = optional(
+        "K: pressure drop over the dynamic pressure, with diameter or area"
     )
-    diameter: Annotated[Quantity, _positive("diameter", "m")] | None = Field(
-        default=None, description="of the section that K refers to"
+    diameter: Diameter | None = optional("of the section that K refers to")
+    area: Area | None = optional("of the section that K refers to")
+    kv: Annotated[Quantity, Role("kv", "", above=0)] | None = optional("m³/h of water at a drop of 1 bar")
+    cv: Annotated[Quantity, Role("cv", "", above=0)] | None = optional(
+        "US gallons of water a minute at a drop of 1 psi"
     )
-    area: Annotated[Quantity, _positive("area", "m^2")] | None = Field(
-        default=None, description="of the section that K refers to"
-    )
-    kv: Annotated[Quantity, _positive("kv", "")] | None = Field(
-        default=None, description="m³/h of water at a drop of 1 bar"
-    )
-    cv: Annotated[Quantity, _positive("cv", "")] | None = Field(
-        default=None, description="US gallons of water a minute at a drop of 1 psi"
-    )
-    flow: Annotated[Quantity, _positive("flow", "m^3/s")] | None = Field(
-        default=None, description="flow at the pressure drop"
-    )
-    pressure_drop: Annotated[Quantity, _positive("pressure drop", "Pa")] | None = Field(
-        default=None, description="drop at that flow"
-    )
-    density: Annotated[Quantity, _positive("density", "kg/m^3")] = Field(
-        default=Quantity(WATER, "kg/m^3"), description="of the liquid; used with K, kv and cv"
-    )
+    flow: PositiveFlow | None = optional("flow at the pressure drop")
+    pressure_drop: Annotated[Quantity, Role("pressure drop", "Pa", above=0)] | None = optional("drop at that flow")
+    density: Density = optional("of the liquid; used with K, kv and cv", Quantity(WATER, "kg/m^3"))
 
     @property
     def capacity(self) -> float | None:

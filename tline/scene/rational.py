@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Between, Placed
+from tline.scene.element import AtNode, Between, Placed, optional, required
 from tline.scene.quantity import (
     LARGEST,
     SMALLEST,
@@ -155,13 +155,13 @@ def _as_typed(value: float | str) -> Fraction | float | str:
 class AnyResistance(AtNode):
     """Resistance from a node to the reference, zero and infinity included."""
 
-    resistance: LoadResistance = Field(description="effort over flow")
+    resistance: LoadResistance = required("effort over flow")
 
 
 class BetweenResistance(RationalImpedance, Between):
     """Resistance between two nodes."""
 
-    resistance: PositiveResistance = Field(description="R")
+    resistance: PositiveResistance = required("R")
 
     def _find_ratio(self) -> Ratio:
         return Ratio.of_fractions([exact(self.resistance)], [1])
@@ -180,7 +180,7 @@ class Inductor(RationalImpedance):
 
     kind: Literal["inductor"] = "inductor"
     stores = True
-    inductance: Inductance = Field(description="L")
+    inductance: Inductance = required("L")
 
     def _find_ratio(self) -> Ratio:
         return Ratio.of_fractions([exact(self.inductance), 0], [1])
@@ -197,16 +197,16 @@ class Capacitor(RationalImpedance):
 
     kind: Literal["capacitor"] = "capacitor"
     stores = True
-    capacitance: Capacitance = Field(description="C")
+    capacitance: Capacitance = required("C")
 
     def _find_ratio(self) -> Ratio:
         return Ratio.of_fractions([1], [exact(self.capacitance), 0])
 
 
 class _RLC(RationalImpedance):
-    resistance: PositiveResistance | None = Field(default=None, description="R")
-    inductance: Inductance | None = Field(default=None, description="L")
-    capacitance: Capacitance | None = Field(default=None, description="C")
+    resistance: PositiveResistance | None = optional("R")
+    inductance: Inductance | None = optional("L")
+    capacitance: Capacitance | None = optional("C")
 
     def _exact_values(self) -> tuple[Fraction | None, Fraction | None, Fraction | None]:
         given = self.resistance, self.inductance, self.capacitance
@@ -270,10 +270,10 @@ class Impedance(RationalImpedance):
     """
 
     kind: Literal["impedance"] = "impedance"
-    expression: str | None = Field(default=None, description="Z(s) in SI, such as 'R + s*L'")
+    expression: str | None = optional("Z(s) in SI, such as 'R + s*L'")
     parameters: dict[str, Parameter] = Field(default_factory=dict, description="values of the names in the expression")
-    numerator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
-    denominator: list[Coefficient] | None = Field(default=None, description="coefficients, highest power first, SI")
+    numerator: list[Coefficient] | None = optional("coefficients, highest power first, SI")
+    denominator: list[Coefficient] | None = optional("coefficients, highest power first, SI")
 
     def _find_ratio(self) -> Ratio:
         self._rational = self._read()

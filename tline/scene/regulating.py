@@ -1,19 +1,16 @@
 """Regulating valves: self-acting valves that maintain a pressure or a flow."""
 
 from math import inf, nan
-from typing import Annotated, Literal
+from typing import Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Between
+from tline.scene.element import Between, optional, required
 from tline.scene.law import ElementLaw, Governor
-from tline.scene.outflow import Flow
-from tline.scene.quantity import Pressure, Quantity, Role
+from tline.scene.quantity import Duration, PositiveFlow, PositivePressure, Pressure, Quantity
 from tline.scene.valve import CharacterisedValve, Share
 
-Positive = Annotated[Quantity, Role("pressure", "Pa", above=0)]
-Time = Annotated[Quantity, Role("time", "s", above=0)]
 ONE_WAY = {"downstream", "upstream"}
 
 
@@ -31,22 +28,20 @@ class RegulatingValve(CharacterisedValve, Between):
     """
 
     kind: Literal["regulating valve"] = "regulating valve"
-    keeps: Literal["downstream", "upstream", "flow", "level"] = Field(
-        description="the pressure at its second node or at its first one, the flow, or the level behind it as a float"
+    keeps: Literal["downstream", "upstream", "flow", "level"] = required(
+        "the pressure at its second node or at its first one, the flow, or the level behind it as a float"
     )
-    set_pressure: Pressure | None = Field(
-        default=None, description="gauge pressure that it keeps; that of the steady start if not given"
+    set_pressure: Pressure | None = optional("gauge pressure that it keeps; that of the steady start if not given")
+    set_flow: PositiveFlow | None = optional("flow that it keeps; that of the steady start if not given")
+    band: PositivePressure = optional(
+        "error of a pressure at which it would open fully in a time constant; depth of a float's stroke",
+        Quantity("1 bar", "Pa"),
     )
-    set_flow: Flow | None = Field(default=None, description="flow that it keeps; that of the steady start if not given")
-    band: Positive = Field(
-        default=Quantity("1 bar", "Pa"),
-        description="error of a pressure at which it would open fully in a time constant; depth of a float's stroke",
-    )
-    flow_band: Flow | None = Field(default=None, description="the same of a flow; set_flow if not given")
-    time_constant: Time = Field(default=Quantity("5 s", "s"), description="of its motion")
-    stroke_time: Time | None = Field(default=None, description="the least time from shut to open")
-    opening: Share | None = Field(
-        default=None, description="at the start; if not given, the one at which nothing moves, or 1 if all is at rest"
+    flow_band: PositiveFlow | None = optional("the same of a flow; set_flow if not given")
+    time_constant: Duration = optional("of its motion", Quantity("5 s", "s"))
+    stroke_time: Duration | None = optional("the least time from shut to open")
+    opening: Share | None = optional(
+        "at the start; if not given, the one at which nothing moves, or 1 if all is at rest"
     )
 
     @property

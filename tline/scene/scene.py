@@ -22,8 +22,8 @@ from tline.gc_paused import gc_paused
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Line, single_lines
 from tline.scene.display import as_html, as_text, drawn
-from tline.scene.element import Element, Name
-from tline.scene.heights import Height, heights_of
+from tline.scene.element import Element, Name, optional, required
+from tline.scene.heights import GRAVITY, Height, Site, heights_of
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
 from tline.scene.law import ElementLaw, NonLinear
@@ -35,7 +35,6 @@ from tline.scene.mistakes import MOST_MISTAKES, limited, mistakes, validator
 from tline.scene.quantity import Duration, Effort
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Shape
-from tline.scene.site import GRAVITY, Site
 from tline.scene.solver import Solver
 from tline.scene.source import Source
 from tline.scene.text_file import Folder
@@ -99,25 +98,25 @@ class Scene(Element):
     5e-09
     """
 
-    title: Annotated[str, AfterValidator(one_line)] = Field(default="", description="said in plots and files")
-    medium: Literal["hydraulic", "electrical"] = Field(description="what the lines carry")
-    t_end: Duration = Field(description="end time; a run goes on to the end of its last slab")
-    start: Literal["rest", "steady"] = Field(
-        default="rest",
-        description="state before t = 0: nothing moves, the liquid filled up to the highest node; or the steady state "
+    title: Annotated[str, AfterValidator(one_line)] = optional("said in plots and files", "")
+    medium: Literal["hydraulic", "electrical"] = required("what the lines carry")
+    t_end: Duration = required("end time; a run goes on to the end of its last slab")
+    start: Literal["rest", "steady"] = optional(
+        "state before t = 0: nothing moves, the liquid filled up to the highest node; or the steady state "
         "that the sources imply",
+        "rest",
     )
-    solver: Solver = Field(default=Solver(), description="tolerance; or order and slab width, if fixed by hand")
-    lines: dict[Name, Line] = Field(description="lines by name")
+    solver: Solver = optional("tolerance; or order and slab width, if fixed by hand", Solver())
+    lines: dict[Name, Line] = required("lines by name")
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
     links: dict[Name, Link] = Field(default_factory=dict, description="what stands between nodes, by name")
-    probes: dict[Name, Probe] = Field(description="probes by name")
+    probes: dict[Name, Probe] = required("probes by name")
     measures: dict[Name, Measure] = Field(default_factory=dict, description="numbers read off probes, by name")
     nodes: dict[Name, Site] = Field(default_factory=dict, description="height and place of nodes, by name")
-    rating: Effort | None = Field(default=None, description="largest pressure or voltage that all lines are made for")
-    units: Annotated[str, AfterValidator(check_units)] = Field(
-        default="SI", description="in which results are read: 'SI', 'US', or units such as 'US, MGD' or 'm^3/h'"
+    rating: Effort | None = optional("largest pressure or voltage that all lines are made for")
+    units: Annotated[str, AfterValidator(check_units)] = optional(
+        "in which results are read: 'SI', 'US', or units such as 'US, MGD' or 'm^3/h'", "SI"
     )
 
     _folder: Folder = PrivateAttr(default=Folder())

@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, SerializeAsAny, model_serializer
+from pydantic import SerializeAsAny, model_serializer
 
-from tline.scene.element import Element
+from tline.scene.element import Element, optional, required
 from tline.scene.quantity import ZERO, Level, Time
 
 Floats = NDArray[np.floating]
@@ -39,7 +39,7 @@ class Constant(Shape):
     """Constant value; in a scene file the plain number or text."""
 
     shape: Literal["constant"] = "constant"
-    level: Level = Field(description="the value")
+    level: Level = required("the value")
 
     @model_serializer
     def _plain(self) -> int | float | str:
@@ -75,9 +75,9 @@ class Step(Shape):
     """Jump from one level to another."""
 
     shape: Literal["step"] = "step"
-    from_: Level = Field(default=ZERO, alias="from", description="level before the jump")
-    to: Level = Field(description="level after the jump")
-    at: Time = Field(default=ZERO, description="instant of the jump")
+    from_: Level = optional("level before the jump", ZERO, alias="from")
+    to: Level = required("level after the jump")
+    at: Time = optional("instant of the jump", ZERO)
 
     def breaks(self, t_end):  # noqa: D102
         return np.array([float(self.at)])

@@ -4,14 +4,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     ConfigDict,
-    Field,
     ValidationInfo,
     field_validator,
     model_validator,
 )
 
 from tline.errors import InputError
-from tline.scene.element import Element, Name, TwoNodes, words_are_required
+from tline.scene.element import Element, Name, TwoNodes, optional, required, words_are_required
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import Read
 from tline.scene.quantity import Resistance
@@ -56,22 +55,19 @@ class Source(Element):
 
     model_config = ConfigDict(json_schema_extra=_placed_once)
 
-    at: Name | None = Field(default=None, description="node of a source against the reference")
-    nodes: TwoNodes | None = Field(
-        default=None,
-        description="instead of `at`, plus and minus of a source between two nodes: an effort is that of the first "
-        "less that of the second, and a flow is driven out of the second into the first",
+    at: Name | None = optional("node of a source against the reference")
+    nodes: TwoNodes | None = optional(
+        "instead of `at`, plus and minus of a source between two nodes: an effort is that of the first "
+        "less that of the second, and a flow is driven out of the second into the first"
     )
-    kind: Literal["pressure", "flow", "voltage", "current"] = Field(
-        description="what is prescribed: pressure or flow in a hydraulic scene, voltage or current in an electrical one"
+    kind: Literal["pressure", "flow", "voltage", "current"] = required(
+        "what is prescribed: pressure or flow in a hydraulic scene, voltage or current in an electrical one"
     )
-    value: Annotated[Shape, Read(_waveform, Waveform | float | str)] = Field(
-        description="how much, constant or over time; a flow counts into the (first) node; a pressure is piezometric, "
+    value: Annotated[Shape, Read(_waveform, Waveform | float | str)] = required(
+        "how much, constant or over time; a flow counts into the (first) node; a pressure is piezometric, "
         "density·g·head, if nodes have elevations"
     )
-    resistance: Resistance | None = Field(
-        default=None, description="internal resistance; without it the source is ideal"
-    )
+    resistance: Resistance | None = optional("internal resistance; without it the source is ideal")
 
     @property
     def terminals(self) -> tuple[str, str | None]:

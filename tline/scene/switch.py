@@ -2,9 +2,9 @@
 
 from typing import Literal
 
-from pydantic import Field, ValidationInfo, field_validator
+from pydantic import ValidationInfo, field_validator
 
-from tline.scene.element import Placed
+from tline.scene.element import Placed, required
 from tline.scene.medium import check_word
 from tline.scene.quantity import Resistance, Time
 
@@ -13,9 +13,9 @@ class Switch(Placed):
     """A valve or switch whose resistance changes from one value to another at an instant."""
 
     kind: Literal["switch", "valve"]
-    before: Resistance = Field(description="resistance before the instant")
-    after: Resistance = Field(description="resistance from the instant on")
-    time: Time = Field(description="the instant")
+    before: Resistance = required("resistance before the instant")
+    after: Resistance = required("resistance from the instant on")
+    time: Time = required("the instant")
 
     @field_validator("kind")
     @classmethod

@@ -6,7 +6,8 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,21 +22,11 @@ LARGEST_FILE = 100_000_000  # bytes
 
 
 def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
-    """Read a text file in UTF-8, without a byte order mark; `legacy` files may be in UTF-16 or Latin-1.
+    """Read a text file in UTF-8, without a byte order mark; `legacy` files may be in UTF-16 or a western alphabet.
 
-    Errors point at the key `where` that names it, or at the file. A pipe will do, but not one with a name, for which a
-    writer may never come.
+    Errors point at the key `where` that names it, or at the file.
     """
-    name = f"'{one_line(str(path))}' " if where and len(str(path)) < 300 else ""
-    try:
-        check_ordinary(path)
-        with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:  # a ValueError for a name with a null character
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise InputError(where or str(path), f"{name}cannot be read", got=reason or "an unreadable file") from None
-    if len(data) > LARGEST_FILE:
-        raise InputError(where or str(path), f"{name}is too large", f"at most {LARGEST_FILE:,} bytes")
+    data = read_bytes(path, where)
     try:
         if legacy and data.startswith((b"\xff\xfe", b"\xfe\xff")):
             return data.decode("utf-16")
@@ -45,7 +36,22 @@ def read_text(path: Path, where: str = "", legacy: bool = False) -> str:
     except UnicodeDecodeError:
         if legacy and b"\0" not in data:
             return data.decode("latin-1")
-        raise InputError(where or str(path), f"{name}is not a text file", "text in UTF-8") from None
+        raise InputError(where or str(path), f"{_named(path, where)}is not a text file", "text in UTF-8") from None
+
+
+def read_bytes(path: Path, where: str = "") -> bytes:
+    """Read a file of no unreasonable size; a pipe will do, but not one with a name, whose writer may never come."""
+    name = _named(path, where)
+    check_readable(path, where, name)
+    with _opened(where or str(path), name), path.open("rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE:
+        raise InputError(where or str(path), f"{name}is too large", f"at most {LARGEST_FILE:,} bytes")
+    return data
+
+
+def _named(path: Path, where: str) -> str:
+    return f"'{one_line(str(path))}' " if where and len(str(path)) < 300 else ""
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
@@ -59,12 +65,23 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
         raise InputError(str(path), f"is not valid TOML: {error!s:.200}") from None
 
 
-def check_ordinary(path: str | Path) -> None:
-    """Raise an OSError for files that could be read for ever: devices, terminals, pipes without a writer."""
-    kind = os.stat(path).st_mode
-    nameless = stat.S_ISFIFO(kind) and not os.path.exists(os.path.realpath(path))  # of a shell
-    if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind) or nameless):
-        raise OSError(0, "a pipe with a name" if stat.S_ISFIFO(kind) else "a device, not a file")
+@contextmanager
+def _opened(where: str, name: str) -> Iterator[None]:
+    """Say of a file that the system does not open why that is so."""
+    try:
+        yield
+    except (OSError, ValueError) as error:  # a ValueError for a name with a null character
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(where, f"{name}cannot be read", got=reason or "an unreadable file") from None
+
+
+def check_readable(path: str | Path, where: str = "", name: str = "") -> None:
+    """Raise an error for a file that could be read for ever: a device, a terminal, a pipe without a writer."""
+    with _opened(where or str(path), name):
+        kind = os.stat(path).st_mode
+        nameless = stat.S_ISFIFO(kind) and not os.path.exists(os.path.realpath(path))  # of a shell
+        if not (stat.S_ISREG(kind) or stat.S_ISDIR(kind) or nameless):
+            raise OSError(0, "a pipe with a name" if stat.S_ISFIFO(kind) else "a device, not a file")
 
 
 class Folder(NamedTuple):
@@ -76,15 +93,11 @@ class Folder(NamedTuple):
     def find(self, file: str) -> Path:
         """Path of a file that can be read to its end."""
         path = self.path / file
-        try:
+        with _opened("file", f"{shown(file)} "):
             inside = not self.confined or path.resolve().is_relative_to(self.path.resolve())
-            if inside:
-                check_ordinary(path)
-        except (OSError, ValueError) as error:  # a ValueError for a name with a null character
-            reason = error.strerror if isinstance(error, OSError) else str(error)
-            raise InputError("file", f"{shown(file)} cannot be read", got=reason or "an unreadable file") from None
         if not inside:
             raise InputError("file", f"{shown(file)} lies outside of the scene's folder", "a file in it")
+        check_readable(path, "file", f"{shown(file)} ")
         return path
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, OneMedium
+from tline.scene.element import AtNode, OneMedium, optional, required
 from tline.scene.line import Cable, SceneLine
 from tline.scene.multiport import Multiport, PortNodes, Ports
 from tline.scene.quantity import FIT_TOLERANCE, Quantity, Role
@@ -38,14 +38,10 @@ class Touchstone(OneMedium, RationalImpedance, AtNode):
 
     medium, instead = "electrical", "kind = 'impedance'"
     kind: Literal["touchstone"] = "touchstone"
-    file: str = Field(description="Touchstone file, `.s1p` or `.ts`, looked for beside the scene file")
-    tolerance: Tolerance = Field(
-        default=Quantity(1e-3, ""), description="largest distance of the model's S from the file's"
-    )
-    delay: Delay | None = Field(default=None, description="time to the one-port, one way; found if not given")
-    nearest: bool = Field(
-        default=False, description="whether to take the nearest passive model where the fit is not passive"
-    )
+    file: str = required("Touchstone file, `.s1p` or `.ts`, looked for beside the scene file")
+    tolerance: Tolerance = optional("largest distance of the model's S from the file's", Quantity(1e-3, ""))
+    delay: Delay | None = optional("time to the one-port, one way; found if not given")
+    nearest: bool = optional("whether to take the nearest passive model where the fit is not passive", False)
     _model: "DelayedModel" = PrivateAttr()
     _near: str | None = PrivateAttr(default=None)  # node at which the delay begins
 
@@ -160,17 +156,11 @@ class MeasuredMultiport(OneMedium, Multiport):
 
     medium, instead = "electrical", "kind = 'junction'"
     kind: Literal["touchstone"] = "touchstone"
-    nodes: PortNodes = Field(description=f"one for each port, 2 to {MOST_PORTS}, in the file's order")
-    file: str = Field(description="Touchstone file, `.s2p` and the like or `.ts`, looked for beside the scene file")
-    tolerance: Tolerance = Field(
-        default=Quantity(1e-3, ""), description="largest distance of an entry of the model's S from the file's"
-    )
-    delays: tuple[Delay, ...] | None = Field(
-        default=None, description="time from each node to its port, one way; looked for if not given"
-    )
-    nearest: bool = Field(
-        default=False, description="whether to take the nearest passive model where the fit is not passive"
-    )
+    nodes: PortNodes = required(f"one for each port, 2 to {MOST_PORTS}, in the file's order")
+    file: str = required("Touchstone file, `.s2p` and the like or `.ts`, looked for beside the scene file")
+    tolerance: Tolerance = optional("largest distance of an entry of the model's S from the file's", Quantity(1e-3, ""))
+    delays: tuple[Delay, ...] | None = optional("time from each node to its port, one way; looked for if not given")
+    nearest: bool = optional("whether to take the nearest passive model where the fit is not passive", False)
     _model: "DelayedModel" = PrivateAttr()
     _near: tuple[str, ...] | None = PrivateAttr(default=None)  # nodes at which the delays begin
 

@@ -12,10 +12,10 @@ from threading import get_ident
 from typing import TYPE_CHECKING, Any, ClassVar, SupportsIndex
 from weakref import finalize, ref
 
-from pydantic import Field, WrapSerializer, WrapValidator
+from pydantic import WrapSerializer, WrapValidator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Between
+from tline.scene.element import AtNode, Between, optional
 from tline.scene.factor import ALWAYS, Factor
 from tline.scene.law import ElementLaw, LawKind, NonLinear
 from tline.words.wording import place
@@ -40,7 +40,7 @@ class UserElement(NonLinear):
     """Base of `UserLoad` and `UserLink`."""
 
     kind: ClassVar[str] = "user_defined"
-    opening: Factor = Field(default=ALWAYS, description="what the law is told, from 0 to 1, constant or over time")
+    opening: Factor = optional("what the law is told, from 0 to 1, constant or over time", ALWAYS)
 
     def flow(self, effort: float, opening: float) -> float:
         """Flow at an effort across the element.

@@ -7,13 +7,13 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import PrivateAttr, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import NAMED, AtNode, Between, Element, Placed, named, pair
+from tline.scene.element import NAMED, AtNode, Between, Element, Placed, named, optional, pair, required
 from tline.scene.factor import ALWAYS, Characterised, Factor
 from tline.scene.law import ANY_DROP, Bend, ElementLaw, Governor, LawKind, OfLiquids
-from tline.scene.quantity import ZERO, Pressure, Quantity, Role
+from tline.scene.quantity import ZERO, Drop, Length, PositivePressure, Pressure, Quantity, Role
 from tline.scene.rating import Rated
 from tline.scene.shape import Shape
 
@@ -130,10 +130,9 @@ class Relieving(LawKind):
 class CharacterisedValve(Rated, OfLiquids):
     """Valve with a share of its capacity at each opening."""
 
-    characteristic: Characteristic | None = Field(
-        default=None,
-        description="points [opening, share of the capacity] with straight lines between, or 'gate', 'globe', 'ball' "
-        "or 'butterfly' for what such a valve of that diameter loses on its way; without it both are equal",
+    characteristic: Characteristic | None = optional(
+        "points [opening, share of the capacity] with straight lines between, or 'gate', 'globe', 'ball' "
+        "or 'butterfly' for what such a valve of that diameter loses on its way; without it both are equal"
     )
 
     @property
@@ -165,7 +164,7 @@ class CharacterisedValve(Rated, OfLiquids):
 class Behind(AtNode):
     """Element that leads to the outside."""
 
-    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure on the other side; 0 is the open air")
+    back_pressure: Pressure = optional("gauge pressure on the other side; 0 is the open air", ZERO)
 
 
 def _behind(element: Element) -> float:
@@ -176,7 +175,7 @@ class Orifice(CharacterisedValve, Placed, load=Behind):
     """Orifice, minor loss or control valve: flow = share·C·sqrt(drop), in both directions."""
 
     kind: Literal["orifice"] = "orifice"
-    opening: Factor = Field(default=ALWAYS, description="0 (shut) to 1 (wide open), constant or over time")
+    opening: Factor = optional("0 (shut) to 1 (wide open), constant or over time", ALWAYS)
     _share: Characterised | None = PrivateAttr(default=None)
 
     @property
@@ -195,17 +194,13 @@ class Orifice(CharacterisedValve, Placed, load=Behind):
 class WithDisc(Between):
     """Link that may have a disc with a mass."""
 
-    disc_mass: Annotated[Quantity, Role("mass", "kg", above=0)] | None = Field(
-        default=None, description="of all that moves; without it the valve shuts as soon as the flow turns"
+    disc_mass: Annotated[Quantity, Role("mass", "kg", above=0)] | None = optional(
+        "of all that moves; without it the valve shuts as soon as the flow turns"
     )
-    travel: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
-        default=None, description="of the disc from shut to open; needed with disc_mass"
-    )
-    open_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] | None = Field(
-        default=None, description="drop that holds the disc wide open; cracking_pressure if not given"
-    )
-    damping: Annotated[Quantity, Role("damping", "N s/m", at_least=0)] | None = Field(
-        default=None, description="force on the disc over its speed; none if not given"
+    travel: Length | None = optional("of the disc from shut to open; needed with disc_mass")
+    open_pressure: Drop | None = optional("drop that holds the disc wide open; cracking_pressure if not given")
+    damping: Annotated[Quantity, Role("damping", "N s/m", at_least=0)] | None = optional(
+        "force on the disc over its speed; none if not given"
     )
 
 
@@ -224,9 +219,7 @@ class CheckValve(Rated, OfLiquids, Placed, load=Behind, link=WithDisc):
     """
 
     kind: Literal["check valve"] = "check valve"
-    cracking_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
-        default=ZERO, description="drop at which it begins to open"
-    )
+    cracking_pressure: Drop = optional("drop at which it begins to open", ZERO)
 
     @property
     def _may_lack_a_loss(self) -> bool:
@@ -275,12 +268,8 @@ class ReliefValve(Rated, OfLiquids, Placed, load=Behind):
     """Relief valve: shut up to the set pressure, wide open a band above it."""
 
     kind: Literal["relief valve"] = "relief valve"
-    set_pressure: Annotated[Quantity, Role("pressure", "Pa", at_least=0)] = Field(
-        description="drop at which it begins to open"
-    )
-    band: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(
-        description="further drop over which it opens in proportion, up to its full capacity"
-    )
+    set_pressure: Drop = required("drop at which it begins to open")
+    band: PositivePressure = required("further drop over which it opens in proportion, up to its full capacity")
 
     def law(self) -> ElementLaw:  # noqa: D102
         constants = (_behind(self), self.capacity or inf, float(self.set_pressure), float(self.band))

@@ -6,12 +6,23 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Element
+from tline.scene.element import AtNode, Element, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
-from tline.scene.quantity import ZERO, Pressure, Quantity, Role, Whole
+from tline.scene.quantity import (
+    ZERO,
+    Acceleration,
+    Area,
+    Diameter,
+    PositivePressure,
+    PositiveVolume,
+    Pressure,
+    Quantity,
+    Role,
+    Whole,
+)
 from tline.scene.rating import Rated
 
 if TYPE_CHECKING:
@@ -22,7 +33,6 @@ ATMOSPHERE = Quantity(101_325, "Pa")
 GRAVITY = Quantity(9.80665, "m/s^2")
 GAS_VOLUME = "gas volume"
 Height = Annotated[Quantity, Role("height", "m")]
-Absolute = Annotated[Quantity, Role("pressure", "Pa", above=0)]
 MOST_PLACES = 1000  # places
 
 
@@ -126,18 +136,16 @@ class AirVessel(_Vessel):
     """Air vessel: gas with p·V^n constant, p absolute, behind a loss if its capacity is given."""
 
     kind: Literal["air vessel"] = "air vessel"
-    gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(description="volume of the gas")
-    gas_pressure: Pressure = Field(description="gauge pressure at which it has that volume")
-    exponent: Annotated[Quantity, Role("exponent", "", at_least=1, at_most=2)] = Field(
-        default=Quantity("1.2", ""), description="n: 1 if the gas stays at one temperature, 1.4 if it has no time to"
+    gas_volume: PositiveVolume = required("volume of the gas")
+    gas_pressure: Pressure = required("gauge pressure at which it has that volume")
+    exponent: Annotated[Quantity, Role("exponent", "", at_least=1, at_most=2)] = optional(
+        "n: 1 if the gas stays at one temperature, 1.4 if it has no time to", Quantity("1.2", "")
     )
-    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
-    total_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] | None = Field(
-        default=None, description="of gas and liquid; a run says when the gas fills it, and would enter the pipe"
+    atmosphere: PositivePressure = optional("absolute pressure of the air outside", ATMOSPHERE)
+    total_volume: PositiveVolume | None = optional(
+        "of gas and liquid; a run says when the gas fills it, and would enter the pipe"
     )
-    bladder: bool = Field(
-        default=False, description="whether a bladder holds the gas, and shuts the vessel once it fills it"
-    )
+    bladder: bool = optional("whether a bladder holds the gas, and shuts the vessel once it fills it", False)
     shows = (
         Shown(GAS_VOLUME, "m^3", lambda vessel, y, i: vessel.law().constants[3] * np.exp(y)),
         Shown("gas pressure", "Pa", lambda vessel, y, i: vessel.atmosphere * np.expm1(-vessel.exponent * y)),
@@ -168,8 +176,8 @@ class AirVessel(_Vessel):
 class Boiling(Element):
     """Liquid that boils where its pressure falls far enough."""
 
-    vapour_pressure: Absolute = Field(default=Quantity(2339, "Pa"), description="absolute; of water at 20 degC")
-    atmosphere: Absolute = Field(default=ATMOSPHERE, description="absolute pressure of the air outside")
+    vapour_pressure: PositivePressure = optional("absolute; of water at 20 degC", Quantity(2339, "Pa"))
+    atmosphere: PositivePressure = optional("absolute pressure of the air outside", ATMOSPHERE)
 
     @model_validator(mode="after")
     def _boils_below(self):
@@ -180,7 +188,7 @@ class Boiling(Element):
 
 
 class _BoilingAtNode(Boiling, AtNode, OfLiquids):
-    back_pressure: Pressure = Field(default=ZERO, description="gauge pressure outside; 0 is the open air")
+    back_pressure: Pressure = optional("gauge pressure outside; 0 is the open air", ZERO)
 
 
 class Cavity(_BoilingAtNode):
@@ -195,8 +203,8 @@ class Cavity(_BoilingAtNode):
     """
 
     kind: Literal["cavity"] = "cavity"
-    gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] = Field(
-        description="volume of the free gas at the atmosphere's pressure: often 1e-7 of the liquid's nearby"
+    gas_volume: PositiveVolume = required(
+        "volume of the free gas at the atmosphere's pressure: often 1e-7 of the liquid's nearby"
     )
     shows = (Shown("cavity", "m^3", lambda cavity, y, i: cavity.gas_volume * np.exp(y)),)
 
@@ -230,18 +238,12 @@ class SurgeTank(_Vessel):
     """
 
     kind: Literal["surge tank"] = "surge tank"
-    tank_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] | None = Field(
-        default=None, description="inner diameter of the tank"
-    )
-    tank_area: Annotated[Quantity, Role("area", "m^2", above=0)] | None = Field(
-        default=None, description="surface of the liquid"
-    )
-    gravity: Annotated[Quantity, Role("acceleration", "m/s^2", above=0)] = Field(
-        default=GRAVITY, description="of the earth"
-    )
-    level: Height | None = Field(default=None, description="of the surface above the node at a steady start")
-    lowest_level: Height | None = Field(default=None, description="above the node, at which it is empty")
-    highest_level: Height | None = Field(default=None, description="above the node, at which it overflows")
+    tank_diameter: Diameter | None = optional("inner diameter of the tank")
+    tank_area: Area | None = optional("surface of the liquid")
+    gravity: Acceleration = optional("of the earth", GRAVITY)
+    level: Height | None = optional("of the surface above the node at a steady start")
+    lowest_level: Height | None = optional("above the node, at which it is empty")
+    highest_level: Height | None = optional("above the node, at which it overflows")
     shows = (
         Shown("level", "m", lambda tank, y, i: y / tank.weight),
         Shown("inflow", "m^3/s", lambda tank, y, i: i),
@@ -291,13 +293,12 @@ class Cavities(Boiling):
     E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapter 8.
     """
 
-    places: Annotated[int, Whole(1, MOST_PLACES)] = Field(
-        description=f"number of places, from 1 to {MOST_PLACES}, between which are equal stretches"
+    places: Annotated[int, Whole(1, MOST_PLACES)] = required(
+        f"number of places, from 1 to {MOST_PLACES}, between which are equal stretches"
     )
-    gas_volume: Annotated[Quantity, Role("volume", "m^3", above=0)] | None = Field(
-        default=None,
-        description="volume of the free gas at each place at the atmosphere's pressure, often 1e-7 of the liquid's "
-        "between two places; without it vapour alone",
+    gas_volume: PositiveVolume | None = optional(
+        "volume of the free gas at each place at the atmosphere's pressure, often 1e-7 of the liquid's "
+        "between two places; without it vapour alone"
     )
 
     def load(self, node: str) -> dict[str, Any]:

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import Field, PrivateAttr, TypeAdapter, ValidationInfo, model_validator
+from pydantic import PrivateAttr, TypeAdapter, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import pair
+from tline.scene.element import optional, pair, required
 from tline.scene.mistakes import OneOf
 from tline.scene.quantity import LEVEL, ZERO, Angle, Delay, Duration, Frequency, Level, Time, Whole
 from tline.scene.shape import Constant, Floats, Shape, Step
@@ -23,12 +23,12 @@ class Sine(Shape):
     """Sine: offset + amplitude·sin(2π·frequency·(t - at) + phase) from `at` to `until`; constant outside."""
 
     shape: Literal["sine"] = "sine"
-    amplitude: Level = Field(description="half of peak to peak")
-    frequency: Frequency = Field(description="cycles per second")
-    phase: Angle = Field(default=ZERO, description="angle at the begin")
-    offset: Level = Field(default=ZERO, description="middle level")
-    at: Time = Field(default=ZERO, description="begin; before it the level is offset + amplitude·sin(phase)")
-    until: Time | None = Field(default=None, description="end, where the level stays; without it there is none")
+    amplitude: Level = required("half of peak to peak")
+    frequency: Frequency = required("cycles per second")
+    phase: Angle = optional("angle at the begin", ZERO)
+    offset: Level = optional("middle level", ZERO)
+    at: Time = optional("begin; before it the level is offset + amplitude·sin(phase)", ZERO)
+    until: Time | None = optional("end, where the level stays; without it there is none")
 
     @model_validator(mode="after")
     def _ends_after_it_begins(self):
@@ -56,14 +56,14 @@ class ModulatedSine(Shape):
     """
 
     shape: Literal["modulated sine"] = "modulated sine"
-    amplitude: Level = Field(description="half of peak to peak, at the begin")
-    frequency: Frequency = Field(description="cycles per second of the carrier")
-    phase: Angle = Field(default=ZERO, description="angle at the begin")
-    offset: Level = Field(default=ZERO, description="middle level")
-    at: Time = Field(default=ZERO, description="begin; before it the level is offset + amplitude·sin(phase)")
-    decay: Duration | None = Field(default=None, description="time constant of the amplitude; without it none decays")
-    index: Angle = Field(default=ZERO, description="largest deviation of the angle")
-    modulation: Frequency | None = Field(default=None, description="cycles per second of that deviation")
+    amplitude: Level = required("half of peak to peak, at the begin")
+    frequency: Frequency = required("cycles per second of the carrier")
+    phase: Angle = optional("angle at the begin", ZERO)
+    offset: Level = optional("middle level", ZERO)
+    at: Time = optional("begin; before it the level is offset + amplitude·sin(phase)", ZERO)
+    decay: Duration | None = optional("time constant of the amplitude; without it none decays")
+    index: Angle = optional("largest deviation of the angle", ZERO)
+    modulation: Frequency | None = optional("cycles per second of that deviation")
 
     @model_validator(mode="after")
     def _deviates_at_a_frequency(self):
@@ -91,10 +91,10 @@ class Exponential(Shape):
     """Exponential: to + (from - to)·e^(-(t - at)/time_constant); `from` before it begins."""
 
     shape: Literal["exponential"] = "exponential"
-    from_: Level = Field(default=ZERO, alias="from", description="level before")
-    to: Level = Field(description="level in the end")
-    at: Time = Field(default=ZERO, description="begin")
-    time_constant: Duration = Field(description="time after which 1/e of the way is left")
+    from_: Level = optional("level before", ZERO, alias="from")
+    to: Level = required("level in the end")
+    at: Time = optional("begin", ZERO)
+    time_constant: Duration = required("time after which 1/e of the way is left")
 
     def breaks(self, t_end):  # noqa: D102
         return np.array([float(self.at)])
@@ -111,10 +111,10 @@ class DoubleExponential(Shape):
     """Surge: peak·k·(e^(-(t - at)/decay) - e^(-(t - at)/rise)), with k so that the peak is reached; 0 before."""
 
     shape: Literal["double exponential"] = "double exponential"
-    peak: Level = Field(description="highest level")
-    rise: Duration = Field(description="time constant of the front")
-    decay: Duration = Field(description="time constant of the tail, longer than that of the front")
-    at: Time = Field(default=ZERO, description="begin")
+    peak: Level = required("highest level")
+    rise: Duration = required("time constant of the front")
+    decay: Duration = required("time constant of the tail, longer than that of the front")
+    at: Time = optional("begin", ZERO)
 
     @model_validator(mode="after")
     def _rises_first(self):
@@ -185,10 +185,10 @@ class Ramp(Points):
     """Straight rise or fall from one level to another."""
 
     shape: Literal["ramp"] = "ramp"
-    from_: Level = Field(default=ZERO, alias="from", description="level before")
-    to: Level = Field(description="level after")
-    at: Time = Field(default=ZERO, description="begin of the ramp")
-    duration: Duration = Field(description="time from level to level")
+    from_: Level = optional("level before", ZERO, alias="from")
+    to: Level = required("level after")
+    at: Time = optional("begin of the ramp", ZERO)
+    duration: Duration = required("time from level to level")
 
     def points(self):  # noqa: D102
         return np.array([self.at, self.at + self.duration]), np.array([self.from_, self.to], float)
@@ -198,8 +198,8 @@ class PiecewiseLinear(Points):
     """Straight lines between points [time, level], constant outside; two points at the same time make a jump."""
 
     shape: Literal["piecewise linear"] = "piecewise linear"
-    points_: list[Annotated[tuple[Time, Level], pair("time, level")]] = Field(
-        alias="points", min_length=2, description="pairs [time, level], in order of time"
+    points_: list[Annotated[tuple[Time, Level], pair("time, level")]] = required(
+        "pairs [time, level], in order of time", alias="points", min_length=2
     )
 
     @model_validator(mode="after")
@@ -216,7 +216,7 @@ class Table(Points):
     """Points from a CSV file with two columns, time and level, in SI; a first line of words is skipped."""
 
     shape: Literal["table"] = "table"
-    file: str = Field(description="CSV file, looked for beside the scene file")
+    file: str = required("CSV file, looked for beside the scene file")
     _points: tuple[tuple[float, ...], tuple[float, ...]] = PrivateAttr()
 
     @model_validator(mode="after")
@@ -257,16 +257,14 @@ class Pulses(Shape):
     """Equal pulses: one, or one per period, up to a count if given; trapezoids if rise or fall take time."""
 
     shape: Literal["pulses"] = "pulses"
-    low: Level = Field(default=ZERO, description="level between pulses, and outside")
-    high: Level = Field(description="level of the pulse")
-    at: Time = Field(default=ZERO, description="begin of the first rise")
-    width: Duration = Field(description="time at the high level, rise and fall not counted")
-    rise: Delay = Field(default=ZERO, description="time from low to high")
-    fall: Delay = Field(default=ZERO, description="time from high to low")
-    period: Duration | None = Field(default=None, description="time from pulse to pulse; without it there is one")
-    count: Annotated[int, Whole(1)] | None = Field(
-        default=None, description="number of pulses; without it they do not end"
-    )
+    low: Level = optional("level between pulses, and outside", ZERO)
+    high: Level = required("level of the pulse")
+    at: Time = optional("begin of the first rise", ZERO)
+    width: Duration = required("time at the high level, rise and fall not counted")
+    rise: Delay = optional("time from low to high", ZERO)
+    fall: Delay = optional("time from high to low", ZERO)
+    period: Duration | None = optional("time from pulse to pulse; without it there is one")
+    count: Annotated[int, Whole(1)] | None = optional("number of pulses; without it they do not end")
 
     @model_validator(mode="after")
     def _fits(self):

@@ -11,11 +11,11 @@ import numpy as np
 from tline.errors import InputError
 from tline.interchange.water_controls import WaterControl
 from tline.interchange.water_network import listed
+from tline.scene.heights import GRAVITY
 from tline.scene.held import held_nodes
 from tline.scene.pump import Pump
 from tline.scene.rating import WATER
 from tline.scene.scene import Scene
-from tline.scene.site import GRAVITY
 from tline.scene.valve import Orifice
 from tline.solver.description.excitation import just_before
 from tline.solver.result.result import ProbeResult, Result

@@ -4,11 +4,10 @@ from math import inf, pi
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import Diameter, Length, Pressure, Quantity, Role
 
 AT_STOP = 1e-9  # relative to the stroke
 
@@ -49,16 +48,10 @@ class SpringAccumulator(AtNode, OfLiquids):
     """
 
     kind: Literal["spring accumulator"] = "spring accumulator"
-    piston_diameter: Annotated[Quantity, Role("diameter", "m", above=0)] = Field(description="diameter of the piston")
-    stiffness: Annotated[Quantity, Role("stiffness", "N/m", above=0)] = Field(
-        description="force of the spring over way"
-    )
-    preload: Annotated[Quantity, Role("pressure", "Pa")] = Field(
-        description="gauge pressure at which the piston begins to move"
-    )
-    stroke: Annotated[Quantity, Role("length", "m", above=0)] | None = Field(
-        default=None, description="way of the piston; without it as long as it takes"
-    )
+    piston_diameter: Diameter = required("diameter of the piston")
+    stiffness: Annotated[Quantity, Role("stiffness", "N/m", above=0)] = required("force of the spring over way")
+    preload: Pressure = required("gauge pressure at which the piston begins to move")
+    stroke: Length | None = optional("way of the piston; without it as long as it takes")
     shows = (
         Shown("travel", "m", lambda one, y, i: (y - one.preload) * pi / 4 * one.piston_diameter**2 / one.stiffness),
         Shown("inflow", "m^3/s", lambda one, y, i: i),

@@ -4,16 +4,15 @@ from math import inf, sqrt
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode
+from tline.scene.element import AtNode, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import Acceleration, Area, Density, Quantity, Role
 from tline.scene.rating import WATER
 from tline.scene.vessel import GRAVITY, Height
 
-Area = Annotated[Quantity, Role("area", "m^2", above=0)]
 Loss = Annotated[Quantity, Role("loss coefficient", "", at_least=0)]
 
 
@@ -48,24 +47,18 @@ class OpenTank(AtNode, OfLiquids):
     """
 
     kind: Literal["open tank"] = "open tank"
-    tank_area: Area = Field(description="surface of the liquid")
-    level: Height | None = Field(
-        default=None, description="of the surface before the run; if not given, that at which nothing flows"
+    tank_area: Area = required("surface of the liquid")
+    level: Height | None = optional("of the surface before the run; if not given, that at which nothing flows")
+    lowest_level: Height = optional("of the bottom", Quantity("0 m", "m"))
+    highest_level: Annotated[Quantity, Role("height", "m", at_least=0)] | None = optional(
+        "of the rim; without it none is reached"
     )
-    lowest_level: Height = Field(default=Quantity("0 m", "m"), description="of the bottom")
-    highest_level: Annotated[Quantity, Role("height", "m", at_least=0)] | None = Field(
-        default=None, description="of the rim; without it none is reached"
-    )
-    bore: Area | None = Field(default=None, description="section of the connection, which losses refer to")
-    loss_in: Loss = Field(default=Quantity(0, ""), description="K of the connection where it fills")
-    loss_out: Loss = Field(default=Quantity(0, ""), description="K of the connection where it empties")
-    one_way: bool = Field(default=False, description="whether a check valve lets nothing in")
-    density: Annotated[Quantity, Role("density", "kg/m^3", above=0)] = Field(
-        default=Quantity(WATER, "kg/m^3"), description="of the liquid"
-    )
-    gravity: Annotated[Quantity, Role("acceleration", "m/s^2", above=0)] = Field(
-        default=GRAVITY, description="of the earth"
-    )
+    bore: Area | None = optional("section of the connection, which losses refer to")
+    loss_in: Loss = optional("K of the connection where it fills", Quantity(0, ""))
+    loss_out: Loss = optional("K of the connection where it empties", Quantity(0, ""))
+    one_way: bool = optional("whether a check valve lets nothing in", False)
+    density: Density = optional("of the liquid", Quantity(WATER, "kg/m^3"))
+    gravity: Acceleration = optional("of the earth", GRAVITY)
     shows = (
         Shown("level", "m", lambda tank, y, i: y / tank.weight),
         Shown("inflow", "m^3/s", lambda tank, y, i: i),

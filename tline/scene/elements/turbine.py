@@ -3,16 +3,23 @@
 from math import pi, sqrt
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Between
+from tline.scene.element import Between, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import (
+    Duration,
+    Frequency,
+    Inertia,
+    Instant,
+    PositiveFlow,
+    PositivePressure,
+    PositiveShare,
+    Quantity,
+    Role,
+)
 from tline.scene.waveform import PiecewiseLinear
-
-Share = Annotated[Quantity, Role("share", "", above=0, at_most=1)]
-Time = Annotated[Quantity, Role("time", "s", above=0)]
 
 
 class Driven(LawKind):
@@ -49,30 +56,24 @@ class Turbine(Between, OfLiquids):
     """
 
     kind: Literal["turbine"] = "turbine"
-    rated_flow: Annotated[Quantity, Role("flow", "m^3/s", above=0)] = Field(
-        description="with its gates wide open, under the rated drop"
+    rated_flow: PositiveFlow = required("with its gates wide open, under the rated drop")
+    rated_drop: PositivePressure = required("drop of the pressure there")
+    rated_speed: Frequency = required("turns per second")
+    inertia: Inertia = required("of all that turns, with the generator")
+    efficiency: PositiveShare = optional("at the rated point", Quantity(0.88, ""))
+    runaway: Annotated[Quantity, Role("ratio", "", above=1)] = optional(
+        "speed without a load under the rated drop, over the rated speed", Quantity(1.8, "")
     )
-    rated_drop: Annotated[Quantity, Role("pressure", "Pa", above=0)] = Field(description="drop of the pressure there")
-    rated_speed: Annotated[Quantity, Role("frequency", "Hz", above=0)] = Field(description="turns per second")
-    inertia: Annotated[Quantity, Role("inertia", "kg m^2", above=0)] = Field(
-        description="of all that turns, with the generator"
+    opening: PositiveShare = optional("of its gates before the run", Quantity(1, ""))
+    rejects: Instant | None = optional("when the load is lost")
+    load_left: Annotated[Quantity, Role("share", "", at_least=0)] = optional(
+        "share of the load that is left then", Quantity(0, "")
     )
-    efficiency: Share = Field(default=Quantity(0.88, ""), description="at the rated point")
-    runaway: Annotated[Quantity, Role("ratio", "", above=1)] = Field(
-        default=Quantity(1.8, ""), description="speed without a load under the rated drop, over the rated speed"
+    droop: Annotated[Quantity, Role("ratio", "", above=0)] | None = optional(
+        "temporary droop of the governor; without it the gates stand"
     )
-    opening: Share = Field(default=Quantity(1, ""), description="of its gates before the run")
-    rejects: Annotated[Quantity, Role("time", "s", at_least=0)] | None = Field(
-        default=None, description="when the load is lost"
-    )
-    load_left: Annotated[Quantity, Role("share", "", at_least=0)] = Field(
-        default=Quantity(0, ""), description="share of the load that is left then"
-    )
-    droop: Annotated[Quantity, Role("ratio", "", above=0)] | None = Field(
-        default=None, description="temporary droop of the governor; without it the gates stand"
-    )
-    reset_time: Time = Field(default=Quantity("6 s", "s"), description="of the governor's dashpot")
-    stroke_time: Time = Field(default=Quantity("10 s", "s"), description="the least time from open to shut")
+    reset_time: Duration = optional("of the governor's dashpot", Quantity("6 s", "s"))
+    stroke_time: Duration = optional("the least time from open to shut", Quantity("10 s", "s"))
     shows = (
         Shown("speed", "Hz", lambda turbine, y, i: turbine.rated_speed * y),
         Shown("opening", "", lambda turbine, y, i: y, last=True),

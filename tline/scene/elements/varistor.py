@@ -3,11 +3,10 @@
 from typing import Annotated, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field
 
-from tline.scene.element import Placed
+from tline.scene.element import Placed, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfCables
-from tline.scene.quantity import Quantity, Role
+from tline.scene.quantity import Effort, Quantity, Role
 
 
 class PowerLaw(LawKind):
@@ -35,10 +34,10 @@ class Varistor(OfCables, Placed):
     """
 
     kind: Literal["varistor"] = "varistor"
-    current: Annotated[Quantity, Role("flow", above=0)] = Field(description="current at that voltage, such as 1 mA")
-    voltage: Annotated[Quantity, Role("effort", above=0)] = Field(description="voltage at which that current flows")
-    exponent: Annotated[Quantity, Role("exponent", "", at_least=1, at_most=100)] = Field(
-        default=Quantity(25, ""), description="20 to 50 of zinc oxide, 3 to 7 of silicon carbide"
+    current: Annotated[Quantity, Role("flow", above=0)] = required("current at that voltage, such as 1 mA")
+    voltage: Effort = required("voltage at which that current flows")
+    exponent: Annotated[Quantity, Role("exponent", "", at_least=1, at_most=100)] = optional(
+        "20 to 50 of zinc oxide, 3 to 7 of silicon carbide", Quantity(25, "")
     )
     example: ClassVar[str] = 'kind = "varistor"\ncurrent = "1 mA"\nvoltage = "420 V"\n'
 

@@ -16,11 +16,11 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
-from tline.scene.element import AtNode, OneMedium
+from tline.scene.element import AtNode, OneMedium, optional, required
 from tline.scene.ibis.buffer import ALWAYS, DRIVING, Buffer, CurrentTable, EdgeWaveform, read_buffer, read_once
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.rational import Capacitor, Ratio, RationalImpedance, Series, exact
@@ -180,15 +180,15 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
 
     medium, instead = "electrical", "kind = 'table'"
     kind: Literal["ibis"] = "ibis"
-    file: str = Field(description="IBIS file, looked for beside the scene file")
-    model: str | None = Field(default=None, description="name of the model, if the file has several")
-    pin: str | None = Field(default=None, description="pin of the component: its model and its package")
-    component: str | None = Field(default=None, description="name of the component, if the file has several")
-    corner: Literal["typ", "min", "max"] = Field(default="typ", description="column of the file's values")
-    package: bool = Field(default=True, description="whether R, L and C of the package stand in front of the die")
-    bits: str | None = Field(default=None, description="what a driver sends, zeros and ones; without it, it receives")
-    bit: Duration | None = Field(default=None, description="time of a bit")
-    begin: Time = Field(default=ZERO, description="begin of the first bit, which also stands before it")
+    file: str = required("IBIS file, looked for beside the scene file")
+    model: str | None = optional("name of the model, if the file has several")
+    pin: str | None = optional("pin of the component: its model and its package")
+    component: str | None = optional("name of the component, if the file has several")
+    corner: Literal["typ", "min", "max"] = optional("column of the file's values", "typ")
+    package: bool = optional("whether R, L and C of the package stand in front of the die", True)
+    bits: str | None = optional("what a driver sends, zeros and ones; without it, it receives")
+    bit: Duration | None = optional("time of a bit")
+    begin: Time = optional("begin of the first bit, which also stands before it", ZERO)
     _buffer: Buffer = PrivateAttr()
     _edges: dict[bool, Edge] = PrivateAttr()
     _near: str | None = PrivateAttr(default=None)  # node of the pin

@@ -5,11 +5,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
-from tline.scene.element import Between, OneMedium
+from tline.scene.element import Between, OneMedium, optional, required
 from tline.scene.ibis.buffer import CurrentTable, above_zero, current_table, own_sections, read_once
 from tline.scene.ibis.keywords import Section, sections_of
 from tline.scene.rational import Ratio, RationalImpedance, exact
@@ -93,10 +93,10 @@ class IbisSeries(OneMedium, RationalImpedance, Between):
     medium, instead = "electrical", "kind = 'impedance'"
     kind: Literal["ibis"] = "ibis"
     stores = True
-    file: str = Field(description="IBIS file, looked for beside the scene file")
-    model: str | None = Field(default=None, description="name of the model, if the file has several")
-    corner: Literal["typ", "min", "max"] = Field(default="typ", description="column of the file's values")
-    on: bool | None = Field(default=None, description="whether a Series_switch is on")
+    file: str = required("IBIS file, looked for beside the scene file")
+    model: str | None = optional("name of the model, if the file has several")
+    corner: Literal["typ", "min", "max"] = optional("column of the file's values", "typ")
+    on: bool | None = optional("whether a Series_switch is on")
     _joint: Joint = PrivateAttr()
 
     @model_validator(mode="after")
