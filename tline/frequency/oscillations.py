@@ -11,7 +11,7 @@ from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.stability.growth import right_of_all
-from tline.solver.stability.zeros import MOST_SAMPLES, Box, Characteristic, UncountableError, all_zeros
+from tline.solver.stability.zeros import MOST_SAMPLES, Box, Characteristic, UncountableError, zeros
 
 DEEP = 3.0  # decay exp(-DEEP) in the shortest delay; faster decay is not an oscillation
 LOWEST = 1e-9  # relative to the highest frequency; slower is not an oscillation
@@ -98,11 +98,11 @@ def resonances(scene: Scene | str | Path, highest: float) -> list[Resonance]:
         )
     try:
         right = right_of_all(D, top, ABOVE) if description.active else ABOVE
-        zeros = all_zeros(D.log, Box(-DEEP, right, -1.3e-4 * top, top * (1 + 1e-7)), step)
+        found = zeros(D.log, Box(-DEEP, right, -1.3e-4 * top, top * (1 + 1e-7)), step)
     except UncountableError:
         raise InputError("scene", "its oscillations lie too close together to be told apart") from None
     if not description.active:  # a double zero on the axis is found beside it, and nothing passive grows
-        zeros = [complex(min(z.real, 0.0), z.imag) for z in zeros]
-    turning = [z / D.second for z in zeros if z.imag > LOWEST * top]
-    growing = [complex(z.real) / D.second for z in zeros if abs(z.imag) <= LOWEST * top and z.real > NEUTRAL]
+        found = [complex(min(z.real, 0.0), z.imag) for z in found]
+    turning = [z / D.second for z in found if z.imag > LOWEST * top]
+    growing = [complex(z.real) / D.second for z in found if abs(z.imag) <= LOWEST * top and z.real > NEUTRAL]
     return [Resonance(s) for s in sorted(growing + turning, key=lambda s: s.imag)]

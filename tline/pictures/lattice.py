@@ -13,7 +13,7 @@ from tline.scene.heights import words
 from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch
-from tline.solver.result.dense_output import AFTER, drawable
+from tline.solver.result.dense_output import drawable
 from tline.solver.result.result import LineRecord, Result, Wave
 from tline.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.units import handy
@@ -21,7 +21,7 @@ from tline.units import handy
 MOST_LEGS = 12
 FEEBLE = 1e-3  # relative to the range of the waves; smaller jumps, and smaller bends within a delay, are not fronts
 DISTINCT_SLABS = 2.0  # slabs; fronts closer than this cannot be resolved
-NEARBY = 1e-4  # of a slab, for slopes
+AFTER, NEARBY = 1e-8, 1e-4  # of a slab: as good as at its edge; for slopes
 SAME_INSTANT = 1e-9  # relative to the run; fronts that start closer than this are one
 FLAT = 1e-6  # relative to the largest effort; smaller ones are zero
 ROOM = 0.03  # of the diagram's height, for a number

@@ -1,10 +1,10 @@
 """Simulate a scene: to a tolerance, by runs of rising order or on narrower slabs, or once as fixed by hand."""
 
 import warnings
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from tline.errors import ActiveError, InputError
 from tline.scene.file import as_scene
@@ -192,10 +192,16 @@ def _searched(search: Search) -> Result:
     else:
         key, anew = (tol, frozenset(search.record)), search.envelope or search.start
         known = None if anew else description.known.get(key)
-        result = known.result(search) if known else _found(search)
-        stopped = search.budget.asked and not (result.accuracy and result.accuracy.met)
-        if not (known or stopped or anew or description.dispersive or result.resolution.convolved):
-            description.known.update(_known(key, result))
+        if known:  # to the last bit
+            again, told = known
+            result = replace(again.result(description, search.record, search.progress), **told)
+        else:
+            result = _found(search)
+            stopped = search.budget.asked and not (result.accuracy and result.accuracy.met)
+            once = stopped or anew or description.dispersive or result.resolution.convolved
+            if isinstance(result.accounts, Again) and not (once or user_elements(scene)):
+                told = {"accuracy": result.accuracy, "unresolved": result.unresolved}
+                description.known[key] = result.accounts, told
     result = with_ledger(result, ledger)
     return replace(result, warned=tuple(warned)) if warned else result
 
@@ -210,27 +216,6 @@ def _found(search: Search) -> Result:
     kept = {*search.record, *search.description.probed}
     lines = {name: line for name, line in result.lines.items() if name in kept}
     return replace(witness.heard(result), lines=lines)
-
-
-class _Known(NamedTuple):
-    """The run that a search ended with, to be made again for the same scene, and its accuracy."""
-
-    again: Again
-    accuracy: Accuracy | None
-    unresolved: tuple[str, ...]
-
-    def result(self, search: Search) -> Result:
-        """Result of the search, to the last bit."""
-        result = self.again.result(search.description, search.record, search.progress)
-        return replace(result, accuracy=self.accuracy, unresolved=self.unresolved)
-
-
-def _known(key: Hashable, result: Result) -> dict[Hashable, _Known]:
-    """Return a result to keep by a key: empty for several runs, or for user-defined elements."""
-    again = result.accounts
-    if not isinstance(again, Again) or user_elements(result.scene):
-        return {}
-    return {key: _Known(again, result.accuracy, result.unresolved)}
 
 
 def judged(result: Result) -> Accuracy:

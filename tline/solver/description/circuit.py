@@ -26,15 +26,6 @@ COEFFICIENT_ROUNDING = 1e-9  # relative size of coefficients that are rounding
 SMALLEST_BOUND = 1e-6  # relative size of the coefficient of a dependent state, at least
 
 
-class LawPort(NamedTuple):
-    """Port of a law: positions of its nodes, -1 for the reference, and the impedance in front of it."""
-
-    where: str
-    from_node: int
-    to_node: int
-    impedance: float
-
-
 class Circuit(NamedTuple):
     """State space of a circuit, and the indices of its states among those of all branches."""
 
@@ -42,18 +33,12 @@ class Circuit(NamedTuple):
     kept: NDArray
 
 
-class Equations(NamedTuple):
-    """F v = G x + H w and dx/dt = Q x + L v: efforts and flows v, states x, waves w."""
-
-    F: NDArray
-    G: NDArray
-    H: NDArray
-    Q: NDArray
-    L: NDArray
+LawPorts = Sequence[tuple[int, int, float]]  # nodes from and to, and the impedance in front: see `Group.ports`
+Equations = tuple[NDArray, NDArray, NDArray, NDArray, NDArray]
 
 
 def circuit(
-    nodes: Sequence[Node], branches: Sequence[Branch], laws: Sequence[LawPort] = (), switched: Sequence[float] = ()
+    nodes: Sequence[Node], branches: Sequence[Branch], laws: LawPorts = (), switched: Sequence[float] = ()
 ) -> Circuit:
     """State space of a circuit, from the waves of its nodes and of its laws to the efforts at nodes and across laws.
 
@@ -66,14 +51,14 @@ def circuit(
     n, kept = len(Q), np.arange(len(Q))
     bound, solution = _solved(F, np.hstack([G, H]))
     if len(bound):
-        x, w, Q, L, kept = _reduced(Equations(F, G, H, Q, L), bound, nodes, branches)
+        x, w, Q, L, kept = _reduced((F, G, H, Q, L), bound, nodes, branches)
     else:
         x, w = solution[:, :n], solution[:, n:]
     A, B = Q + L @ x, L @ w
     C, D = np.zeros((k + m, A.shape[1])), np.zeros((k + m, k + m))
     C[:k], D[:k] = x[:k], w[:k]
-    for p, law in enumerate(laws, k):
-        for at, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
+    for p, (from_node, to_node, _) in enumerate(laws, k):
+        for at, sign in ((from_node, 1.0), (to_node, -1.0)):
             if at >= 0:
                 C[p] += sign * x[at]
                 D[p] += sign * w[at]
@@ -81,9 +66,12 @@ def circuit(
 
 
 def equations(
-    nodes: Sequence[Node], branches: Sequence[Branch], laws: Sequence[LawPort] = (), switched: Sequence[float] = ()
+    nodes: Sequence[Node], branches: Sequence[Branch], laws: LawPorts = (), switched: Sequence[float] = ()
 ) -> Equations:
-    """The equations of a circuit: balances of nodes, then branches, then laws; flows in units of the conductances."""
+    """F, G, H, Q, L of F v = G x + H w and dx/dt = Q x + L v, with efforts and flows v, states x, and waves w.
+
+    First come the balances of nodes, then branches, then laws; flows are in units of the conductances.
+    """
     switched = switched or [0.0] * len(nodes)
     k, m, levels = len(nodes), len(laws), np.array([node.above_level for node in nodes])
     states, flows = sum(len(b.ports.Q) for b in branches), sum(len(b.nodes) for b in branches)
@@ -125,14 +113,14 @@ def equations(
             G[rows, states] += M @ levels[branch.nodes] / size_[:, 0]
             Q[those, states] -= P @ levels[branch.nodes]
         row, state = rows.stop, those.stop
-    for p, law in enumerate(laws, row):
-        size_ = max(1.0, law.impedance * unit)
-        for at, sign in ((law.from_node, 1.0), (law.to_node, -1.0)):
+    for p, (from_node, to_node, impedance) in enumerate(laws, row):
+        size_ = max(1.0, impedance * unit)
+        for at, sign in ((from_node, 1.0), (to_node, -1.0)):
             if at >= 0:
                 F[p, at] += sign / size_
             leave(at, p, sign)
-        F[p, p], H[p, k + p - row] = -law.impedance * unit / size_, 1.0 / size_
-    return Equations(F, G, H, Q, L)
+        F[p, p], H[p, k + p - row] = -impedance * unit / size_, 1.0 / size_
+    return F, G, H, Q, L
 
 
 def _solved(F: NDArray, given: NDArray) -> tuple[NDArray, NDArray]:

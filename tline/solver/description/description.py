@@ -24,7 +24,7 @@ from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, filling_times, grouped, regrouped, time_scales
 from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
-from tline.solver.description.links import PlacedBranch, branches_of, inductive, resistive
+from tline.solver.description.links import Branch, branches_of, inductive, resistive
 from tline.solver.description.nodes import NONE, Levels, Node, levels_of, nodes_anew, nodes_of
 from tline.words.wording import place
 
@@ -154,7 +154,7 @@ class Description:
         return elements_of(self.scene, self.laws, self.nodes, self.origin.description.elements if self.origin else ())
 
     @cached_property
-    def branches(self) -> list[PlacedBranch]:
+    def branches(self) -> list[Branch]:
         """Linear links, and sources between two nodes."""
         return list(branches_of(self.scene, self.nodes)) if self._like is None else self._like.branches
 

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.circuit import Circuit, LawPort, circuit, equations
+from tline.solver.description.circuit import Circuit, circuit, equations
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
-from tline.solver.description.links import Branch, PlacedBranch, conductors, lc_sections, one_port
+from tline.solver.description.links import Branch, conductors, lc_sections, one_port
 from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
@@ -153,11 +153,11 @@ class Group:
         """Circuit at t = 0, with the laws behind these impedances."""
         return self.circuit(0.0, self._alone) if self.elements else self.circuits()[0]
 
-    def ports(self, impedances: Sequence[float]) -> list[LawPort]:
-        """Ports of the laws, behind impedances."""
+    def ports(self, impedances: Sequence[float]) -> list[tuple[int, int, float]]:
+        """Ports of the laws: positions of their nodes, -1 for the reference, and the impedances in front of them."""
         at = {node.name: k for k, node in enumerate(self.nodes)} | {None: -1}
         each = zip(self.elements, impedances, strict=bool(impedances))
-        return [LawPort(e.where, at[e.from_node], at[e.to_node], z) for e, z in each]
+        return [(at[e.from_node], at[e.to_node], z) for e, z in each]
 
     def matched(self, rate: float) -> list[float]:
         """Impedances matched to the circuit at its laws' ports, for signals of a rate, 1/s, all laws being matched."""
@@ -252,16 +252,16 @@ def grouped(
     lumped_lines: Sequence[LumpedLine],
     elements: Sequence[PlacedLaw],
     coupled_ends: Sequence[End],
-    branches: Sequence[PlacedBranch],
+    branches: Sequence[Branch],
 ) -> tuple[list[Group], dict[str, Node]]:
     """Groups of the nodes that lumped or coupled lines, branches or elements join, and the nodes in their order."""
     placed = [
         *branches,
         *(
-            PlacedBranch(place("lines", one.name), one.line.nodes, lc_sections(one.line, one.sections), (one.y, -one.y))
+            Branch(place("lines", one.name), one.line.nodes, lc_sections(one.line, one.sections), (one.y, -one.y))
             for one in lumped_lines
         ),
-        *(PlacedBranch("", (*end.conductors, *end.modal), conductors(end.modes)) for end in coupled_ends),
+        *(Branch("", (*end.conductors, *end.modal), conductors(end.modes)) for end in coupled_ends),
     ]
     if not placed and not elements:
         return [Group([node], [], [], []) for node in nodes.values()], nodes
@@ -278,7 +278,7 @@ def grouped(
         groups[part[number[element.nodes[0]]]].elements.append(element)
     for one in placed:
         here = [number[node] for node in one.nodes]
-        groups[part[here[0]]].branches.append(one.among(at[here]))
+        groups[part[here[0]]].branches.append(one._replace(nodes=at[here]))
     for lumped in lumped_lines:
         groups[part[number[lumped.line.nodes[0]]]].lumped_lines.append(lumped)
     return groups, {names[k]: nodes[names[k]] for k in order}

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.scene.element import Between
 from tline.scene.load import Matched, Reservoir, Resistor, Short
@@ -12,7 +11,6 @@ from tline.scene.rational import RationalImpedance
 from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.excitation import places_of
 from tline.solver.description.given import Shape
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node, lowered
@@ -32,76 +30,50 @@ class Member(NamedTuple):
     to_air: bool = True  # whether it leads from its nodes to the open air at their heights
     series: float = 0.0  # resistance that the flow passes
     beside: float = 0.0  # conductance beside the rest
+    conductance: float = 0.0  # of a resistor between two nodes
 
 
-class Resistive(NamedTuple):
-    """A resistor, or a switch that is never shut without a resistance."""
+class Conductor(NamedTuple):
+    """A resistor at a node, a switch that is never shut without one, or a source: with a resistance, or of flow."""
 
     where: str
     node: str
     conductance: float
     switch: Switch | None = None
+    effort: Shape | None = None  # behind the conductance, in place of the open air
+    flow: Shape | None = None  # beside it
 
 
-class Excitation(NamedTuple):
-    """A source with a resistance, or one of flow."""
-
-    where: str
-    node: str
-    waveform: Shape
-    breaks: NDArray  # in slabs
-    conductance: float
-    is_effort: bool
-
-
-class Inventory(NamedTuple):
-    """All of a group."""
-
-    members: list[Member]
-    conductors: list[Resistive]
-    excitations: list[Excitation]
-
-
-def inventory_of(description: Description, group: Group, h: float, t_end: float) -> Inventory:
+def inventory_of(description: Description, group: Group) -> tuple[list[Member], list[Conductor]]:
     """Sort the elements at the nodes of a group; beside a prescribed effort only known conductances are included."""
-    found, steady = Inventory([], [], []), description.steady
-    for node in group.nodes:
-        alone = not node.ends and node.held is None  # no line tells its effort
-        for one in _at_node(node, steady, h, t_end):
-            if isinstance(one, Member):
-                found.members.append(one)
-            elif isinstance(one, Excitation):
-                member = Member(one.where, (node.name,), TAKEN, True, to_air=False)
-                found.members.append(member) if alone else found.excitations.append(one)
-            else:
-                member = Member(one.where, (node.name,), DISSIPATED, False)
-                found.members.append(member) if alone else found.conductors.append(one)
+    found = [one for node in group.nodes for one in _at_node(node, description.steady)]
+    members = [one for one in found if isinstance(one, Member)]
     between = {place(*at): element for at, element in description.scene.placed if isinstance(element, Between)}
     for branch in group.branches:
         nodes = tuple(group.nodes[p].name for p in branch.nodes)
-        may_give = steady or branch.where in description.active
-        found.members.append(_linear(branch.where, nodes, between.get(branch.where), may_give, branch.to_air))
-    found.members.extend(_non_linear(element) for element in group.elements)
-    return found
+        may_give = description.steady or branch.where in description.active
+        members.append(_linear(branch.where, nodes, between.get(branch.where), may_give, branch.to_air))
+    members.extend(map(_non_linear, group.elements))
+    return members, [one for one in found if isinstance(one, Conductor)]
 
 
-def _at_node(node: Node, steady: bool, h: float, t_end: float) -> Iterator[Member | Resistive | Excitation]:
+def _at_node(node: Node, steady: bool) -> Iterator[Member | Conductor]:
     name = node.name
     for where, source in node.sources.items():
         if np.isinf(source.conductance):
             yield Member(where, (name,), SUPPLIED, True, to_air=False)
+        elif source.is_effort:
+            yield Conductor(where, name, source.conductance, effort=lowered(source.value, node.height.level))
         else:
-            value = lowered(source.value, node.height.level) if source.is_effort else source.value
-            breaks = places_of([(source.value, 1.0)], t_end, h)
-            yield Excitation(where, name, value, breaks, source.conductance, source.is_effort)
+            yield Conductor(where, name, source.conductance, flow=source.value)
     for where, load in node.loads.items():
         match load:
             case Resistor() if load.resistance > 0:
-                yield Resistive(where, name, float(1 / load.resistance))
+                yield Conductor(where, name, float(1 / load.resistance))
             case Switch() if load.before > 0 and load.after > 0:
-                yield Resistive(where, name, 0.0, load)
+                yield Conductor(where, name, 0.0, load)
             case Matched():
-                yield Resistive(where, name, node.lines + node.lumped)
+                yield Conductor(where, name, node.lines + node.lumped)
             case Short() | Resistor() | Switch():
                 yield Member(where, (name,), DISSIPATED, False)
             case Reservoir():
@@ -117,7 +89,9 @@ def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: 
     if not isinstance(link, RationalImpedance | Switch):
         return Member(where, nodes, TAKEN, may_give, to_air=to_air)
     if isinstance(link, Switch) or link.ratio.degree == 0:
-        return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False)
+        r = 0.0 if isinstance(link, Switch) else link.ratio.at_zero()
+        conductance = 1 / r if r else 0.0
+        return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False, conductance=conductance)
     column, series, beside = STORED if link.stores else TAKEN, link.series, link.beside
     return Member(where, nodes, column, may_give, through=True, to_air=False, series=series, beside=beside)
 

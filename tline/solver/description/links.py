@@ -6,11 +6,10 @@ Each relates the efforts u of its terminals and the flows i into them: M u + N i
 follow dx/dt = Q x + P u + R i.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tline.line.modes import Modes
 from tline.scene.multiport import Multiport
@@ -25,14 +24,14 @@ from tline.words.wording import place
 
 
 class Branch(NamedTuple):
-    """Linear element: name, positions of its terminals among the nodes of its group, and equations."""
+    """Linear element: name, its terminals' nodes by name, or by place in their group, and equations."""
 
     where: str
-    nodes: NDArray
+    nodes: Any  # sequence of names, or array of places
     ports: Ports
-    to_air: bool = False  # whether its efforts are gauge pressures
     flows: tuple[float, ...] = ()  # into its terminals before t = 0, where these are known
     switch: Switch | None = None  # if it is one
+    to_air: bool = False  # whether its efforts are gauge pressures
 
     def before(self, t: float) -> "Branch":
         """Return the branch just before an instant, with the switch set."""
@@ -40,21 +39,6 @@ class Branch(NamedTuple):
             return self
         now = self.switch.after if self.switch.time < t else self.switch.before
         return self._replace(ports=between(resistance(float(now))))
-
-
-class PlacedBranch(NamedTuple):
-    """Linear element with its nodes by name."""
-
-    where: str
-    nodes: Sequence[str]
-    ports: Ports
-    flows: tuple[float, ...] = ()
-    switch: Switch | None = None
-    to_air: bool = False
-
-    def among(self, places: NDArray) -> Branch:
-        """The branch where its nodes have these places."""
-        return Branch(self.where, places, self.ports, self.to_air, self.flows, self.switch)
 
 
 def one_port(reflection: StateSpace, z: float) -> Ports:
@@ -109,24 +93,24 @@ def conductors(modes: Modes) -> Ports:
     return Ports(M, N, states.T, np.zeros((0, 0)), states, states)
 
 
-def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[PlacedBranch]:
+def branches_of(scene: Scene, nodes: Mapping[str, Node]) -> Iterator[Branch]:
     """Yield the branches of a scene; `nodes` are those of the scene."""
     for name, link in scene.links.items():
         where = place("links", name)
         match link:
             case Multiport():
-                yield PlacedBranch(where, link.nodes, link.ports(), to_air=link.is_grounded)
+                yield Branch(where, link.nodes, link.ports(), to_air=link.is_grounded)
             case RationalImpedance():
-                yield PlacedBranch(where, link.nodes, _across(link, 1 / nodes[link.nodes[0]].alone, where))
+                yield Branch(where, link.nodes, _across(link, 1 / nodes[link.nodes[0]].alone, where))
             case Switch():
-                yield PlacedBranch(where, link.nodes, between(resistance(float(link.before))), switch=link)
+                yield Branch(where, link.nodes, between(resistance(float(link.before))), switch=link)
     for name, source in scene.sources.items():
         if source.nodes is not None:
             where, r = place("sources", name), 1 / source.conductance if source.conductance else np.inf
             if source.is_effort:
-                yield PlacedBranch(where, (*source.nodes, where), _behind(r))
+                yield Branch(where, (*source.nodes, where), _behind(r))
             elif np.isfinite(r):
-                yield PlacedBranch(where, source.nodes, between(resistance(r)))
+                yield Branch(where, source.nodes, between(resistance(r)))
 
 
 def _across(link: RationalImpedance, z: float, where: str) -> Ports:

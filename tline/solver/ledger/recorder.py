@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.fronts import Fronts
-from tline.solver.description.inventory import inventory_of
 from tline.solver.ledger.accounts import Columns, accounts_of
 from tline.solver.ledger.ledger import COLUMNS, GRAVITY, Entry, Ledger
 from tline.solver.loop.march import Noted
@@ -24,32 +23,34 @@ class Found(NamedTuple):
 
     slab: NDArray  # (pieces,)
     span: NDArray  # (pieces, 2)
-    waves: NDArray  # (pieces, ends, 2, s) arriving and leaving waves
+    waves: NDArray  # (pieces, rows, 2, s) arriving and leaving waves
 
 
 class Recorder:
     """Recorder of the energies of a run, slab by slab."""
 
     def __init__(self, assembly: Assembly, slabs: Slabs):
-        description, network, h = assembly.description, assembly.network, slabs.width
+        description, network = assembly.description, assembly.network
         description.refuse_coupled("a ledger")
-        self.assembly, self.slabs, self.h = assembly, slabs, h
-        new = np.flatnonzero(network.record_row < 0)
-        network.record_row[new] = assembly.rows + np.arange(len(new))
-        self.end_of_row = np.full(assembly.rows, -1)  # none in those of laws and nodes
-        self.end_of_row[network.record_row] = np.arange(len(network.record_row))
-        lines = list(assembly.lines.values())
+        self.assembly, self.slabs, self.h = assembly, slabs, slabs.width
+        inner = np.flatnonzero(np.diff(network.first) == 0)  # nodes without line ends
+        for row, seen in ((network.record_row, np.arange(len(network.ends))), (network.effort_row, inner)):
+            new = seen[row[seen] < 0]
+            row[new] = assembly.rows + np.arange(len(new))
+        self.rows = np.append(network.record_row, network.effort_row[inner])  # of the record, by place
+        self.place_of_row = np.full(assembly.rows, -1)  # none of laws
+        self.place_of_row[self.rows] = np.arange(len(self.rows))
+        lines, names = list(assembly.lines.values()), list(assembly.nodes)
         self.z0 = np.array([line.z0 for line in lines])
-        inventories = (inventory_of(description, group, h, slabs.number * h) for group in assembly.groups)
-        each = zip(assembly.groups, inventories, strict=True)
-        self.groups = [accounts_of(group.nodes, inventory, self.z0) for group, inventory in each]
+        places = {names[k]: place for place, k in enumerate(inner.tolist(), len(network.ends))}
+        self.groups = [accounts_of(description, group, self.z0, places) for group in assembly.groups]
         self.start = stored(assembly, None)
         self.taken, self.least, self.behind = np.zeros((3, len(lines)))
         self.totals = [np.zeros((len(group.where), len(COLUMNS))) for group in self.groups]
         self.lowest = [np.zeros(len(group.where)) for group in self.groups]
-        self.group_of_end = np.empty(2 * len(lines), int)
+        self.group_of, self.row_in_group = np.full((2, len(self.rows)), -1)
         for g, group in enumerate(self.groups):
-            self.group_of_end[group.ends] = g
+            self.group_of[group.places], self.row_in_group[group.places] = g, np.arange(len(group.places))
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Account for n slabs from number `first` on, which begin at the first column of the record."""
@@ -57,7 +58,7 @@ class Recorder:
         through = np.zeros((len(self.z0), n))  # energy into each line in each slab
         found = self._sorted(self._until_end(record, first, n, pieces))
         for g, group in enumerate(self.groups):
-            rows = self.assembly.network.record_row[group.ends]
+            rows = self.rows[group.places]
             step = max(BLOCK // (max(len(rows), 1) * s), 1)
             for low in range(0, n, step):
                 high = min(low + step, n)
@@ -68,17 +69,18 @@ class Recorder:
         self.taken, self.least = so_far[:, -1], np.minimum(self.least, so_far.min(axis=1))
 
     def _until_end(self, record: NDArray, first: int, n: int, pieces: Noted) -> Noted:
-        """Pieces by line end, in place of row, up to the end of the run; energies into lines behind it are kept."""
-        end = self.end_of_row[pieces.row]
-        pieces = Noted(end[end >= 0], *(part[end >= 0] for part in pieces[1:]))
+        """Pieces by place in place of row, up to the end of the run; energies into lines behind it are kept."""
+        at = self.place_of_row[pieces.row]
+        pieces = Noted(at[at >= 0], *(part[at >= 0] for part in pieces[1:]))
         if first + n <= self.slabs.whole:
             return pieces
         basis, last = self.assembly.basis, self.slabs.whole - first
-        waves = record[self.assembly.network.record_row, :, last * basis.s : (last + 1) * basis.s]
+        waves = record[self.rows, :, last * basis.s : (last + 1) * basis.s]
         pieces, behind = cut_at_end(self.slabs, waves, pieces, basis)
+        behind = behind.of_rows(2 * len(self.z0))
         (w, o), line = behind.values.swapaxes(0, 1), behind.row // 2
         columns = Columns(basis, self.h, behind.slab, behind.span)
-        np.subtract.at(self.behind, line, columns.integral(w - o, w + o) / (4 * self.z0[line]))
+        np.subtract.at(self.behind, line, columns.integral((w - o) * (w + o)) / (4 * self.z0[line]))
         return pieces
 
     def _post(self, g: int, waves: NDArray, slabs: NDArray, found: Found | None, through: NDArray) -> None:
@@ -94,26 +96,22 @@ class Recorder:
                 starts = np.flatnonzero(np.diff(slab, prepend=-1))
                 for whole, part in zip((out, posted), parts, strict=True):
                     whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
-        for line, energy in zip(group.ends // 2, out, strict=True):
-            through[line] -= energy
+        ends = group.places < 2 * len(self.z0)
+        np.subtract.at(through, group.places[ends] // 2, out[ends])
         so_far = (self.totals[g] @ NET)[:, None] + np.cumsum(np.tensordot(posted, NET, (1, 0)), axis=1)
         self.lowest[g] = np.minimum(self.lowest[g], so_far.min(axis=1))
         self.totals[g] += posted.sum(axis=2)
 
     def _sorted(self, pieces: Noted) -> dict[int, Found]:
-        """Pieces by group; in one group and slab they have the same spans at all line ends."""
-        end = pieces.row
-        g = self.group_of_end[end]
-        place = np.empty(len(self.group_of_end), int)
-        for group in self.groups:
-            place[group.ends] = np.arange(len(group.ends))
-        order = np.lexsort((place[end], pieces.span[:, 0], pieces.slab, g))
+        """Pieces by group; in one group and slab they have the same spans in all rows."""
+        g, s = self.group_of[pieces.row], self.assembly.basis.s
+        order = np.lexsort((self.row_in_group[pieces.row], pieces.span[:, 0], pieces.slab, g))
         found = {}
         for number, start, count in zip(*np.unique(g[order], return_index=True, return_counts=True), strict=True):
-            these, ends = order[start : start + count], len(self.groups[number].ends)
-            s = self.assembly.basis.s
-            waves = pieces.values[these].reshape(-1, ends, 2, s)
-            found[int(number)] = Found(pieces.slab[these[::ends]], pieces.span[these[::ends]], waves)
+            if number >= 0:  # else at what a source between two nodes prescribes
+                these, rows = order[start : start + count], len(self.groups[number].places)
+                waves = pieces.values[these].reshape(-1, rows, 2, s)
+                found[int(number)] = Found(pieces.slab[these[::rows]], pieces.span[these[::rows]], waves)
         return found
 
     def ledger(self, fronts: Fronts | None) -> Ledger:

@@ -1,79 +1,69 @@
-"""Dense output: waves between slab ends, for drawing and for the search of extremes."""
+"""Dense output: waves between slab ends as the polynomials that they are, for drawing, extremes and measures."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
-from tline.solver.radau import thin_product
+from tline.solver.radau import Basis, thin_product
 from tline.solver.result.quantities import Bounds, quantity
 from tline.solver.result.result import LineRecord, ProbeResult, Samples, Wave
 
 DENSE = 4000  # instants
-AFTER = 1e-8  # distance behind an edge, in slabs, of the value just after it
 ROUGH = 1e-2  # relative to the wave's range: larger highest coefficients and a jump at the edge mean a front inside
 NOISE = 1e-13  # relative to the largest wave; a smaller effort, or flow times z0, is zero
-PLACES = 5  # samples in a slab, at least, in the search of extremes
-CANDIDATES, AROUND, ZOOMS = 16, 17, 7  # samples refined in the search, places around each, and refinements
 TIE = 1e-9  # relative to the range: smaller differences of extremes count as ties
 WIDEST = 4  # slabs over which a front may be smeared
+NEAR = 2.5e-9  # slabs; edges nearer to each other are one
+
+Passing = Sequence[tuple[Wave, float]]  # waves as they are at ends of a line, and how much later they pass a place
 
 
-def curve(probe: ProbeResult, least: int = 2) -> Samples:
-    """Samples of a probe over the whole run: several in a slab, and both sides of every front and slab edge.
+def shown(record: LineRecord, share: float) -> Passing:
+    """Waves a and b that pass a place, as they are drawn, and how much later than at the end that they come from."""
+    passing = record.passing(share)
+    if not record.smeared:
+        return passing
+    largest = ROUGH * _span(record)
+    return [(_bridged(wave, largest), late) for wave, late in passing]
+
+
+def edges_of(passing: Passing, end: float) -> NDArray:
+    """Instants between which all waves are one polynomial each, s, from 0 to the end of the run."""
+    h = passing[0][0].h
+    if all(wave.h == h and late == 0.0 and not len(wave.pieces.slab) for wave, late in passing):
+        return np.append(h * np.arange(np.ceil(end / h - NEAR)), end)
+    each = [late + wave.h * np.append(np.arange(len(wave.values) + 1.0), wave.begins) for wave, late in passing]
+    edges = np.unique(np.concatenate([[0.0], *each]))
+    edges = edges[(edges >= 0.0) & (edges < end - NEAR * h)]
+    return np.append(edges[np.diff(edges, prepend=-np.inf) > NEAR * h], end)
+
+
+def on(wave: Wave, late: float, edges: NDArray, x: NDArray) -> NDArray:
+    """Values of a wave at places x, 0 to 1, between each two of the edges, shape (edges - 1, places)."""
+    start, stop = edges[:-1] - late, edges[1:] - late
+    return wave.between(start, stop, NEAR * wave.h, x)
+
+
+def curve(probe: ProbeResult) -> Samples:
+    """Samples of a probe over the whole run: several between each two fronts or slab edges, and both sides of these.
 
     A jump gives two values at one instant. Where a front was not followed, the polynomial of its slab oscillates;
-    there the curve is a straight line between the slabs on either side, where values are accurate.
-
-    Some four thousand instants, or `least` in a slab, edges included, if there are many slabs.
+    there the curve is a straight line between the slabs on either side, where values are accurate. Some four thousand
+    instants, or more if there are many slabs.
     """
-    shown = replace(probe, record=drawable(probe.record))
-    h, n, last = probe.slabs.width, probe.slabs.whole, probe.slabs.whole + probe.slabs.rest
-    local = np.linspace(0.0, 1.0, max(DENSE // probe.slabs.number, least))
-    behind = local == 0.0
-    after = np.where(behind, AFTER, local)
-    offsets = np.array([probe.share, 1.0 - probe.share]) * probe.record.delay / h % 1.0
-    edges = offsets[(offsets > AFTER) & (offsets < 1.0 - 2 * AFTER) & (0.0 < probe.share < 1.0)]
-    local = np.concatenate([local, edges, edges])
-    after = np.concatenate([after, edges, edges + AFTER])
-    behind = np.concatenate([behind, edges < 0.0, edges > 0.0])
-    start, fronts = np.arange(n + (last > n))[:, None], _fronts(probe) / h
-    instants = np.concatenate([[0.0], (start + after).ravel(), fronts, fronts + AFTER, [last]])
-    order = np.argsort(instants, kind="stable")
-    behind = np.concatenate([[False], np.tile(behind, len(start)), fronts < 0.0, fronts > 0.0, [False]])
-    drawn = np.concatenate([[0.0], (start + local).ravel(), fronts, fronts, [last]])
-    order = order[instants[order] <= last]
-    t, instants = (np.where(each < last, each * h, probe.slabs.end) for each in (drawn[order], instants[order]))
-    seen = _seen(shown, instants, behind[order], AFTER * h)
+    passing = shown(probe.record, probe.share)
+    edges = edges_of(passing, probe.slabs.end)
+    x = np.linspace(0.0, 1.0, max(DENSE // len(edges), 2))
+    t = np.append(0.0, edges[:-1, None] + np.diff(edges)[:, None] * x)
+    t[-1] = edges[-1]
+    seen = probe.of_waves(t, *(np.append(wave.before, on(wave, late, edges, x)) for wave, late in passing))
     noise, zero = NOISE * max(abs(seen.a).max(), abs(seen.b).max()), seen.height.weight
     u = np.where(abs(seen.gauge_pressure) > noise, seen.u, zero)
     y = np.where(abs(seen.y) > noise / probe.record.z0, seen.y, 0.0)
-    return Samples(t, u, y, seen.a, seen.b, seen.height)
-
-
-def _seen(probe: ProbeResult, t: NDArray, behind: NDArray, late: float) -> Samples:
-    """Samples at rising instants; at those marked `behind` an edge, extrapolated to it from `late` after it.
-
-    Instants with another one as near are not extrapolated.
-    """
-    seen, marked = probe.at(t), np.flatnonzero(behind & (np.diff(t, append=np.inf) > 2 * late))
-    more = probe.at(t[marked] + late)
-    for letter in "uyab":
-        values = getattr(seen, letter)
-        values[marked] = 2 * values[marked] - getattr(more, letter)
-    return seen
-
-
-def _fronts(probe: ProbeResult) -> NDArray:
-    record, share = probe.record, probe.share
-    if share in (0.0, 1.0):
-        passing = [(record.a1 if share == 0.0 else record.a2, 0.0)]  # both waves at an end have the same pieces
-    else:
-        passing = [(record.a1, share * record.delay), (record.b2, (1.0 - share) * record.delay)]
-    instants = [wave.breakpoints() + delay for wave, delay in passing]
-    return np.unique(np.concatenate([t[t < probe.slabs.end] for t in instants]))
+    return replace(seen, u=u, y=y)
 
 
 def drawable(record: LineRecord) -> LineRecord:
@@ -140,121 +130,41 @@ def _bridged(wave: Wave, largest: float) -> Wave:
 
 
 def extremes(probe: ProbeResult, key: str) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Smallest and largest value of the curve, and the instant when each is first reached.
+    """Smallest and largest value of the curve, and the instant when each is first reached."""
+    passing = shown(probe.record, probe.share)
+    what, z0, order = quantity(key), probe.record.z0, passing[0][0].basis
+    edges = edges_of(passing, probe.slabs.end)
+    waves = [np.append(wave.before, on(wave, late, edges, order.c)) for wave, late in passing]
+    largest = max(float(abs(wave).max()) for wave in waves)
+    bounds = Bounds(NOISE * largest, NOISE * largest / z0, z0, probe.height.per_metre, largest, largest)
+    seen, nothing = np.asarray(what.of(probe.of_waves(np.empty(0), *waves))), what.error(bounds)
+    seen[np.abs(seen) <= nothing] = 0.0
+    low, high = search(float(seen[0]), edges, seen[1:].reshape(len(edges) - 1, -1), order)
+    return tuple((x if abs(x) > nothing else 0.0, at) for x, at in (low, high))  # type: ignore[return-value]
 
-    Slabs are sampled; around the highest values, or parabolas through three of them, the polynomials are searched.
+
+def search(
+    first: float, edges: NDArray, values: NDArray, order: Basis
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Smallest and largest value of a signal that is one polynomial between each two edges, and when each is first met.
+
+    Values are those at the points of an order, shape (edges - 1, points), `first` is the value before.
     """
-    if (waves := _at_end(probe)) is not None:
-        return _of_polynomials(probe, key, *waves)
-    seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
-    what, z0, noise = quantity(key), probe.record.z0, NOISE * float(max(abs(seen.a).max(), abs(seen.b).max()))
-    largest = float(abs(seen.u).max()), float(abs(seen.y).max())
-    noise = what.error(Bounds(noise, noise / z0, z0, probe.height.per_metre, *largest))
-    width = probe.slabs.width / max(DENSE // probe.slabs.number, PLACES)
-    low, high = (highest(lambda t: what.of(shown.at(t)), seen.t, what.of(seen), sign, noise, width) for sign in (-1, 1))
-    return low, high
-
-
-def _at_end(probe: ProbeResult) -> tuple[Wave, Wave] | None:
-    """Waves at an end of a line, as drawn; None elsewhere, or if their slabs are not in the same pieces."""
-    (a, b), record = probe.waves, probe.record
-    ours, theirs = a.pieces, b.pieces
-    if probe.share not in (0.0, 1.0) or any(len(wave.values) != probe.slabs.number for wave in (a, b)):
-        return None
-    if len(ours.slab) != len(theirs.slab) or not np.array_equal(ours.slab + ours.span.T, theirs.slab + theirs.span.T):
-        return None
-    largest = ROUGH * _span(record) if record.smeared else np.inf
-    return (_bridged(a, largest), _bridged(b, largest)) if record.smeared else (a, b)
-
-
-def _polynomials(a: Wave, b: Wave) -> tuple[NDArray, NDArray, NDArray]:
-    """Edges of the pieces of two waves, in slabs, and the values of both at their points."""
-    pieces, whole = a.pieces, np.arange(len(a.values))
-    if not len(pieces.slab):
-        return np.arange(len(whole) + 1.0), a.values, b.values
-    whole = np.delete(whole, pieces.slab)
-    begin = np.append(whole, pieces.slab + pieces.span[:, 0])
-    order = np.argsort(begin, kind="stable")
-    one, other = (np.concatenate([wave.values[whole], wave.pieces.values])[order] for wave in (a, b))
-    return np.append(begin[order], len(a.values)), one, other
-
-
-def _of_polynomials(probe: ProbeResult, key: str, a: Wave, b: Wave) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Extremes of a quantity that is one polynomial in each piece, and the instants when they are first reached."""
-    from tline.solver.kernel.peaks import extremes as search
+    from tline.solver.kernel.peaks import extremes as searching
     from tline.solver.kernel.peaks import find_extremes
 
-    slabs, what, z0, order = probe.slabs, quantity(key), probe.record.z0, a.basis
-    edges, *both = _polynomials(a, b)
-    values = [np.append(wave.before, each) for wave, each in zip((a, b), both, strict=True)]
-    noise = NOISE * max(float(abs(each).max()) for each in values)
-    bounds = Bounds(noise, noise / z0, z0, probe.height.per_metre, *(2 * [noise / NOISE]))
-    seen = np.asarray(what.of(probe._samples(np.empty(0), *values)))
-    nothing = what.error(bounds)
-    seen[np.abs(seen) <= nothing] = 0.0
-    first, seen = float(seen[0]), seen - seen[0]  # the search expects a signal that begins at zero
-    wave, end, found = seen[1:].reshape(len(edges) - 1, -1, 1), slabs.whole + slabs.rest, np.empty((4, 1))
-    job = search(wave, edges[-1:], edges[:, None] / edges[-1], end, order.c, order.to_powers, found)
+    wave, found = np.ascontiguousarray(values - first)[:, :, None], np.empty((4, 1))  # what is sought begins at zero
+    begin, length = edges[0], edges[-1] - edges[0]
+    places = (edges[:, None] - begin) / length
+    job = searching(wave, np.array([length]), places, float(length), order.c, order.to_powers, found)
     find_extremes(pack(job))
-    near, there, count = TIE * (found[2, 0] - found[0, 0]), [], int(np.searchsorted(edges, slabs.whole))
-    for (value, at), top, sign in zip(found.reshape(2, 2).tolist(), job.top[:, :count, 0], (-1, 1), strict=True):
+    near, there = TIE * (found[2, 0] - found[0, 0]), []
+    for (value, at), top, sign in zip(found.reshape(2, 2).tolist(), job.top[:, :, 0], (-1, 1), strict=True):
         least = sign * value - near
-        k = int(np.argmax(top >= least)) if count else 0
-        if count and edges[k] < at and top[k] >= least:  # of as large ones the first
+        k, at = int(np.argmax(top >= least)), float(begin) + at
+        if least > 0.0 and edges[k] < at and top[k] >= least:  # of as large ones the first
             here = np.append(order.begin @ wave[k, :, 0], wave[k, :, 0])
             place = float(np.append(0.0, order.c)[np.argmax(sign * here >= least)])
             at = min(at, float(edges[k] + (edges[k + 1] - edges[k]) * place))
-        value = value + first if abs(value + first) > nothing else 0.0
-        there.append((value, slabs.width * (min(at, end) if least > 0.0 else 0.0)))
+        there.append((value + first, min(at, float(edges[-1])) if least > 0.0 else float(begin)))
     return there[0], there[1]
-
-
-def highest(
-    at: Callable[[NDArray], NDArray],
-    t: NDArray,
-    values: NDArray,
-    sign: int,
-    noise: float,
-    width: float,
-    candidates: int = CANDIDATES,
-) -> tuple[float, float]:
-    """Largest value (sign 1) or smallest (sign -1) of a sampled signal, and its instant.
-
-    Samples are several in a slab, `width` apart; a value between them must exceed theirs by `noise`. As many
-    `candidates` as given are refined around the highest samples, and as many around the highest parabolas.
-    """
-    rising = sign * values
-    fall = 2 * rising[1:-1] - rising[2:] - rising[:-2]
-    top = (rising[1:-1] >= rising[2:]) & (rising[1:-1] >= rising[:-2]) & (fall > 0)
-    gain = np.zeros(len(rising))
-    gain[1:-1][top] = (rising[2:] - rising[:-2])[top] ** 2 / (8 * fall[top])
-    few = min(candidates, len(t))
-    best = np.unique(np.concatenate([np.argpartition(-each, few - 1)[:few] for each in (rising, rising + gain)]))
-    found, heights = zoomed(lambda near: at(near.ravel()).reshape(near.shape), t[best], width, (t[0], t[-1]), sign)
-    higher = heights > rising.max() + noise
-    found, heights = found[higher], heights[higher]
-    return extreme(np.append(values, sign * heights), np.append(t, found), sign)
-
-
-def zoomed(
-    at: Callable[[NDArray], NDArray], found: NDArray, width: float, span: tuple[float, float], sign: int
-) -> tuple[NDArray, NDArray]:
-    """Maximum of a signal times a sign around each of some instants within a span: its instant and value.
-
-    `at` takes instants whose last axis lies around one of the instants given, within ± `width`.
-    """
-    around, heights = np.linspace(-1.0, 1.0, AROUND), np.empty(found.shape)
-    for _ in range(ZOOMS):
-        near = np.clip(found[..., None] + width * around, *span)
-        height = sign * at(near)
-        best = height.argmax(axis=-1)[..., None]
-        found, heights = (np.take_along_axis(each, best, -1)[..., 0] for each in (near, height))
-        width *= 4 / AROUND
-    return found, heights
-
-
-def extreme(samples: NDArray, t: NDArray, sign: int) -> tuple[float, float]:
-    """Largest sample (sign 1) or smallest (sign -1), and the instant when it is first reached, within rounding."""
-    best = (sign * samples).max()
-    reached = sign * samples >= best - TIE * np.ptp(samples)
-    return float(sign * best) + 0.0, float(t[reached].min())  # no negative zero

@@ -17,14 +17,13 @@ from tline.loss import Foster
 from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import describe
 from tline.solver.description.given import Stretches
-from tline.solver.result.dense_output import NOISE, drawable, zoomed
+from tline.solver.result.dense_output import drawable, edges_of, on, search
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.result import LineRecord, Result
 from tline.words.wording import place
 
 CELLS = 16
 INSTANTS, OF_SLAB = 2000, 2  # of the lattice on a lossless line: in all and in a slab, at least
-PEAKS = 2  # highest samples at a place that are refined in the search of extremes
 MOST_INSTANTS = 20_000  # of a lattice with more than one cell; a lossless line has more between them
 ROUGHLY = 1e-5  # tolerance of circuits where a run had none
 LAST_CHANGE, MOST_ROUNDS = 1e-6, 200  # the iteration ends at this change, relative to the largest wave
@@ -77,28 +76,15 @@ class Inside:
         return np.array(seen).T
 
     def _searched(self, t_end: float) -> NDArray:
-        """Extremes of waves without losses, between the instants of the lattice, too."""
-        t = self.t[self.t <= t_end * (1 + NOISE)]
-        best = np.empty((2, self.cells + 1, min(PEAKS, len(t))), int)
-        start, tops = np.empty(self.cells + 1), np.empty(best.shape)
-        for j, (a, b) in enumerate(zip(*_entered(self.record, self.cells, len(t), self.t[1]), strict=True)):
-            u = (a + b) / 2
-            start[j] = u[0]
-            for row, rising in enumerate((-u, u)):
-                for k in range(best.shape[2]):
-                    best[row, j, k] = top = rising.argmax()
-                    tops[row, j, k], rising[top] = rising[top], -np.inf
-        way, noise = self.record.delay * self.places[:, None, None], NOISE * np.abs(tops[:, :, 0]).max()
-        (entered1, _), (_, entered2) = self.record.at_end1, self.record.at_end2
-
-        def effort(at: NDArray) -> NDArray:
-            return (entered1(at - way) + entered2(at - (self.record.delay - way))) / 2
-
-        found = [start]
-        for sign, near, top in zip((-1, 1), t[best], tops[:, :, 0], strict=True):
-            higher = zoomed(effort, near, self.t[1], (0.0, t_end), sign)[1].max(axis=1)
-            found.append(sign * np.where(higher > top + noise, higher, top))
-        return np.array(found)
+        """Extremes of waves without losses, as the polynomials that they are."""
+        found = []
+        for share in self.places.tolist():
+            passing = self.record.passing(share)
+            edges, order = edges_of(passing, t_end), passing[0][0].basis
+            u = sum(on(wave, late, edges, order.c) for wave, late in passing) / 2
+            start = sum(wave.before for wave, _ in passing) / 2
+            found.append((start, *(value for value, _ in search(start, edges, np.asarray(u), order))))
+        return np.array(found).T
 
 
 @dataclass(frozen=True, eq=False)

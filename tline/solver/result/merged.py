@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene, Stretches
@@ -29,10 +28,10 @@ class CutRecord(LineRecord):
     cut: Stretches
     stretches: tuple[LineRecord, ...]  # from end 1 on
 
-    def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
-        """Waves (a, b) at instants t, at a place given as a share of the delay; at a cavity before it."""
+    def passing(self, share: float) -> tuple[tuple[Wave, float], tuple[Wave, float]]:
+        """Waves a and b that pass a place given as a share of the delay; at a cavity before it."""
         k, part = self.cut.stretch_at(share)
-        return self.stretches[k].waves(t, part)
+        return self.stretches[k].passing(part)
 
 
 def merged(result: Result, description: Description, doublings: int = 0) -> Result:

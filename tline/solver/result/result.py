@@ -85,10 +85,39 @@ class Wave:
         local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
         wave[seen] = self.basis.values(local[:, None], self.pieces.values[piece])[:, 0]
 
+    @property
+    def begins(self) -> NDArray:
+        """Places of the fronts inside slabs, in slabs."""
+        start = self.pieces.span[:, 0]
+        return (self.pieces.slab + start)[start > 0.0]
+
     def breakpoints(self) -> NDArray:
         """Instants of the fronts inside slabs."""
-        start = self.pieces.span[:, 0]
-        return (self.pieces.slab + start)[start > 0.0] * self.h
+        return self.begins * self.h
+
+    def between(self, start: NDArray, stop: NDArray, same: NDArray | float, x: NDArray) -> NDArray:
+        """Values at places x, 0 to 1, of intervals without a front inside; an end as near to one as `same` is at it."""
+        middle = (start + stop) / (2 * self.h)
+        slab = np.floor(middle).astype(int)
+        inside = np.clip(slab, 0, len(self.values) - 1)
+        values, edges = self.values[inside], np.stack([inside, inside + 1]).astype(float)
+        if len(self.pieces.slab):
+            spans = (self.pieces.slab[:, None] + self.pieces.span).T
+            k = np.minimum(np.searchsorted(spans[1], middle), len(spans[1]) - 1)
+            held = (spans[0, k] <= middle) & (middle <= spans[1, k])
+            values[held], edges[:, held] = self.pieces.values[k[held]], spans[:, k[held]]
+        first, last = edges * self.h
+        width = last - first
+        begin = np.where(start - first <= same, 0.0, (start - first) / width)
+        end = np.where(last - stop <= same, 1.0, (stop - first) / width)
+        if x is self.basis.c:  # as whole polynomials are known
+            part = np.flatnonzero((begin > 0.0) | (end < 1.0))
+            local = begin[part, None] + (end - begin)[part, None] * x
+            values[part] = self.basis.values(local, values[part])
+        else:
+            values = self.basis.values(begin[:, None] + (end - begin)[:, None] * x, values)
+        values[slab < 0] = self.before
+        return values
 
     def at_slab_ends(self) -> NDArray:
         """Values at t = 0, h, 2h, …: where they are most accurate."""
@@ -125,15 +154,17 @@ class LineRecord:
         """Waves (a, b) at end 2, at any instant nearly as accurate as at slab ends."""
         return (self.a2, self.b2) if self.smeared or self.raw else superconvergent(self.a2, self.b2)
 
-    def seen(self, share: float) -> tuple[Wave, Wave]:
-        """Waves (a, b), as they are at an end, that pass a place given as a share of the delay."""
-        return (self.at_end1 if share < 1.0 else self.at_end2)[0], (self.at_end1 if share == 0.0 else self.at_end2)[1]
+    def passing(self, share: float) -> tuple[tuple[Wave, float], tuple[Wave, float]]:
+        """Waves a and b, as they are at an end, that pass a place given as a share of the delay, and how much later."""
+        if share in (0.0, 1.0):
+            a, b = self.at_end2 if share else self.at_end1
+            return (a, 0.0), (b, 0.0)
+        return (self.at_end1[0], share * self.delay), (self.at_end2[1], (1.0 - share) * self.delay)
 
     def waves(self, t: ArrayLike, share: float) -> tuple[NDArray, NDArray]:
         """Waves (a, b) at instants t, at a place given as a share of the delay."""
-        t, (a, b) = np.asarray(t, float), self.seen(share)
-        late = (share * self.delay, (1.0 - share) * self.delay) if 0.0 < share < 1.0 else (0.0, 0.0)
-        return a(t - late[0]), b(t - late[1])
+        t, ((a, of_a), (b, of_b)) = np.asarray(t, float), self.passing(share)
+        return a(t - of_a), b(t - of_b)
 
 
 class ElementRecord(NamedTuple):
@@ -221,7 +252,7 @@ class ProbeResult(AtHeight):
             raise InputError(
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
             )
-        return self._samples(t, *self.record.waves(t, self.share))
+        return self.of_waves(t, *self.record.waves(t, self.share))
 
     @cached_property
     def samples(self) -> Samples:
@@ -240,14 +271,16 @@ class ProbeResult(AtHeight):
         t = self.slabs.ends[:n] if self.slabs.rest else self.slabs.ends  # one array for all probes
         if self.share not in (0.0, 1.0) or self.slabs.number != len(a.values):
             return self.at(t)
-        return self._samples(t, a.at_slab_ends()[:n], b.at_slab_ends()[:n])
+        return self.of_waves(t, a.at_slab_ends()[:n], b.at_slab_ends()[:n])
 
     @property
     def waves(self) -> tuple[Wave, Wave]:
         """Waves (a, b) that pass the probe, as they are at an end of its line."""
-        return self.record.seen(self.share)
+        (a, _), (b, _) = self.record.passing(self.share)
+        return a, b
 
-    def _samples(self, t: NDArray, a: NDArray, b: NDArray) -> Samples:
+    def of_waves(self, t: NDArray, a: NDArray, b: NDArray) -> Samples:
+        """Samples at instants, of the waves there."""
         return Samples(t, (a + b) / 2, (a - b) / (2 * self.record.z0), a, b, self.height)
 
     @property

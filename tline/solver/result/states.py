@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
 from importlib import import_module
 from math import inf, nan, sqrt
 from typing import NamedTuple
@@ -31,14 +30,14 @@ from tline.solver.description.given import (
     Shape,
     Signal,
 )
-from tline.solver.result.dense_output import PLACES, curve, drawable, highest
+from tline.solver.radau import Basis
+from tline.solver.result.dense_output import edges_of, on, search, shown
 from tline.solver.result.result import ElementRecord, ProbeResult, Result
 from tline.words.wording import place
 
 MOST_SAMPLES = 2e7  # samples of states that a run keeps by default
 BISECTIONS = 50  # of the time between two samples
 NEARLY_FULL = 0.1  # of the volume of pipes, below which air in them leaves their waves and heads as they are
-GAUSS = np.polynomial.legendre.leggauss(4)
 
 
 class StateTrace(NamedTuple):
@@ -149,23 +148,6 @@ class Measured(NamedTuple):
     unit: str
 
 
-class Track(NamedTuple):
-    """Signal as samples, with both sides of every front and slab edge, and as a function of time."""
-
-    t: NDArray
-    u: NDArray
-    at: Callable[[NDArray], NDArray]
-    step: float  # largest time between samples, s
-
-    def within(self, start: float, stop: float) -> Track:
-        """Return the part between two instants."""
-        ends = np.array([start, min(stop, self.t[-1])])
-        inside = (self.t > ends[0]) & (self.t < ends[1])
-        near, far = self.at(ends)
-        t, u = np.concatenate([ends[:1], self.t[inside], ends[1:]]), np.concatenate([[near], self.u[inside], [far]])
-        return self._replace(t=t, u=u)
-
-
 def measures_of(result: Result) -> dict[str, Measured]:
     """Evaluate each measure of the scene, by name.
 
@@ -185,72 +167,79 @@ def measures_of(result: Result) -> dict[str, Measured]:
 def _measured(measure: Measure, probes: Mapping[str, ProbeResult], unit: str) -> Measured:
     match measure:
         case Extent():
-            track = _track(measure, probes)
-            if measure.start >= track.t[-1]:
-                return Measured(nan, unit)
-            value = _extent(measure.kind, track.within(measure.start, measure.stop or np.inf))
+            value = _extent(measure, probes)
             return Measured(value, f"{unit} s" if measure.kind == "integral" else unit)
         case Interval():
             return Measured(_instant(measure.stop, probes) - _instant(measure.start, probes), "s")
         case LevelCrossing():
             return Measured(_instant(measure, probes), "s")
         case _:
-            track = _track(measure, probes)
             at = _instant(measure.when, probes) if measure.when else float(measure.at or 0.0)
-            return Measured(float(track.at(np.array(at))) if at <= track.t[-1] else nan, unit)
+            end = min(probe.slabs.end for probe, _ in _probes(measure, probes))
+            return Measured(_at(measure, probes, at) if at <= end else nan, unit)
 
 
-def _track(signal: Signal, probes: Mapping[str, ProbeResult]) -> Track:
-    first = _of_probe(probes[signal.probe])
-    if signal.minus is None:
-        return first
-    second = _of_probe(probes[signal.minus])
-    t = np.sort(np.concatenate([first.t, second.t]))
-    ends = [_both_sides(each, t) for each in (first, second)]
-    return Track(t, ends[0] - ends[1], lambda x: first.at(x) - second.at(x), min(first.step, second.step))
+def _probes(signal: Signal, probes: Mapping[str, ProbeResult]) -> list[tuple[ProbeResult, float]]:
+    """Probes whose gauge efforts, times a sign, make a signal."""
+    return [(probes[name], sign) for name, sign in ((signal.probe, 1.0), (signal.minus, -1.0)) if name is not None]
 
 
-def _of_probe(probe: ProbeResult) -> Track:
-    seen, shown = curve(probe, PLACES), replace(probe, record=drawable(probe.record))
-    step = float(np.diff(seen.t).max())
-    return Track(seen.t, seen.gauge_pressure, lambda x: shown.at(x).gauge_pressure, step)
+def _at(signal: Signal, probes: Mapping[str, ProbeResult], t: float) -> float:
+    """Value of a signal at an instant; at a jump that before it."""
+    found = 0.0
+    for probe, sign in _probes(signal, probes):
+        (a, of_a), (b, of_b) = shown(probe.record, probe.share)
+        found += sign * (float(a(t - of_a) + b(t - of_b)) / 2 - probe.height.weight)
+    return found
 
 
-def _both_sides(track: Track, t: NDArray) -> NDArray:
-    """Values at rising instants; the second of two equal ones is the value behind a jump."""
-    behind = np.append(False, np.diff(t) == 0)
-    before, after = (np.searchsorted(track.t, t, side) for side in ("left", "right"))
-    known = after > before
-    values = track.at(t)
-    values[known] = track.u[np.where(behind, after - 1, before)[known]]
-    return values
+def _pieces(
+    signal: Signal, probes: Mapping[str, ProbeResult], start: float, stop: float
+) -> tuple[NDArray, NDArray, Basis] | None:
+    """Edges of the polynomials of a signal from an instant to another, and values at points; None behind the run."""
+    end, each = inf, []
+    for probe, sign in _probes(signal, probes):
+        end = min(end, probe.slabs.end)
+        each += [(wave, late, sign) for wave, late in shown(probe.record, probe.share)]
+    if start >= end:
+        return None
+    edges = np.clip(edges_of([(wave, late) for wave, late, _ in each], end), start, min(stop, end))
+    edges = edges[np.append(True, np.diff(edges) > 0.0)]
+    order = max((wave.basis for wave, *_ in each), key=lambda basis: basis.s)
+    u = np.sum([sign / 2 * on(wave, late, edges, order.c) for wave, late, sign in each], axis=0)
+    return edges, u - sum(sign * probe.height.weight for probe, sign in _probes(signal, probes)), order
 
 
-def _extent(kind: str, track: Track) -> float:
-    if kind in ("mean", "rms", "integral"):
-        points, weights = GAUSS
-        middle, half = (track.t[1:] + track.t[:-1]) / 2, np.diff(track.t) / 2
-        u = track.at(middle[:, None] + half[:, None] * points)
-        whole = float(half @ ((u**2 if kind == "rms" else u) @ weights))
-        mean = whole / float(track.t[-1] - track.t[0])
-        return whole if kind == "integral" else sqrt(mean) if kind == "rms" else mean
-    noise = 1e-13 * float(np.abs(track.u).max())
-    low, high = (highest(track.at, track.t, track.u, sign, noise, track.step)[0] for sign in (-1, 1))
-    return {"minimum": low, "maximum": high}.get(kind, high - low)
+def _extent(measure: Extent, probes: Mapping[str, ProbeResult]) -> float:
+    if (found := _pieces(measure, probes, measure.start, measure.stop or inf)) is None:
+        return nan
+    edges, u, order = found
+    if measure.kind in ("mean", "rms", "integral"):
+        whole = float(np.diff(edges) @ ((u**2 if measure.kind == "rms" else u) @ order.A[-1]))
+        mean = whole / float(edges[-1] - edges[0])
+        return whole if measure.kind == "integral" else sqrt(mean) if measure.kind == "rms" else mean
+    (low, _), (high, _) = search(_at(measure, probes, float(edges[0])), edges, u, order)
+    return {"minimum": low, "maximum": high}.get(measure.kind, high - low)
 
 
 def _instant(crossing: LevelCrossing, probes: Mapping[str, ProbeResult]) -> float:
-    track, level = _track(crossing, probes), float(crossing.level)
-    if crossing.after >= track.t[-1]:
+    if (found := _pieces(crossing, probes, crossing.after, inf)) is None:
         return nan
-    t, u, *_ = track.within(crossing.after, np.inf)
+    (edges, u, order), level = found, float(crossing.level)
+    places, values = np.append(0.0, order.c), np.column_stack([u @ order.begin, u])
+    t = np.append(edges[0], edges[:-1, None] + np.diff(edges)[:, None] * places)
+    u = np.append(_at(crossing, probes, float(edges[0])), values)
     rises, falls = ((s * u[:-1] < s * level) & (s * u[1:] >= s * level) for s in (1, -1))
-    found = np.flatnonzero({"rise": rises, "fall": falls}.get(crossing.edge, rises | falls))
-    if len(found) < crossing.count or not len(found):
+    crossed = np.flatnonzero({"rise": rises, "fall": falls}.get(crossing.edge, rises | falls))
+    if len(crossed) < crossing.count or not len(crossed):
         return nan
-    k = found[crossing.count - 1]
-    low, high, sign = t[k], t[k + 1], 1 if rises[k] else -1
-    for _ in range(BISECTIONS if high > low else 0):
+    k = int(crossed[crossing.count - 1])
+    piece, sign = k // len(places), 1 if rises[k] else -1
+    if t[k] == t[k + 1]:
+        return float(t[k])
+    low, high = places[k % len(places) - 1 :][:2]
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        low, high = (middle, high) if sign * float(track.at(middle)) < sign * level else (low, middle)
-    return float(high)
+        here = float(order.evaluation([middle])[0] @ values[piece, 1:])
+        low, high = (middle, high) if sign * here < sign * level else (low, middle)
+    return float(edges[piece] + (edges[piece + 1] - edges[piece]) * high)

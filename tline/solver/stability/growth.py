@@ -6,7 +6,7 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
-from tline.solver.stability.zeros import Box, Characteristic, UncountableError, count, rightmost
+from tline.solver.stability.zeros import Box, Characteristic, UncountableError, zeros
 
 NEGLIGIBLE = 1e-3  # relative growth within a run that is ignored
 PERIODS = 4  # resonances of the shortest line that the searched band includes at least
@@ -54,14 +54,13 @@ def growth(description: Description) -> Growth | None:
     least = NEGLIGIBLE * D.second / description.t_end
     try:
         box = Box(least, right_of_all(D, high, least), -1.37e-4 * high, high)
-        if count(D.log, box, step) == 0:
-            return Growth(None, high / D.second)
-        s = rightmost(D.log, box, step)
-        while count(D.log, lower := _below(s, box), step):  # of waves that grow alike, the slowest to turn
-            s = rightmost(D.log, lower, step)
+        s, found = None, zeros(D.log, box, step, rightmost=True)
+        while found:  # of waves that grow alike, the slowest to turn
+            (s,) = found
+            found = zeros(D.log, _below(s, box), step, rightmost=True)
     except UncountableError:
         return None
-    return Growth(complex(s.real, abs(s.imag)) / D.second, high / D.second)
+    return Growth(None if s is None else complex(s.real, abs(s.imag)) / D.second, high / D.second)
 
 
 def _below(s: complex, box: Box) -> Box:

@@ -93,43 +93,26 @@ def _turned(log: Log, s: NDArray) -> float:
         s, values = np.insert(s, after, between), np.insert(values, after, log(between))
 
 
-def all_zeros(log: Log, box: Box, step: float) -> list[complex]:
-    """All zeros in a rectangle, multiple ones once, in no order."""
+def zeros(log: Log, box: Box, step: float, rightmost: bool = False) -> list[complex]:
+    """Zeros in a rectangle, multiple ones once, in no order; or only the one of the largest real part."""
     aspect = (box.high - box.low) / (box.right - box.left)
-    waiting, found = [(box, count(log, box, step))], []
+    waiting, found = [(-box.right, abs(box.low), box, count(log, box, step))], []
     while waiting:
-        part, zeros = waiting.pop()
-        if zeros == 0:
+        *_, part, number = heapq.heappop(waiting)
+        if number == 0:
             continue
-        small = part.right - part.left < SAME_ZERO * (box.right - box.left)
-        zero = part.middle if small else _polished(log, part) if zeros == 1 else None
-        if zero is not None:
-            found.append(zero)
-        else:
-            waiting += [(half, count(log, half, step)) for half in part.halves(aspect)]
-    return found
-
-
-def rightmost(log: Log, box: Box, step: float) -> complex:
-    """The zero of the largest real part in a rectangle that holds one or more."""
-    aspect = (box.high - box.low) / (box.right - box.left)
-    waiting, best = [(-box.right, abs(box.low), box, count(log, box, step))], None
-    while waiting:
-        *_, part, zeros = heapq.heappop(waiting)
-        if best is not None and part.right <= best.real:
+        if rightmost and found and part.right <= found[0].real:
             break
         small = part.right - part.left < SAME_ZERO * (box.right - box.left)
-        zero = part.middle if small else _polished(log, part) if zeros == 1 else None
-        if zero is not None:
-            best = zero if best is None or zero.real > best.real else best
-            continue
-        for half in part.halves(aspect):
-            inside = count(log, half, step)
-            if inside:
-                heapq.heappush(waiting, (-half.right, abs(half.low), half, inside))
-    if best is None:
-        raise UncountableError
-    return best
+        zero = part.middle if small else _polished(log, part) if number == 1 else None
+        if zero is None:
+            for half in part.halves(aspect):
+                heapq.heappush(waiting, (-half.right, abs(half.low), half, count(log, half, step)))
+        elif rightmost:
+            found = [max([zero, *found], key=lambda zero: zero.real)]
+        else:
+            found.append(zero)
+    return found
 
 
 def _polished(log: Log, box: Box) -> complex | None:

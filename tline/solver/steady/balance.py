@@ -32,6 +32,7 @@ INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
 STEPS, HALVINGS = 400, 40
 BEST_RESIDUAL = 1e-15  # relative to the largest effort, at which Newton's method stops
+POLISHED, ROUNDED = 20, 4e-15  # further steps while an equation has more than this, relative to its own terms
 ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
 SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, for a law that has none at rest
 SHUT = 1e-9  # conductance of a closed law, in those units, beside multiports
@@ -261,10 +262,18 @@ class _Point:
             self._slope = np.maximum(self._slope, SHUT / linear.unit)
         self.left = system.matrix @ z - system.f
         self.left[:edges] += drop
-        self.left += np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
+        self._into = np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
+        self.left += self._into
         self.worst = float(np.abs(self.left).max())
         sizes = np.abs(drop).max(initial=0.0), linear.unit * np.abs(self.flow).max(initial=0.0)
         self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether each residual is rounding of the terms of its own equation, be there far larger efforts elsewhere."""
+        matrix, f = self._system.matrix, self._system.f
+        own = np.bincount(matrix.rows, np.abs(matrix.values * self.z[matrix.columns]), len(f))
+        return bool((np.abs(self.left) <= ROUNDED * (own + np.abs(f) + np.abs(self._into))).all())
 
     def jacobian(self) -> Sparse:
         """Jacobian of the residuals: laws first, then balances."""
@@ -276,10 +285,12 @@ class _Point:
 def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:
     system = _System(laws, linear, leaking)
     edges, n = system.edges, len(linear.given)
-    here, limit = _Point(system, start), None
+    here, limit, polished = _Point(system, start), None, 0
     for _ in range(STEPS):
-        if here.worst <= BEST_RESIDUAL * here.scale:
+        close = here.worst <= BEST_RESIDUAL * here.scale
+        if close and (here.is_exact or polished == POLISHED):
             break
+        polished += close
         J = here.jacobian()
         if linear.B is None:
             step = _solved(J, edges, here.left)
@@ -287,9 +298,9 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
             limit = slow_limit(J, linear.B, J @ here.z - here.left)
             step = here.z - limit.z
         share = 1.0
-        for _ in range(HALVINGS):
+        for _ in range(1 if close else HALVINGS):
             there = _Point(system, here.z - share * step)
-            if there.worst < here.worst:
+            if there.worst < here.worst or (close and there.worst <= BEST_RESIDUAL * there.scale):
                 break
             share /= 2
         else:

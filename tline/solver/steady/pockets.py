@@ -7,8 +7,6 @@ of a neighbour where these are below the reference, or do not exist, and to that
 known.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,15 +15,6 @@ from tline.solver.description.groups import parts
 from tline.solver.kernel.network import Laws as Elements
 
 WITHIN = 1e-4  # of the largest effort: accuracy required of a start
-
-
-class Holding(NamedTuple):
-    """Elements without flow, between groups of parts."""
-
-    from_group: NDArray  # (elements,) groups
-    to_group: NDArray  # (elements,)
-    low: NDArray  # (elements,) least excess of the effort of the first over that of the other
-    high: NDArray  # (elements,) and largest
 
 
 def held_drops(elements: Elements) -> tuple[NDArray, NDArray]:
@@ -61,7 +50,7 @@ def settled(
         return effort, np.empty(0, int)
     lies = u[from_group] - u[to_group]
     blocked = ~passing & (group[from_group] != group[to_group])
-    holding = Holding(group[from_group][blocked], group[to_group][blocked], *((drop - lies)[blocked] for drop in drops))
+    holding = [each[blocked] for each in (group[from_group], group[to_group], *(drop - lies for drop in drops))]
     beside = list(zip(from_group[blocked], to_group[blocked], strict=True))
     shift, opened = np.zeros(len(fixed)), []
     largest = np.abs(u).max()
@@ -81,8 +70,11 @@ def settled(
     return effort + shift[group[:-1]], np.array(opened, int)
 
 
-def _bounds(holding: Holding, shift: NDArray, fixed: NDArray, g: int) -> tuple[float, float]:
-    """Bounds of the shift of a group: shortest paths to it and from it, by way of groups that are not fixed."""
+def _bounds(holding: list[NDArray], shift: NDArray, fixed: NDArray, g: int) -> tuple[float, float]:
+    """Bounds of the shift of a group: shortest paths to it and from it, by way of groups that are not fixed.
+
+    Elements that hold join a group to another, with the least and the largest excess of the effort of the first.
+    """
     least, most = np.where(fixed, shift, -np.inf), np.where(fixed, shift, np.inf)
     from_group, to_group, low, high = holding
     for _ in range(len(fixed)):

@@ -22,7 +22,7 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.lines import distinct
-from tline.solver.description.links import PlacedBranch, admittance, capacitive, conductors
+from tline.solver.description.links import Branch, admittance, capacitive, conductors
 from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place
@@ -104,14 +104,6 @@ def joins_of(description: Description, number: Mapping[str, int], lines: Lines) 
     return Joins(np.vstack([lines.ends[lossless], pairs]), inertia, names)
 
 
-class Ported(NamedTuple):
-    """Equations, owners of each of them and of each unknown, and places of the joins' flows among the others."""
-
-    linear: Linear
-    names: list[str]
-    flows: slice
-
-
 class _Equations:
     """Collected entries of A and B, and owners of each equation and unknown: edges first, then nodes.
 
@@ -135,7 +127,7 @@ class _Equations:
                     slow = sign * other * capacity * self.unit * self.rate
                     self.add(self.first + row, self.first + column, slow=slow)
 
-    def branch(self, branch: PlacedBranch, nodes: NDArray, level: NDArray) -> None:
+    def branch(self, branch: Branch, nodes: NDArray, level: NDArray) -> None:
         """Add a branch between nodes of such numbers and efforts without gauge pressure; its flows, then its states."""
         M, N, E, Q, P, R = branch.ports
         at, flows = self.first + nodes, len(self.names) + np.arange(len(nodes))
@@ -180,11 +172,11 @@ class _Equations:
         return Sparse(rows, columns, now[kept]), Sparse(rows, columns, slow[kept])
 
 
-def branches_with_ports(description: Description) -> list[PlacedBranch]:
+def branches_with_ports(description: Description) -> list[Branch]:
     """Multiports, and ends of coupled conductors."""
     multiports = {place("links", name) for name in description.multiports}
     found = [branch for branch in description.branches if branch.where in multiports]
-    ends = [PlacedBranch("", (*end.conductors, *end.modal), conductors(end.modes)) for end in description.ends]
+    ends = [Branch("", (*end.conductors, *end.modal), conductors(end.modes)) for end in description.ends]
     return [*found, *ends]
 
 
@@ -196,10 +188,11 @@ def ported(
     edges: list[str],
     falls: NDArray,
     unit: float,
-) -> Ported:
+) -> tuple[Linear, list[str], slice]:
     """The equations; of the edges, which come first, with the inertia of the falling lines among them.
 
-    The first edges are falling lines, with their delays.
+    The first edges are falling lines, with their delays. Returned are also the owners of each equation and unknown, and
+    the places of the joins' flows among the others.
     """
     rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
@@ -218,7 +211,7 @@ def ported(
     given[inert] = np.nan
     matrices = found.matrices(np.flatnonzero(~np.isnan(given)))
     linear = Linear(given, at.conductance, at.driven, unit, *matrices, np.concatenate(found.known))
-    return Ported(linear, found.names, flows)
+    return linear, found.names, flows
 
 
 def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Mapping[str, int]) -> None:

@@ -199,29 +199,9 @@ def _overlooked(probe: ProbeResult, narrow: float) -> float:
 def _on_pieces(probe: ProbeResult, start: NDArray, stop: NDArray, same: NDArray, x: NDArray) -> NDArray:
     """Gauge effort and z0 times flow at places x of pieces, shape (2, pieces, places)."""
     a, b = (
-        _wave_on_pieces(wave, start - delay, stop - delay, same, x)
-        for wave, delay in zip(probe.waves, ways(probe), strict=True)
+        wave.between(start - delay, stop - delay, same, x) for wave, delay in zip(probe.waves, ways(probe), strict=True)
     )
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
-
-
-def _wave_on_pieces(wave: Wave, start: NDArray, stop: NDArray, same: NDArray, x: NDArray) -> NDArray:
-    """A wave at places x of intervals without a front inside; an end as near to a front as `same` is at it."""
-    middle = (start + stop) / (2 * wave.h)
-    slab = np.floor(middle).astype(int)
-    inside = np.clip(slab, 0, len(wave.values) - 1)
-    values, edges = wave.values[inside], np.stack([inside, inside + 1]).astype(float)
-    if len(wave.pieces.slab):
-        spans = (wave.pieces.slab[:, None] + wave.pieces.span).T
-        k = np.minimum(np.searchsorted(spans[1], middle), len(spans[1]) - 1)
-        held = (spans[0, k] <= middle) & (middle <= spans[1, k])
-        values[held], edges[:, held] = wave.pieces.values[k[held]], spans[:, k[held]]
-    first, last = edges * wave.h
-    width = last - first
-    begin = np.where(start - first <= same, 0.0, (start - first) / width)
-    end = np.where(last - stop <= same, 1.0, (stop - first) / width)
-    local = begin[:, None] + (end - begin)[:, None] * x
-    return np.where(slab[:, None] < 0, wave.before, wave.basis.values(local, values))
 
 
 def _largest(values: NDArray) -> NDArray:
@@ -252,6 +232,5 @@ def breakpoints(probe: ProbeResult) -> NDArray:
 
 def ways(probe: ProbeResult) -> tuple[float, float]:
     """Delays of the two waves on their way to the probe, s; zero at the ends of a line."""
-    if probe.share in (0.0, 1.0):
-        return 0.0, 0.0
-    return probe.share * probe.record.delay, (1.0 - probe.share) * probe.record.delay
+    (_, of_a), (_, of_b) = probe.record.passing(probe.share)
+    return of_a, of_b

@@ -12,13 +12,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.given import ElementLaw, Ratio, Shape, Volume
 
-Function = Callable[[NDArray, NDArray], NDArray]  # flow at instants and efforts across
-
-
-class Flow(NamedTuple):
-    """An element whose flow is a function of the effort across it and of time."""
-
-    at: Function
+Flow = Callable[[NDArray, NDArray], NDArray]  # at instants and efforts across
 
 
 class Impedance(NamedTuple):
@@ -40,7 +34,7 @@ def equation_of(element: Any) -> Equation | None:
     """Return the equation of a load or link; None if it is unknown or its flow does not follow from its effort."""
     kind = element.kind
     if kind in ("open", "closed"):
-        return Flow(lambda t, e: 0.0 * e)
+        return lambda t, e: 0.0 * e
     if kind == "resistor":
         return _resistance(float(element.resistance))
     if kind in ("switch", "valve"):
@@ -52,13 +46,13 @@ def equation_of(element: Any) -> Equation | None:
 
 
 def _resistance(r: float) -> Flow | None:
-    return Flow(lambda t, e: e / r) if r else None
+    return (lambda t, e: e / r) if r else None
 
 
 def _switch(before: float, after: float, instant: float) -> Flow | None:
     if before == 0.0 or after == 0.0:
         return None
-    return Flow(lambda t, e: e / np.where(t < instant, before, after))
+    return lambda t, e: e / np.where(t < instant, before, after)
 
 
 def _impedance(ratio: Ratio) -> Impedance | Flow | None:
@@ -87,4 +81,4 @@ def _of_law(law: ElementLaw) -> Equation | None:
         passed = over_time(law.factor, t) * found(across - beyond)
         return -passed if law.reverse else passed
 
-    return Flow(flow)
+    return flow

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 from typing import Any, NamedTuple
 
@@ -9,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.given import Source
-from tline.solver.witness.equations import Equation, Flow, equation_of
+from tline.solver.description.given import Shape, Source
+from tline.solver.witness.equations import Equation, equation_of
 
 MULTIPORTS = "transformer", "gyrator", "controlled source", "coupled inductors", "junction", "touchstone"
 MOST_NODES, MOST_ENDS = 6, 4  # nodes that are checked, and line ends at each of them
@@ -41,7 +42,7 @@ class Balance:
         if term is None:
             self.known = False
         else:
-            (self.flows if isinstance(term.equation, Flow) else self.stores).append(term)
+            (self.flows if callable(term.equation) else self.stores).append(term)
 
     def hold(self, effort: Callable[[NDArray], NDArray]) -> None:
         """Prescribe the effort."""
@@ -79,10 +80,11 @@ def _attach(here: Balance, load: Any, description: Description, weight: float) -
         level = weight if load.kind == "short" else float(load.pressure)
         here.hold(lambda t: np.full_like(t, level))
         return
-    equation = equation_of(load)
     if load.kind == "matched":
         conductance = sum(1 / description.lines[name].z0 for name, _ in here.ends)
-        equation = Flow(lambda t, e: e * conductance)
+        here.add(Term(lambda t, e: e * conductance, weight=weight))
+        return
+    equation = equation_of(load)
     here.add(None if equation is None else Term(equation, weight=weight))
 
 
@@ -102,16 +104,17 @@ def _drive(found: Mapping[str, Balance], source: Source, weights: Mapping[str, f
         for node in {plus, minus} & found.keys() if minus is not None else ():
             found[node].add(None)
         return
+    factor = conductance if source.is_effort else 1.0
     for here, there, sign in ((plus, minus, 1.0), (minus, plus, -1.0)):
-        if here is None or here not in found:
-            continue
-        if source.is_effort:
-            equation = Flow(lambda t, e, sign=sign: (e - sign * value.value(t, t)) * conductance)
-            found[here].add(Term(equation, there))
-        else:
-            weight = weights.get(here, 0.0) if there is None else 0.0
-            equation = Flow(lambda t, e, sign=sign: e * conductance - sign * value.value(t, t))
-            found[here].add(Term(equation, there, weight=weight))
+        if here is not None and here in found:
+            weight = weights.get(here, 0.0) if there is None and not source.is_effort else 0.0
+            flow = partial(_drawn, value, conductance, sign * factor)
+            found[here].add(Term(flow, there, weight=weight))
+
+
+def _drawn(value: Shape, conductance: float, factor: float, t: NDArray, e: NDArray) -> NDArray:
+    """Flow into a source."""
+    return e * conductance - factor * value.value(t, t)
 
 
 def watched(description: Description, lumped: Collection[str]) -> list[Balance]:
