@@ -4,7 +4,7 @@ let h2 = (Z2 - z0)/(Z2 + z0); let h1 = exp(-2*T*s)*h2; (1 - h1)/(1 + h1)
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import lru_cache
@@ -50,6 +50,11 @@ def trees(text: str) -> tuple[tuple[str, Node], ...]:
         with _within(name, len(given)):
             found.append((name, parse(expression, lines=True)))
     return tuple(found)
+
+
+def is_discrete(text: str, known: Container[str]) -> bool:
+    """Whether a text is about z, of which nothing is known, in place of s: a function of discrete time."""
+    return "z" in free_names(text) and "z" not in known and not any("s" in symbols(tree) for _, tree in trees(text))
 
 
 def free_names(text: str) -> set[str]:

@@ -19,10 +19,10 @@ FILES = {
         "Fit samples and write the nearest passive model; the exit status is then its own. .json: poles and residues;"
         " .s1p, .s2p, ...: its values at the same frequencies",
     ),
-    "plot": picture("Nyquist and Smith chart, |H(jω)|, or samples"),
+    "plot": picture("Nyquist and Smith chart, |H(jω)|, singular values, or samples"),
     "certificate": FileKind((".json",), "Write the proof along the expression, or the witness"),
 }
-PICTURED = "a function of one port without names and line, or samples"
+PICTURED = "a function without names and line, a matrix, or samples"
 EXAMPLES = """\b
 Examples:
   tline passivity "R + s*L + 1/(s*C)" --param R="50 ohm" --param L="10 nH" --param C="4 pF" --z0 50
@@ -35,7 +35,9 @@ Examples:
   tline passivity Z2 --kind chain --param "Z2 positive real" --z0 z0 --delay T --param "z0>0" --param "T>0"
   tline passivity "1 + exp(-s)" --certificate proof.json
   tline passivity --verify proof.json
-  tline passivity "[2*s + 1, s; s, 2*s]"
+  tline passivity "[2*s + 1, s; s, 2*s]" --plot eigenvalues.png
+  tline passivity "(z + 1)/(z - 1)"
+  tline passivity "(1 + H/z)/(1 - H/z)" --param "H bounded real"
   tline passivity scene.toml
   tline passivity measured.s2p --error 0.001 --plot bands.png
   tline passivity measured.csv --kind br --nearest model.json
@@ -70,7 +72,7 @@ def passivity(
 ) -> Output:
     """Prove or refute that an impedance is positive real, or a reflection bounded real.
 
-    WHAT is an expression in s with numbers (exact decimals, with SI prefix or unit), names, + - * / ^, parentheses,
+    WHAT is an expression in s, or in z for a function of discrete time outside the unit disc, with numbers (exact decimals, with SI prefix or unit), names, + - * / ^, parentheses,
     exp, sqrt, log and hyperbolic functions, line(z0, T*s, load), after "let NAME = EXPRESSION;" as often as needed, or
     a file (.txt) with such text; a matrix [a, b; c, d] of rational ones; a scene (.toml), whose loads are
     checked; or samples (.csv with the header f,re,im, or Touchstone). The answer is a proof, or a point s with

@@ -16,7 +16,7 @@ from tline.words.wording import place
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from passivity import Margins, RationalFunction, Verdict
+    from passivity import Margins, Verdict
     from passivity.sampled.response import SampledResponse
     from tline.solver.description.passive import CircuitVerdict
 
@@ -81,7 +81,7 @@ def expression(text: str, asked: Asked) -> Output:
         return _derived(text, asked, assumed, known)
     verdict = of_text(text, kind, assumed, known)
     if verdict.function is not None:
-        found = _one_port(verdict.function, asked)
+        found = _one_port(verdict, asked)
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
     about = "functions with names" if assumed else "functions that are not rational"
     asked.refuse(about, "z0", "delay", "within")
@@ -147,18 +147,19 @@ def _read(path: str) -> str:
         raise InputError(path, "cannot be read", "a text file", str(error)[:80]) from error
 
 
-def _one_port(function: "RationalFunction", asked: Asked) -> Output:
-    """Decide a rational function, and report all options given."""
-    from passivity import Margins, Status, check_bounded_real, check_line, check_positive_real, margins, robustness
+def _one_port(verdict: "Verdict", asked: Asked) -> Output:
+    """Report all options given beside the verdict on a rational function."""
+    from passivity import Margins, Status, check_line, margins, robustness
     from passivity.polynomial.sign import UndecidedError
     from passivity.report import as_dict, in_lines
 
     if asked.kind == "br":
         asked.refuse("reflections", "z0", "delay", "within")
+    if verdict.is_discrete:
+        asked.refuse("functions of z", "delay", "within")
     if asked.kind == "chain" and not (asked.z0 and asked.delay):
         missing = "delay" if asked.z0 else "z0"
         raise InputError(f"--{missing}", "is missing", "z0 and delay of the line that --kind chain looks through")
-    verdict = (check_bounded_real if asked.kind == "br" else check_positive_real)(function)
     z0, missing = "1" if asked.z0 is None else asked.z0, []
     try:
         found = margins(verdict, z0)
@@ -166,7 +167,7 @@ def _one_port(function: "RationalFunction", asked: Asked) -> Output:
         found, missing = Margins(), [f"  margins not found: {error}"]
     tolerance = None if asked.within is None else _tolerance(asked.within)
     robust = None if tolerance is None or verdict.status is Status.UNDECIDED else robustness(verdict, tolerance)
-    chain = None if asked.delay is None else check_line(function, z0, asked.delay)
+    chain = None if asked.delay is None else check_line(verdict.function, z0, asked.delay)
     lines = in_lines(verdict, found, robust, z0) + missing + ([] if chain is None else ["", *chain.text_lines()])
     status = verdict.status if chain is None else chain.status
     plot = {} if chain is not None else {"plot": drawn("tline.cli.verdicts:draw_one_port", verdict, found, z0)}
@@ -193,17 +194,23 @@ def draw_one_port(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
 
 def matrix(text: str, asked: Asked) -> Output:
     """Decide a matrix of rational functions."""
-    from passivity import RationalMatrix, check_bounded_real, check_positive_real
+    from passivity import Kind, RationalMatrix
     from passivity.budget import VERDICT, budget
+    from passivity.discrete import check_outside
+    from passivity.exact.positive_real import check
 
     asked.refuse("matrices", "z0", "delay", "within", "error", "nearest", "certificate")
     if not text.rstrip().endswith("]"):
         raise InputError("matrix", "its last bracket is missing", "[a, b; c, d]", f"'{text:.60}'")
     rows = [[entry.strip() for entry in row.split(",")] for row in text.strip()[1:-1].split(";")]
-    found = RationalMatrix.from_rows(rows, values(asked.parameters))
+    given, kind = values(asked.parameters), Kind.BR if asked.kind == "br" else Kind.PR
+    names = {name for row in rows for entry in row for name in re.findall(r"[^\W\d]\w*", entry)}
+    discrete = "z" in names and "z" not in given and "s" not in names
+    found = RationalMatrix.from_rows(rows, given, "z" if discrete else "s")
     with budget(2 * VERDICT):
-        verdict = (check_bounded_real if asked.kind == "br" else check_positive_real)(found)
-    return answer(verdict.status, verdict.text_lines(), verdict.to_dict())
+        verdict = (check_outside if discrete else check)(found, kind)
+    plot = drawn("tline.cli.verdicts:draw", verdict)
+    return answer(verdict.status, verdict.text_lines(), verdict.to_dict(), plot=plot)
 
 
 def samples(file: str, asked: Asked) -> Output:
