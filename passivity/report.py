@@ -60,6 +60,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         verified = if_affordable(VERDICT, verify, found)
         proof = {"proof": found, "verified": verified}
         told |= proof if verdict.proof else {"certificate": _certificate(found) | {"verified": verified}}
+    told |= {"note": verdict.note} if verdict.note else {}
     if function is None:
         condition = str(verdict.condition) if verdict.condition else None
         told |= {"assumed": [str(r) for r in verdict.ranges], "condition": condition}

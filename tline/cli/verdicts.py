@@ -39,6 +39,8 @@ class Asked:
     error: str | None
     nearest: str | None
     certificate: str | None = None
+    sector: str | None = None
+    supply: str | None = None
     confined: bool = False
 
     def refuse(self, about: str, *options: str) -> None:
@@ -79,13 +81,29 @@ def expression(text: str, asked: Asked) -> Output:
     known = values(tuple(given for given in asked.parameters if given not in assumed))
     if asked.kind == "chain" and (STRUCTURE.search(text) or any(map(OPAQUE.search, assumed)) or asked.certificate):
         return _derived(text, asked, assumed, known)
-    verdict = of_text(text, kind, assumed, known)
+    inside = _in_region(text, asked, assumed, known)
+    verdict = of_text(text, kind, assumed, known) if inside is None else inside
     if verdict.function is not None:
         found = _one_port(verdict, asked)
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
     about = "functions with names" if assumed else "functions that are not rational"
     asked.refuse(about, "z0", "delay", "within")
     return _concluded(verdict, assumed)
+
+
+def _in_region(what: Any, asked: Asked, assumed: Iterable[str] = (), known: Any = None) -> "Verdict | None":
+    """The verdict on --sector or --supply, where one of these is asked about."""
+    from passivity import is_dissipative, is_in_sector
+
+    if asked.sector is None and asked.supply is None:
+        return None
+    asked.refuse("a sector or a supply", "kind", "z0", "delay", "within", *["supply"] * (asked.sector is not None))
+    form, ask = ("LOW,HIGH", is_in_sector) if asked.supply is None else ("Q,S,R", is_dissipative)
+    text = asked.sector or asked.supply or ""
+    numbers = text.split(",")
+    if len(numbers) != form.count(",") + 1:
+        raise InputError("--sector" if asked.supply is None else "--supply", "not such numbers", form, f"'{text:.60}'")
+    return ask(what, *numbers, assume=assumed, values=known)  # pyright: ignore[reportCallIssue]
 
 
 def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str]) -> Output:
@@ -153,7 +171,7 @@ def _one_port(verdict: "Verdict", asked: Asked) -> Output:
     from passivity.polynomial.sign import UndecidedError
     from passivity.report import as_dict, in_lines
 
-    if asked.kind == "br":
+    if verdict.kind == "bounded real":
         asked.refuse("reflections", "z0", "delay", "within")
     if verdict.is_discrete:
         asked.refuse("functions of z", "delay", "within")
@@ -196,8 +214,8 @@ def matrix(text: str, asked: Asked) -> Output:
     """Decide a matrix of rational functions."""
     from passivity import Kind, RationalMatrix
     from passivity.budget import VERDICT, budget
-    from passivity.discrete import check_outside
-    from passivity.exact.positive_real import check
+    from passivity.calculus.ask import ask
+    from passivity.discrete import Discrete
 
     asked.refuse("matrices", "z0", "delay", "within", "error", "nearest", "certificate")
     if not text.rstrip().endswith("]"):
@@ -208,7 +226,9 @@ def matrix(text: str, asked: Asked) -> Output:
     discrete = "z" in names and "z" not in given and "s" not in names
     found = RationalMatrix.from_rows(rows, given, "z" if discrete else "s")
     with budget(2 * VERDICT):
-        verdict = (check_outside if discrete else check)(found, kind)
+        what = Discrete(found) if discrete else found
+        inside = _in_region(what, asked)
+        verdict = ask(what, kind) if inside is None else inside
     plot = drawn("tline.cli.verdicts:draw", verdict)
     return answer(verdict.status, verdict.text_lines(), verdict.to_dict(), plot=plot)
 
@@ -220,7 +240,7 @@ def samples(file: str, asked: Asked) -> Output:
     from passivity.sampled.check import check_samples
     from passivity.sampled.enforce import nearest
 
-    asked.refuse("samples", "parameters", "delay", "within", "certificate")
+    asked.refuse("samples", "parameters", "delay", "within", "certificate", "sector", "supply")
     response = _read_samples(file, asked)
     verdict = check_samples(response, None if asked.error is None else double(exact(asked.error, "tolerance")))
     if asked.nearest and not asked.nearest.lower().endswith(wanted := (".json", f".s{response.ports}p")):
@@ -267,7 +287,7 @@ def scene(file: str, asked: Asked) -> Output:
     from tline.solver.description.power import taken_power
     from tline.solver.stability.growth import growth_sentence
 
-    asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
+    asked.refuse("scenes", "sector", "supply", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
     read = read_any(file, confined=asked.confined)
     sources, active = controlled_sources(read), active_impedances(read)
     tested = {at: place(*at) for at, element in read.placed if isinstance(element, Impedance)}
