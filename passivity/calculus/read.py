@@ -101,7 +101,6 @@ def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) 
             value = _Reader(graph, known).value(tree)
         if name:
             known[name] = value
-        graph.mark(value)
     return value
 
 
