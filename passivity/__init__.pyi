@@ -5,6 +5,8 @@ from passivity.calculus.derivation import admittance_identity as admittance_iden
 from passivity.calculus.derivation import derive as derive
 from passivity.calculus.derivation import reflection_identity as reflection_identity
 from passivity.calculus.proof import verify as verify
+from passivity.calculus.sector import is_dissipative as is_dissipative
+from passivity.calculus.sector import is_in_sector as is_in_sector
 from passivity.delayed.line import check_line as check_line
 from passivity.delayed.line import check_line_two_port as check_line_two_port
 from passivity.delayed.roots import roots_right as roots_right

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from flint import acb, fmpz_poly
 
+from passivity import discrete
 from passivity.budget import VERDICT, if_affordable
 from passivity.errors import shorten
 from passivity.exact.positive_real import BROKEN
@@ -58,6 +60,7 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         verified = if_affordable(VERDICT, verify, found)
         proof = {"proof": found, "verified": verified}
         told |= proof if verdict.proof else {"certificate": _certificate(found) | {"verified": verified}}
+    told |= {"note": verdict.note} if verdict.note else {}
     if function is None:
         condition = str(verdict.condition) if verdict.condition else None
         told |= {"assumed": [str(r) for r in verdict.ranges], "condition": condition}
@@ -113,7 +116,9 @@ def _number(x: float) -> float | str:
 def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = None, z0: str = "1") -> list[str]:
     """A verdict in words, line by line, with as many steps of its proof as a screen has room for."""
     several = f", {verdict.ports} ports" if verdict.ports > 1 or _is_matrix(verdict) else ""
-    lines = [f"{verdict.kind.value}{several}: {verdict.status.value}", f"  because {verdict.why}"]
+    region = " for |z| > 1" if verdict.is_discrete else ""
+    lines = [f"{verdict.kind.value}{region}{several}: {verdict.status.value}", f"  because {verdict.why}"]
+    lines += ["  with z = (1 + s)/(1 - s)"] if verdict.is_discrete and (verdict.proof or verdict.steps) else []
     lines += [f"  exactly if {verdict.condition}"] if verdict.condition else []
     if verdict.witness:
         lines += _witness(verdict.witness)
@@ -144,12 +149,13 @@ def _first_steps(verdict: Verdict, room: int) -> list[str]:
 def _witness(found: Witness) -> list[str]:
     lines = [f"  {name} = {written(x)}" for name, x in found.names.items()]
     place = f"within {digits(found.spot.radius, 3)} of " if found.spot else ""
-    lines.append(f"  witness {place}s = {complex_text(found.re, found.im)}")
+    name = found.variable
+    lines.append(f"  witness {place}{name} = {complex_text(found.re, found.im)}")
     if isinstance(found.found, acb):
-        return [*lines, f"    {found.kind.letter}(s) = {found.found.str(12)}"]
+        return [*lines, f"    {found.kind.letter}({name}) = {found.found.str(12)}"]
     if len(found.vector) == 1 and not isinstance(found.found, StateSpace):
         value = "infinite" if found.image is None else complex_text(*found.image[0])
-        return [*lines, f"    {found.kind.letter}(s) = {value}"]
+        return [*lines, f"    {found.kind.letter}({name}) = {value}"]
     form = "vᴴ(Z + Zᴴ)v" if found.kind is Kind.PR else "|v|² − |Sv|²"
     negative: Any = isinstance(found.found, StateSpace) or found.form  # of a state space the value takes long
     v = ", ".join(complex_text(*map(Fraction, x)) for x in found.vector)
@@ -161,30 +167,29 @@ def _witness(found: Witness) -> list[str]:
 
 
 def _margin_line(verdict: Verdict, key: str, margin: Margin, z0: str) -> str:
-    where = f"at ω = {margin.frequency:.6g} rad/s"
+    where = f"at θ = {margin.frequency:.6g} rad" if verdict.is_discrete else f"at ω = {margin.frequency:.6g} rad/s"
+    name = _MARGINS[key].replace("jω", "e^jθ") if verdict.is_discrete else _MARGINS[key]
     if _is_matrix(verdict):
         return f"  {_OF_SEVERAL[key]} ≈ {margin.value:.6g} {where}, proved not beyond {margin.bound:.6g}"
     if verdict.function is None:
         bound = margin.high if margin.largest else margin.low
         known = ", sampled" if bound is None else f", proved not to pass {digits(bound)}"
         value = f"{margin.value:.6g}"
-        return f"  {_MARGINS[key]:<20} {'about' if bound is None else '≈'} {value:<12} {where}{known}"
+        return f"  {name:<20} {'about' if bound is None else '≈'} {value:<12} {where}{known}"
     value = beside_one(margin.low if margin.largest else margin.high)
     sign = "=" if margin.low == margin.high else "≈"
     against = f"   H = (Z - z0)/(Z + z0), z0 = {z0}" if verdict.kind is Kind.PR and key == "reflection" else ""
-    return f"  {_MARGINS[key]:<20} {sign} {value:<12} {_place(verdict, margin)}{against}"
-
-
-def _place(verdict: Verdict, margin: Margin) -> str:
     if verdict.lossless:
-        return "for all ω"
-    if math.isinf(margin.frequency):
-        return "for ω to infinity"
-    return f"at ω = {margin.frequency:.6g} rad/s"
+        where = f"for all {'θ' if verdict.is_discrete else 'ω'}"
+    elif math.isinf(margin.frequency):
+        where = "for ω to infinity"
+    return f"  {name:<20} {sign} {value:<12} {where}{against}"
 
 
 def reason(verdict: Verdict) -> str:
     """Reason of a verdict, with frequencies ω in rad per unit of time."""
+    if verdict.in_s is not None:
+        return _outside(verdict, verdict.in_s)
     kind, network = verdict.kind, verdict.function
     bounded, equal, broken, closing = (_ONE if isinstance(network, RationalFunction) else _SEVERAL)[kind]
     if verdict.status is Status.UNDECIDED:
@@ -207,10 +212,27 @@ def reason(verdict: Verdict) -> str:
     return _fault_of_matrix(network.transfer if isinstance(network, StateSpace) else network)
 
 
+def _outside(verdict: Verdict, inner: Verdict) -> str:
+    """The reason of a verdict on a function of z, from that on the function of s."""
+    if found := verdict.witness:
+        if isinstance(found.found, acb) and inner.witness and inner.reason == inner.witness.why:
+            return found.why
+        if isinstance(found.found, StateSpace):
+            near = f"near θ = {abs(math.atan2(found.im, found.re)):.6g}"
+            return f"{BROKEN[verdict.kind]} {near} (floating point), exactly so at the witness"
+    return discrete.in_words(replace(inner, hidden=None).why) + _hidden(verdict)
+
+
 def _hidden(verdict: Verdict) -> str:
     if verdict.hidden is None or not isinstance(verdict.function, RationalFunction):
         return ""
-    factor = str(verdict.hidden).replace("x", "s").replace("(-", "-").replace("+ -", "- ").replace(")", "")
+    factor = (
+        str(verdict.hidden)
+        .replace("x", "z" if verdict.is_discrete else "s")
+        .replace("(-", "-")
+        .replace("+ -", "- ")
+        .replace(")", "")
+    )
     return f"; the common factor {factor} is a hidden mode that does not die out"
 
 

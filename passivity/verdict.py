@@ -103,6 +103,8 @@ class Witness:
         Values of names in the function.
     spot : Spot or None
         Of a point nearer to a zero of a part than digits tell: the disc around s that holds it, and that part's value.
+    variable : str
+        "s"; "z" of a function of discrete time, whose point re + j im then lies outside the unit disc.
     """
 
     kind: Kind
@@ -112,6 +114,7 @@ class Witness:
     vector: tuple[Parts, ...] = _ONE
     names: Mapping[str, Fraction] = field(default_factory=dict)
     spot: "Spot | None" = None
+    variable: str = "s"
 
     @cached_property
     def image(self) -> tuple[Parts, ...] | None:
@@ -139,6 +142,7 @@ class Witness:
     def in_texts(self) -> dict[str, Any]:
         """As texts: of one port with Z or H there, of several with v and the form that is negative."""
         told: dict[str, Any] = {"re": written(self.re), "im": written(self.im)}
+        told |= {"variable": self.variable} if self.variable != "s" else {}
         told |= {"values": {name: written(x) for name, x in self.names.items()}} if self.names else {}
         if isinstance(self.found, acb):
             return told | {"value": self.found.str(20, radius=False)}
@@ -151,18 +155,19 @@ class Witness:
     @property
     def why(self) -> str:
         """Sentence on the value of the function there, known in a ball."""
-        s, value = f"s = {digits(self.re)} + {digits(self.im)}j", self.found
+        name, value = self.variable, self.found
+        s = f"{name} = {digits(self.re)} + {digits(self.im)}j"
         s += "".join(f", {name} = {digits(x)}" for name, x in self.names.items())
         if not self.im and not self.spot and value.imag != 0:
             return f"the value at {s} is not real, as if a branch cut ran there"
         if self.spot:
-            sort = "|H(s)| > 1" if self.kind is Kind.BR else "Re Z(s) < 0"
+            sort = f"|H({name})| > 1" if self.kind is Kind.BR else f"Re Z({name}) < 0"
             place = f"a point within {digits(self.spot.radius, 3)} of {s}"
             small = f"{('', 'j ', '-', '-j ')[self.spot.turn % 4]}2^-{digits(Fraction(self.spot.exponent))}"
             return f"{sort} at {place}, where a part of the function is {small}"
         if self.kind is Kind.BR:
-            return f"|H(s)| = {abs(value).str(15, radius=False)} at {s}"
-        return f"Re Z(s) = {value.real.str(6, radius=False)} at {s}"
+            return f"|H({name})| = {abs(value).str(15, radius=False)} at {s}"
+        return f"Re Z({name}) = {value.real.str(6, radius=False)} at {s}"
 
 
 class Margin(NamedTuple):
@@ -251,6 +256,9 @@ class Verdict(Decided):
         A proof by polynomials in them.
     note : str
         Where the function is infinite, if that can be.
+    in_s : Verdict or None
+        Of a function of discrete time, asked about for |z| > 1: the verdict on that of s, z = (1 + s)/(1 - s), to which
+        the certificate belongs. Frequencies are angles θ of z = exp(jθ) then.
     """
 
     kind: Kind
@@ -269,6 +277,7 @@ class Verdict(Decided):
     condition: "Condition | None" = None
     steps: tuple[str, ...] = ()
     note: str = ""
+    in_s: "Verdict | None" = None
 
     @cached_property
     def analysis(self) -> "AxisAnalysis | None":
@@ -277,6 +286,11 @@ class Verdict(Decided):
             return self.floats and self.floats.analysis
         except ValueError:  # numpy's LinAlgError
             return None
+
+    @property
+    def is_discrete(self) -> bool:
+        """Whether the function is one of z, asked about for |z| > 1."""
+        return self.in_s is not None
 
     @property
     def ports(self) -> int:
@@ -289,7 +303,8 @@ class Verdict(Decided):
     @cached_property
     def why(self) -> str:
         """The reason in plain words: band, pole, residue, degree."""
-        if self.function is None or (self.reason and self.status is not Status.UNDECIDED):
+        known = self.function is None or (self.reason and self.status is not Status.UNDECIDED)
+        if known and self.in_s is None:
             return self.reason
         from passivity.report import reason
 
@@ -299,7 +314,7 @@ class Verdict(Decided):
     @cached_property
     def margins(self) -> Margins:
         """Margins to the boundary of the property, and their frequencies, z0 = 1 (see `passivity.exact.margin`)."""
-        if self.function is None:
+        if self.function is None and self.in_s is None:
             from passivity.calculus.proof import margins_of
 
             return margins_of(self) if self.asked[0] else Margins()
@@ -325,6 +340,8 @@ class Verdict(Decided):
         from passivity.calculus.proof import prove
         from passivity.calculus.prove import Prover
 
+        if self.in_s is not None:
+            return self.in_s.evidence
         if self.proof or not self.asked[0]:
             return self.proof
         if point := self.witness:
@@ -348,9 +365,15 @@ class Verdict(Decided):
         return as_dict(self, self._margins)
 
     def plot(self, ax: Any = None) -> Any:
-        """Impedance plane, Smith chart and reflection, z0 = 1; of one port. On `ax` the Smith chart alone."""
-        sampled = self.function is None and self.asked[0] and not self.question.graph.names
-        if not (sampled or isinstance(self.function, RationalFunction)):
+        """Impedance plane, Smith chart and reflection, z0 = 1, with the value at the witness; on `ax` the Smith chart.
+
+        Of several ports, or a state space: all singular values of S, or eigenvalues of (Z + Z^H)/2, over frequency.
+        """
+        if self.function is not None and not isinstance(self.function, RationalFunction):
+            from passivity.exact.picture import draw_worst
+
+            return draw_worst(self, ax)
+        if self.function is None and (not self.asked[0] or self.question.graph.names):
             return super().plot(ax)
         from passivity.exact.picture import draw_verdict
 

@@ -299,8 +299,9 @@ class Graph:
         fact = scaled(fact, parts[0][0])
         (low, high), angle = (disc(fact) or (-inf, inf)) if fact else (-inf, inf), fact and turn(fact)
         if name in ("tanh", "cosh"):  # |cosh(x + jy)|^2 = sinh^2 x + cos^2 y >= 1 where |y| <= x
-            holds = low >= 0 if name == "tanh" else angle is not None and angle <= Fraction(1, 2)
-            return [RIGHT if name == "tanh" else UNIT] if holds else []
+            if name == "cosh":
+                return [UNIT] if angle is not None and angle <= Fraction(1, 2) else []
+            return [RIGHT] if low >= 0 else [("disc", -inf, ZERO)] if high <= 0 else []
         found = [("arg", angle / 2)] if name == "sqrt" and angle is not None and angle <= 2 else []
         need(found or name != "sqrt", "not sqrt of a function off the negative axis")
         low = max(low, ZERO) if found else low

@@ -10,17 +10,18 @@ from flint import acb, ctx
 
 from passivity.ball import of_fraction, of_point
 from passivity.budget import VERDICT, UndecidedError, budget, granted, if_affordable
-from passivity.calculus.fact import CLAIMS, POSITIVE_REAL, Fact
+from passivity.calculus.fact import POSITIVE_REAL, Fact
 from passivity.calculus.given import Structure, checked, given
 from passivity.calculus.graph import ONE, Graph, Value
 from passivity.calculus.leaf import function_of, in_waves
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.question import Question
-from passivity.calculus.read import free_names, read, trees
+from passivity.calculus.read import free_names, is_discrete, trees
 from passivity.calculus.rewrite import Line as Reading
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
+from passivity.discrete import LET, Discrete, check_outside, outside
 from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
 from passivity.expression.tree import Line, is_rational, nodes
@@ -51,7 +52,8 @@ def is_positive_real(
     ----------
     what : text, numbers, system, network or samples
         An expression, also with ``let NAME = EXPRESSION;`` before it; a number; numerator and denominator, highest
-        power first; matrices A, B, C, D, or E, A, B, C, D of E x' = A x + B u; a `RationalFunction`,
+        power first; matrices A, B, C, D, or E, A, B, C, D of E x' = A x + B u; each of these with dt behind it, or an
+        expression in z, for a function of discrete time, which is asked about for |z| > 1; a `RationalFunction`,
         `RationalMatrix` or `StateSpace`; a system of scipy.signal or python-control; a network of scikit-rf or a
         `SampledResponse`, which can only be refuted; a line
         or a scene of tline, about which `passivity.calculus.given` says more.
@@ -117,6 +119,8 @@ def ask(what: Any, kind: Kind, assume: Iterable[str] = (), values: Mapping[str, 
         return of_text(what, kind)
     if isinstance(what, Structure):  # of which power is what there is to know, whatever was asked for
         return of_text(what.text, Kind.PR, what.assume, statement=what.statement)
+    if isinstance(what, Discrete):
+        return check_outside(what.network, kind)
     return check(what, kind) if isinstance(what, RationalFunction) else checked(what, kind)
 
 
@@ -161,24 +165,32 @@ def of_text(
     assume = list(assume)
     facts, ranges = assumed(assume)
     ranges.sort(key=lambda r: r.name)
-    names = free_names(text)
+    discrete = is_discrete(text, {**numbers, **facts})
+    names = free_names(text) - ({"z"} if discrete else set())
     check_names(names, {**numbers, **facts}, "no value and no assumption")
     under = f" for all {', '.join(map(str, assume))}" if assume else ""
-    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{under}"
+    statement = statement or f"{' '.join(text.split()):.300} is {kind.value}{' for |z| > 1' if discrete else ''}{under}"
     numbers |= {r.name: r.low for r in ranges if r.is_point and r.low is not None and r.name not in numbers}
     facts = {name: fact for name, fact in facts.items() if name not in numbers}
-    made = partial(Verdict, kind, None, statement=statement, asked=(text, numbers, facts))
+    whole = LET + text if discrete else text
+    made = partial(Verdict, kind, None, statement=statement, asked=(whole, numbers, facts))
     (_, plain), *more = trees(text)
     if not more and is_rational(plain) and not facts and names <= numbers.keys():
         # with what numerator and denominator have in common, and 1/0
-        return _exact(made, of_tree(plain, numbers))
-    graph = Graph(facts)
-    question = Question(graph, read(graph, text, numbers), CLAIMS[kind], text, numbers)
+        r = of_tree(plain, numbers, "z" if discrete else "s")
+        return outside(_exact(made, r.bilinear()), r) if discrete else _exact(made, r)
+    question = Question.of(kind, whole, numbers, facts)
+    structured = bool(more) or any(isinstance(node, Line) for node in nodes(plain))
+    verdict = _of_question(made, question, ranges, structured)
+    return outside(verdict) if discrete else verdict
+
+
+def _of_question(made: partial, question: Question, ranges: list[Range], structured: bool) -> Verdict:
+    graph = question.graph
     left = {graph.nodes[n][1][0] for n in needed(graph, question.value[1]) if graph.nodes[n][0] == "name"}
     if not left:
-        return _with_values(_with_numbers(made, kind, question), ranges)
-    made = partial(made, ranges=tuple(r for r in ranges if r.name in left and facts[r.name][0] == "real"))
-    structured = bool(more) or any(isinstance(node, Line) for node in nodes(plain))
+        return _with_values(_with_numbers(made, question.kind, question), ranges)
+    made = partial(made, ranges=tuple(r for r in ranges if r.name in left and graph.names[r.name][0] == "real"))
     return _with_names(made, question, [r for r in ranges if r.name in left], structured)
 
 

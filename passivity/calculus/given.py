@@ -5,14 +5,15 @@ from decimal import Decimal
 from numbers import Real
 from typing import Any, NamedTuple
 
+from passivity.discrete import Discrete
 from passivity.errors import ExpressionError, shorten, shown
 from passivity.rational.evaluate import exact
 from passivity.rational.function import RationalFunction
 from passivity.status import Decided, Kind
 
 _EXPECTED = (
-    "text, a number, (numerator, denominator), (A, B, C, D), (E, A, B, C, D), a system of scipy.signal or "
-    "python-control, a network of scikit-rf, samples, or a line or scene of tline"
+    "text, a number, (numerator, denominator), (A, B, C, D), (E, A, B, C, D), these with dt behind them, a system of "
+    "scipy.signal or python-control, a network of scikit-rf, samples, or a line or scene of tline"
 )
 
 
@@ -50,7 +51,7 @@ def given(what: Any, kind: Kind) -> Any:
     from passivity.sampled.response import SampledResponse
     from passivity.verdict import Network
 
-    if isinstance(what, SampledResponse | Network):
+    if isinstance(what, SampledResponse | Network | Discrete):
         return what
     if callable(model := getattr(what, "passivity_model", None)) and not isinstance(what, type):
         return given(model(kind), kind)
@@ -60,13 +61,19 @@ def given(what: Any, kind: Kind) -> Any:
         what = what.tolist()
     if isinstance(what, tuple | list):
         parts = [part.tolist() if hasattr(part, "tolist") else part for part in what]
+        *most, last = parts or [None]
+        if len(parts) in (3, 5, 6) and (
+            last is True or (isinstance(last, Real) and float(last) > 0)
+        ):  # dt, as scipy has it
+            return Discrete(given(most, kind))
         if len(parts) == 2 and all(isinstance(part, Sequence) and not isinstance(part, str) for part in parts):
             return RationalFunction.from_coefficients(*parts)
         if len(parts) in (4, 5):
             return (StateSpace.from_entries if len(parts) == 4 else StateSpace.from_descriptor)(*parts)
     elif any(hasattr(what, name) for name in ("A", "num", "zeros")):
         network = from_system(what)
-        return network.rows[0][0] if isinstance(network, RationalMatrix) and network.size == 1 else network
+        network = network.rows[0][0] if isinstance(network, RationalMatrix) and network.size == 1 else network
+        return Discrete(network) if getattr(what, "dt", None) not in (None, 0) else network
     raise ExpressionError("what", "not a function of s", _EXPECTED, shorten(shown(what, repr)))
 
 

@@ -43,7 +43,6 @@ class Graph(Nodes):
         self._products: dict[tuple, Value] = {}
         self.moves, self.is_rational = [False], [True]  # whether s or an opaque function occurs; nothing but s does
         self._fractions: tuple[Iterable[int], dict[int, Any]] = [], {}  # known quotients, for the nodes that were cut
-        self.marks: list[int] = []  # nodes to be proved one after the other: the ends of a chain
 
     @classmethod
     def of(cls, nodes: Nodes) -> "Graph":
@@ -222,9 +221,7 @@ class Graph(Nodes):
             return load
         if not z0[0] and load[0]:
             return ZERO
-        found = ONE, self.node("line", (z0, propagation, load))
-        self.mark(found)
-        return found
+        return ONE, self.node("line", (z0, propagation, load))
 
     def fraction(self, c: Fraction, n: int, cut: Iterable[int] = ()) -> Any:
         """Multiply out a node as the verifier does; a node that occurs twice in an equality is multiplied out once."""
@@ -245,13 +242,9 @@ class Graph(Nodes):
         return super().multiplied(f, g)
 
     def share(self, other: "Graph") -> None:
-        """Begin with the nodes and marks of another graph."""
+        """Begin with the nodes of another graph."""
         self.nodes, self.moves, self.is_rational = list(other.nodes), list(other.moves), list(other.is_rational)
-        self._number, self.marks, self.roots = dict(other._number), list(other.marks), dict(other.roots)
-
-    def mark(self, value: Value) -> None:
-        """Mark a value that is to be proved before the nodes that contain it."""
-        self.marks.append(value[1])
+        self._number, self.roots = dict(other._number), dict(other.roots)
 
 
 def _checked(c: Fraction) -> Fraction:

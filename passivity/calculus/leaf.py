@@ -23,7 +23,6 @@ from passivity.verdict import Verdict
 
 MAX_DEGREE = 16  # above, only Re >= 0 and modulus <= 1 are tried
 
-_TWICE, _MORE = fmpz_poly([-1, 2]), fmpz_poly([1, 1])
 _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
@@ -76,9 +75,8 @@ def in_waves(graph: Graph, n: int) -> tuple[Fraction, RationalFunction] | None:
     if pair is None or any(f.degrees()[0] for f in pair):
         return None
     both = [fmpz_poly([int(f[0, k]) for k in range(int(f.degrees()[1]) + 1)]) for f in pair]
-    degree = max(f.degree() for f in both)
-    both = [fmpz_poly((degree - f.degree()) * [0] + f(_TWICE).coeffs()[::-1])(_MORE) for f in both]
-    return (expansion.units[graph.s[1]], RationalFunction(*both)) if degree else None
+    found = RationalFunction(*both)
+    return (expansion.units[graph.s[1]], found.bilinear(-1)) if found.degree else None
 
 
 def _proof(z: RationalFunction) -> dict[str, Any] | None:

@@ -60,9 +60,8 @@ class Prover:
         """The step that proves a fact about a value, the sharpest of those found; None if the rules lead to none."""
         for most in depths:
             self.most, self.depth = most, 0
-            for n in [*(self._marked(value[1]) if most else ()), value[1]]:
-                self.rewritten = 0
-                self._run(iter([n]))
+            self.rewritten = 0
+            self._run(iter([value[1]]))
             if (found := self._implying(value, goal)) is not None:
                 return found
             if most and self._waves(value[1]) and (found := self._implying(value, goal)) is not None:
@@ -105,10 +104,6 @@ class Prover:
             premises = self.known[self.graph.s[1]]
             found += self.follow(n, "rational", premises, {"fact": [fact[0], *map(written, fact[1:])], **data})
         return found
-
-    def _marked(self, root: int) -> list[int]:
-        """Return the marked nodes among those that a node is made of, in order."""
-        return sorted(set(needed(self.graph, root)).intersection(self.graph.marks))
 
     def _implying(self, value: Value, goal: Fact) -> int | None:
         return self._best(value, goal, self.known.get(value[1], ()))

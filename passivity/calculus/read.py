@@ -4,7 +4,7 @@ let h2 = (Z2 - z0)/(Z2 + z0); let h1 = exp(-2*T*s)*h2; (1 - h1)/(1 + h1)
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import lru_cache
@@ -52,6 +52,11 @@ def trees(text: str) -> tuple[tuple[str, Node], ...]:
     return tuple(found)
 
 
+def is_discrete(text: str, known: Container[str]) -> bool:
+    """Whether a text is about z, of which nothing is known, in place of s: a function of discrete time."""
+    return "z" in free_names(text) and "z" not in known and not any("s" in symbols(tree) for _, tree in trees(text))
+
+
 def free_names(text: str) -> set[str]:
     """The names in a text that it does not define, without s."""
     found: set[str] = set()
@@ -96,7 +101,6 @@ def read(graph: Graph, text: str, values: Mapping[str, Fraction] | None = None) 
             value = _Reader(graph, known).value(tree)
         if name:
             known[name] = value
-        graph.mark(value)
     return value
 
 

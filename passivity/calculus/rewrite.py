@@ -31,23 +31,10 @@ def _written(graph: Graph, n: int) -> Iterator[Rewriting]:
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
     yield from _parallel(graph, powers, sums)
-    yield from _conjugate(graph, n)
     yield from _cancelled(graph, powers, sums)
     if not graph.moves[n]:
         return
     yield from _spread(graph, powers, [b for b in sums if graph.moves[b]])
-
-
-def _conjugate(graph: Graph, n: int) -> Iterator[Rewriting]:
-    """a + b, with rational squares, as (a^2 - b^2)/(a - b)."""
-    kind, parts = graph.nodes[n]
-    if kind == "sum" and len(parts) == 2:
-        a, b = parts
-        squares = [graph.product([x], [2]) for x in (a, b)]
-        difference = graph.sum([squares[0], graph.scaled(squares[1], -1)])
-        if difference[0] and all(graph.is_rational[m] for _, m in squares):
-            less = graph.sum([a, graph.scaled(b, -1)])
-            yield False, graph.product([difference, less], [1, -1]), []
 
 
 def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:

@@ -53,6 +53,11 @@ def margins(verdict: Verdict, z0: Exact = 1) -> Margins:
     >>> found.input[:3], found.reflection.value, found.reflection.frequency
     ((Fraction(3, 1), Fraction(3, 1), 0.0), 0.6, 1.0)
     """
+    if verdict.in_s is not None:
+        from passivity.discrete import angle
+
+        there = margins(verdict.in_s, z0)
+        return Margins(*(m and m._replace(frequency=angle(m.frequency)) for m in there))
     if verdict.function is None:
         return verdict.margins
     with budget(ASIDE):

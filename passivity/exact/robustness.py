@@ -71,7 +71,7 @@ def robustness(verdict: Verdict, tolerance: Exact) -> Robustness:
     eps = exact(tolerance, "tolerance")
     if not 0 <= eps < 1:
         raise ExpressionError("tolerance", "out of range", "at least 0 and below 1", shown(tolerance))
-    one_port = isinstance(verdict.function, RationalFunction) and verdict.kind is Kind.PR
+    one_port = isinstance(verdict.function, RationalFunction) and verdict.kind is Kind.PR and not verdict.is_discrete
     if verdict.status is Status.UNDECIDED or not one_port:
         raise ExpressionError("verdict", "has no box to ask about", "of one port, positive real proved or refuted")
     if verdict.witness:

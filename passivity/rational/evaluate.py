@@ -23,11 +23,11 @@ _WHOLE = re.compile(r"\s*[0-9]{1,30}\s*")  # numbers that need no parser
 _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
 
-def evaluate(text: str, parameters: Mapping[str, Exact]) -> RationalFunction:
+def evaluate(text: str, parameters: Mapping[str, Exact], variable: str = "s") -> RationalFunction:
     """Rational function of an expression in ``s``, with a value for each other name in it and for no more."""
     tree = parse(text)
-    check_names(symbols(tree) - {"s"}, parameters, "no value")
-    return of_tree(tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()})
+    check_names(symbols(tree) - {variable}, parameters, "no value")
+    return of_tree(tree, {name: exact(x, f"parameter {name}") for name, x in parameters.items()}, variable)
 
 
 def check_names(names: set[str], given: Mapping[str, object], missing: str) -> None:
@@ -44,9 +44,9 @@ def check_names(names: set[str], given: Mapping[str, object], missing: str) -> N
         raise ExpressionError(where, problem, f"{wanted} for {_list(names)}", _list(given))
 
 
-def of_tree(tree: Node, values: Mapping[str, Fraction]) -> RationalFunction:
+def of_tree(tree: Node, values: Mapping[str, Fraction], variable: str = "s") -> RationalFunction:
     """Rational function of a tree, refused where it would take too long or too much memory."""
-    return _Evaluation({name: RationalFunction.constant(x) for name, x in values.items()} | {"s": _S}).of(tree)
+    return _Evaluation({name: RationalFunction.constant(x) for name, x in values.items()} | {variable: _S}).of(tree)
 
 
 def exact(value: Exact, where: str) -> Fraction:

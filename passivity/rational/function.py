@@ -149,6 +149,9 @@ class RationalFunction:
         """
         from passivity.rational.state_space import StateSpace, from_system
 
+        if (dt := getattr(system, "dt", None)) not in (None, 0):
+            got = f"{type(system).__name__} with dt={dt}"
+            raise ExpressionError("system", "discrete in time", "a continuous system", got)
         network = from_system(system)
         if network.size != 1:
             got = f"{network.size} of {type(system).__name__}"
@@ -247,6 +250,18 @@ class RationalFunction:
         """Cancel the common factors of p and q."""
         common = self.p.gcd(self.q)
         return RationalFunction(self.p // common, self.q // common)
+
+    def bilinear(self, sign: int = 1) -> "RationalFunction":
+        """The function at (1 + x)/(1 - x) in place of s, or at its inverse: outside the unit disc for Re x > 0.
+
+        Examples
+        --------
+        >>> print(RationalFunction.from_expression("s^2").bilinear())
+        (s^2 + 2*s + 1)/(s^2 - 2*s + 1)
+        """
+        n, turned = self.degree, fmpz_poly([-1, 2])  # (1 + x)/(1 - x) = 2/(1 - x) - 1
+        both = ((n - f.degree()) * [0] + f(turned).coeffs()[::-1] for f in (self.p, self.q))
+        return RationalFunction(*(fmpz_poly(c)(fmpz_poly([1, -sign])) for c in both))
 
     def __eq__(self, other: object) -> bool:
         return self.p * other.q == other.p * self.q if isinstance(other, RationalFunction) else NotImplemented

@@ -13,7 +13,7 @@ from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
 from passivity.polynomial.roots import value
 from passivity.polynomial.sign import UndecidedError, coprime
-from passivity.rational.evaluate import Exact
+from passivity.rational.evaluate import Exact, evaluate
 from passivity.rational.function import RationalFunction
 from passivity.rational.polynomial_matrix import PolynomialMatrix
 
@@ -56,7 +56,9 @@ class RationalMatrix:
                     raise ExpressionError(f"entry ({i}, {k})", "infinite", expected)
 
     @classmethod
-    def from_rows(cls, rows: Iterable[Iterable[Entry]], parameters: Mapping[str, Exact] | None = None) -> Self:
+    def from_rows(
+        cls, rows: Iterable[Iterable[Entry]], parameters: Mapping[str, Exact] | None = None, variable: str = "s"
+    ) -> Self:
         """Matrix of the given entries.
 
         Parameters
@@ -65,7 +67,9 @@ class RationalMatrix:
             Each entry a `RationalFunction`, a number, an expression in ``s``, or a pair of coefficients, highest
             power first.
         parameters : mapping of str to number or text, optional
-            A value for every name in the expressions but ``s``, and for no other.
+            A value for every name in the expressions but the variable, and for no other.
+        variable : str
+            Of the functions; see `passivity.discrete` of "z".
 
         Raises
         ------
@@ -77,7 +81,7 @@ class RationalMatrix:
         named = parameters or {}
         used: set[str] = set()
         done = tuple(
-            tuple(_entry(x, named, used, f"entry ({i}, {k})") for k, x in enumerate(row, 1))
+            tuple(_entry(x, named, variable, used, f"entry ({i}, {k})") for k, x in enumerate(row, 1))
             for i, row in enumerate(given, 1)
         )
         if unused := sorted(set(named) - used, key=str):
@@ -166,14 +170,14 @@ def real_form(u: list[list[Fraction]], v: list[list[Fraction]]) -> fmpq_mat:
     return fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in upper + lower])
 
 
-def _entry(given: Any, parameters: Mapping[str, Exact], used: set[str], where: str) -> RationalFunction:
+def _entry(given: Any, parameters: Mapping[str, Exact], variable: str, used: set[str], where: str) -> RationalFunction:
     try:
         if isinstance(given, RationalFunction):
             return given
         if isinstance(given, str):
             names = symbols(parse(given)) & set(parameters)
             used |= names
-            return RationalFunction.from_expression(given, {name: parameters[name] for name in names})
+            return evaluate(given, {name: parameters[name] for name in names}, variable)
         if not isinstance(given, Iterable):
             return RationalFunction.from_coefficients([given], [1])
         sides = list(given)

@@ -251,10 +251,8 @@ class StateSpace:
 
 
 def from_system(system: Any) -> RationalMatrix | StateSpace:
-    """Network of a continuous scipy.signal.lti or python-control system with as many outputs as inputs."""
+    """Network of a scipy.signal or python-control system with as many outputs as inputs, of s or of z."""
     kind = type(system).__name__
-    if getattr(system, "dt", None) not in (None, 0):
-        raise ExpressionError("system", "discrete in time", "a continuous system", f"{kind} with dt={system.dt}")
     if all(hasattr(system, name) for name in "ABCD"):
         return StateSpace.from_entries(system.A, system.B, system.C, system.D)
     if hasattr(system, "ninputs") and hasattr(system, "num"):  # python-control: tables of coefficients

@@ -27,6 +27,11 @@ PROVED = {
     "control's transfer function": control.tf([1], [1, 1]),
     "control's states": control.ss([[-1]], [[1]], [[1]], [[0]]),
     "matrices": ([[-1]], [[1]], [[1]], [[0]]),
+    "coefficients in z": ([1, 1], [1, -1], 0.1),
+    "matrices of discrete time": ([[0.5]], [[1]], [[1]], [[2]], True),
+    "dlti": signal.dlti([1, 1], [1, -1]),
+    "control's discrete states": control.ss([[0.5]], [[1]], [[1]], [[2]], 0.1),
+    "discrete descriptor system": ([[2, 0], [0, 0]], [[1, 0], [0, 1]], [[1], [0]], [[1, 0]], [[2]], True),
     "descriptor system": ([[2, 0], [0, 0]], [[0, 1], [1, 3]], [[1], [0]], [[1, 0]], [[0]]),
     "line": ElectricalLine(z0="50 ohm", delay="5 ns"),
 }
@@ -38,6 +43,19 @@ def test_what_is_taken(what):
     assert verdict.proved
     assert "proved" in str(verdict)
     assert verdict.to_dict()["status"] == json.loads(json.dumps(verdict.to_dict()))["status"] == "proved"
+
+
+def test_discrete_time_is_told():
+    verdict = is_positive_real(control.tf([1, 3], [1, 0], True))
+    assert "positive real for |z| > 1: refuted" in str(verdict)
+    assert "Re Z(e^jθ) < 0 for 1.9106 < θ <= π" in str(verdict)
+    assert "at θ = 3.14159 rad" in str(verdict)
+    told = verdict.to_dict()["witness"]
+    assert told["variable"] == "z"
+    assert Fraction(told["re"]) ** 2 + Fraction(told["im"]) ** 2 > 1
+    assert is_positive_real("z + 2", values={"z": 1}).in_s is None
+    with pytest.raises(ExpressionError, match="parameter z: no value and no assumption"):
+        is_positive_real("z + s")
 
 
 def test_samples_can_only_refute():
@@ -57,8 +75,6 @@ def test_what_is_refused(what):
 
 
 def test_other_refusals():
-    with pytest.raises(ExpressionError, match="discrete in time"):
-        is_positive_real(control.tf([1], [1, 1], 0.1))
     with pytest.raises(ExpressionError, match="budget: not a multiple"):
         is_positive_real("s", budget=0)
     with pytest.raises(ExpressionError, match="says nothing about a function without names"):
@@ -80,9 +96,29 @@ def test_a_larger_budget_decides_more():
     assert is_positive_real(text, budget=4).proved
 
 
+@pytest.mark.parametrize(
+    ("what", "name", "axis"),
+    [
+        ("exp(-s)/2", "|H(jω)|", "ω  [rad/s]"),
+        ("1.5/z^2", "|H(e^jθ)|", "θ of z = exp(jθ)  [rad]"),
+        (([[-1, 2], [-2, -1]], np.eye(2), np.eye(2), np.zeros((2, 2))), "singular values of S", "ω  [rad/s]"),
+        (signal.dlti([[0.5]], [[1]], [[1]], [[0]]), "singular values of S", "θ of z = exp(jθ)  [rad]"),
+    ],
+)
+def test_pictures_tell_what_is_drawn(what, name, axis):
+    """The curve reaches the largest gain, and the witness is marked."""
+    verdict = is_bounded_real(what)
+    axes = verdict.plot().axes[-1]
+    assert axes.get_ylabel() == name
+    assert axes.get_xlabel().endswith(axis)
+    curve = next(line for line in axes.lines if name in str(line.get_label()))
+    assert max(curve.get_ydata()) == pytest.approx(verdict.margins.reflection.value, rel=1e-4)
+    marks = [line for line in verdict.plot().axes[0].lines if "witness" in str(line.get_label())]
+    assert len(marks) == verdict.refuted
+
+
 def test_pictures_and_notebooks():
     assert "<img" in is_positive_real("(s + 2)/(s^2 + s + 1)")._repr_html_()
-    assert "<img" in is_bounded_real("exp(-s)/2")._repr_html_()
     shown = is_positive_real("tanh(s) + Z2", ["Z2 positive real"])._repr_html_()
     assert "proved" in shown
     assert "<img" not in shown

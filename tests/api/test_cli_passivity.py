@@ -176,7 +176,7 @@ def test_the_outputs_on_the_page_are_those_of_the_program(folder):
         (text,) = re.findall(rf"```\w+\n({start}.*?)```", page, re.DOTALL)
         (folder / name).write_text(text, encoding="utf-8")
     shown = re.findall(r"^\$ tline passivity (.*)\n((?:[^$`].*\n)+)", page, re.MULTILINE)
-    assert len(shown) == page.count("$ tline passivity ") == 7
+    assert len(shown) == page.count("$ tline passivity ") == 8
     for arguments, output in shown:
         printed = run(*shlex.split(arguments)).stdout.splitlines()
         assert [line for line in output.splitlines() if line not in printed] == []

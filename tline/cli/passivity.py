@@ -19,10 +19,10 @@ FILES = {
         "Fit samples and write the nearest passive model; the exit status is then its own. .json: poles and residues;"
         " .s1p, .s2p, ...: its values at the same frequencies",
     ),
-    "plot": picture("Nyquist and Smith chart, |H(jω)|, or samples"),
+    "plot": picture("Nyquist and Smith chart, |H(jω)|, singular values, or samples"),
     "certificate": FileKind((".json",), "Write the proof along the expression, or the witness"),
 }
-PICTURED = "a function of one port without names and line, or samples"
+PICTURED = "a function without names and line, a matrix, or samples"
 EXAMPLES = """\b
 Examples:
   tline passivity "R + s*L + 1/(s*C)" --param R="50 ohm" --param L="10 nH" --param C="4 pF" --z0 50
@@ -35,7 +35,10 @@ Examples:
   tline passivity Z2 --kind chain --param "Z2 positive real" --z0 z0 --delay T --param "z0>0" --param "T>0"
   tline passivity "1 + exp(-s)" --certificate proof.json
   tline passivity --verify proof.json
-  tline passivity "[2*s + 1, s; s, 2*s]"
+  tline passivity "[2*s + 1, s; s, 2*s]" --plot eigenvalues.png
+  tline passivity "(z + 1)/(z - 1)"
+  tline passivity "(s + 2)/(s + 1)" --sector 1,2
+  tline passivity "(1 + H/z)/(1 - H/z)" --param "H bounded real"
   tline passivity scene.toml
   tline passivity measured.s2p --error 0.001 --plot bands.png
   tline passivity measured.csv --kind br --nearest model.json
@@ -63,6 +66,8 @@ def passivity(
     z0: str | None = None,
     delay: str | None = None,
     within: str | None = None,
+    sector: str | None = None,
+    supply: str | None = None,
     error: str | None = None,
     verify: str | None = None,
     confined: bool = False,
@@ -70,11 +75,12 @@ def passivity(
 ) -> Output:
     """Prove or refute that an impedance is positive real, or a reflection bounded real.
 
-    WHAT is an expression in s with numbers (exact decimals, with SI prefix or unit), names, + - * / ^, parentheses,
-    exp, sqrt, log and hyperbolic functions, line(z0, T*s, load), after "let NAME = EXPRESSION;" as often as needed, or
-    a file (.txt) with such text; a matrix [a, b; c, d] of rational ones; a scene (.toml), whose loads are
-    checked; or samples (.csv with the header f,re,im, or Touchstone). The answer is a proof, or a point s with
-    Re s > 0 where the property fails, to be checked by hand; samples can only refute.
+    WHAT is an expression in s, or in z for a function of discrete time outside the unit disc, with numbers (exact
+    decimals, with SI prefix or unit), names, + - * / ^, parentheses, exp, sqrt, log and hyperbolic functions,
+    line(z0, T*s, load), after "let NAME = EXPRESSION;" as often as needed, or a file (.txt) with such text; a matrix
+    [a, b; c, d] of rational ones; a scene (.toml), whose loads are checked; or samples (.csv with the header f,re,im,
+    or Touchstone). The answer is a proof, or a point s with Re s > 0 where the property fails, to be checked by hand;
+    samples can only refute. Of an impedance the smallest Re Z is its input index, the smallest Re 1/Z its output index.
 
     Parameters
     ----------
@@ -89,6 +95,10 @@ def passivity(
         Look at the impedance through a lossless line of z0 and this delay.
     within : TOLERANCE
         Require it also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.
+    sector : LOW,HIGH
+        Are all values in the disc on these ends, or, with inf, in a half-plane? 0.5,inf asks for an input index of 0.5.
+    supply : Q,S,R
+        Is it dissipative: Q |W|^2 + 2 S Re W + R >= 0?
     error : BAR
         Largest distance of each sample of a file from its true value.
     verify : FILE.json
@@ -101,7 +111,7 @@ def passivity(
     if bool(what) == (verify is not None):
         raise InputError("WHAT", "one question is needed", "an expression or a file, or --verify FILE.json alone")
     given = kind, parameters, z0, delay, within, error
-    asked = verdicts.Asked(*given, files.get("nearest"), files.get("certificate"), confined)
+    asked = verdicts.Asked(*given, files.get("nearest"), files.get("certificate"), sector, supply, confined)
     try:
         output = _answer(what.strip(), asked) if verify is None else verdicts.verified(verify)
     except ExpressionError as problem:
@@ -125,4 +135,5 @@ def _named(error: "ExpressionError", tolerance: str) -> InputError:
     thing, comma, place = error.where.partition(", ")
     named = re.sub("^(parameters?|assumption) ", "--param ", thing) or "expression"
     options = {"z0": "--z0", "delay": "--delay", "tolerance": tolerance, "assumption": "--param"}
+    options |= {"sector": "--sector", "supply": "--supply"}
     return InputError(options.get(thing, named) + comma + place, error.problem, error.expected, error.got)

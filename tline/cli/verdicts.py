@@ -16,7 +16,7 @@ from tline.words.wording import place
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from passivity import Margins, RationalFunction, Verdict
+    from passivity import Margins, Verdict
     from passivity.sampled.response import SampledResponse
     from tline.solver.description.passive import CircuitVerdict
 
@@ -39,6 +39,8 @@ class Asked:
     error: str | None
     nearest: str | None
     certificate: str | None = None
+    sector: str | None = None
+    supply: str | None = None
     confined: bool = False
 
     def refuse(self, about: str, *options: str) -> None:
@@ -79,13 +81,29 @@ def expression(text: str, asked: Asked) -> Output:
     known = values(tuple(given for given in asked.parameters if given not in assumed))
     if asked.kind == "chain" and (STRUCTURE.search(text) or any(map(OPAQUE.search, assumed)) or asked.certificate):
         return _derived(text, asked, assumed, known)
-    verdict = of_text(text, kind, assumed, known)
+    inside = _in_region(text, asked, assumed, known)
+    verdict = of_text(text, kind, assumed, known) if inside is None else inside
     if verdict.function is not None:
-        found = _one_port(verdict.function, asked)
+        found = _one_port(verdict, asked)
         return found._replace(files={**found.files, "certificate": _certificate(verdict)})
     about = "functions with names" if assumed else "functions that are not rational"
     asked.refuse(about, "z0", "delay", "within")
     return _concluded(verdict, assumed)
+
+
+def _in_region(what: Any, asked: Asked, assumed: Iterable[str] = (), known: Any = None) -> "Verdict | None":
+    """The verdict on --sector or --supply, where one of these is asked about."""
+    from passivity import is_dissipative, is_in_sector
+
+    if asked.sector is None and asked.supply is None:
+        return None
+    asked.refuse("a sector or a supply", "kind", "z0", "delay", "within", *["supply"] * (asked.sector is not None))
+    form, ask = ("LOW,HIGH", is_in_sector) if asked.supply is None else ("Q,S,R", is_dissipative)
+    text = asked.sector or asked.supply or ""
+    numbers = text.split(",")
+    if len(numbers) != form.count(",") + 1:
+        raise InputError("--sector" if asked.supply is None else "--supply", "not such numbers", form, f"'{text:.60}'")
+    return ask(what, *numbers, assume=assumed, values=known)  # pyright: ignore[reportCallIssue]
 
 
 def _derived(text: str, asked: Asked, assumed: list[str], known: dict[str, str]) -> Output:
@@ -147,18 +165,19 @@ def _read(path: str) -> str:
         raise InputError(path, "cannot be read", "a text file", str(error)[:80]) from error
 
 
-def _one_port(function: "RationalFunction", asked: Asked) -> Output:
-    """Decide a rational function, and report all options given."""
-    from passivity import Margins, Status, check_bounded_real, check_line, check_positive_real, margins, robustness
+def _one_port(verdict: "Verdict", asked: Asked) -> Output:
+    """Report all options given beside the verdict on a rational function."""
+    from passivity import Margins, Status, check_line, margins, robustness
     from passivity.polynomial.sign import UndecidedError
     from passivity.report import as_dict, in_lines
 
-    if asked.kind == "br":
+    if verdict.kind == "bounded real":
         asked.refuse("reflections", "z0", "delay", "within")
+    if verdict.is_discrete:
+        asked.refuse("functions of z", "delay", "within")
     if asked.kind == "chain" and not (asked.z0 and asked.delay):
         missing = "delay" if asked.z0 else "z0"
         raise InputError(f"--{missing}", "is missing", "z0 and delay of the line that --kind chain looks through")
-    verdict = (check_bounded_real if asked.kind == "br" else check_positive_real)(function)
     z0, missing = "1" if asked.z0 is None else asked.z0, []
     try:
         found = margins(verdict, z0)
@@ -166,7 +185,7 @@ def _one_port(function: "RationalFunction", asked: Asked) -> Output:
         found, missing = Margins(), [f"  margins not found: {error}"]
     tolerance = None if asked.within is None else _tolerance(asked.within)
     robust = None if tolerance is None or verdict.status is Status.UNDECIDED else robustness(verdict, tolerance)
-    chain = None if asked.delay is None else check_line(function, z0, asked.delay)
+    chain = None if asked.delay is None else check_line(verdict.function, z0, asked.delay)
     lines = in_lines(verdict, found, robust, z0) + missing + ([] if chain is None else ["", *chain.text_lines()])
     status = verdict.status if chain is None else chain.status
     plot = {} if chain is not None else {"plot": drawn("tline.cli.verdicts:draw_one_port", verdict, found, z0)}
@@ -193,17 +212,25 @@ def draw_one_port(verdict: "Verdict", margins: "Margins", z0: str) -> "Figure":
 
 def matrix(text: str, asked: Asked) -> Output:
     """Decide a matrix of rational functions."""
-    from passivity import RationalMatrix, check_bounded_real, check_positive_real
+    from passivity import Kind, RationalMatrix
     from passivity.budget import VERDICT, budget
+    from passivity.calculus.ask import ask
+    from passivity.discrete import Discrete
 
     asked.refuse("matrices", "z0", "delay", "within", "error", "nearest", "certificate")
     if not text.rstrip().endswith("]"):
         raise InputError("matrix", "its last bracket is missing", "[a, b; c, d]", f"'{text:.60}'")
     rows = [[entry.strip() for entry in row.split(",")] for row in text.strip()[1:-1].split(";")]
-    found = RationalMatrix.from_rows(rows, values(asked.parameters))
+    given, kind = values(asked.parameters), Kind.BR if asked.kind == "br" else Kind.PR
+    names = {name for row in rows for entry in row for name in re.findall(r"[^\W\d]\w*", entry)}
+    discrete = "z" in names and "z" not in given and "s" not in names
+    found = RationalMatrix.from_rows(rows, given, "z" if discrete else "s")
     with budget(2 * VERDICT):
-        verdict = (check_bounded_real if asked.kind == "br" else check_positive_real)(found)
-    return answer(verdict.status, verdict.text_lines(), verdict.to_dict())
+        what = Discrete(found) if discrete else found
+        inside = _in_region(what, asked)
+        verdict = ask(what, kind) if inside is None else inside
+    plot = drawn("tline.cli.verdicts:draw", verdict)
+    return answer(verdict.status, verdict.text_lines(), verdict.to_dict(), plot=plot)
 
 
 def samples(file: str, asked: Asked) -> Output:
@@ -213,7 +240,7 @@ def samples(file: str, asked: Asked) -> Output:
     from passivity.sampled.check import check_samples
     from passivity.sampled.enforce import nearest
 
-    asked.refuse("samples", "parameters", "delay", "within", "certificate")
+    asked.refuse("samples", "parameters", "delay", "within", "certificate", "sector", "supply")
     response = _read_samples(file, asked)
     verdict = check_samples(response, None if asked.error is None else double(exact(asked.error, "tolerance")))
     if asked.nearest and not asked.nearest.lower().endswith(wanted := (".json", f".s{response.ports}p")):
@@ -261,7 +288,7 @@ def scene(file: str, asked: Asked) -> Output:
     from tline.solver.description.power import taken_power
     from tline.solver.stability.growth import growth_sentence
 
-    asked.refuse("scenes", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
+    asked.refuse("scenes", "sector", "supply", "kind", "parameters", "z0", "delay", "within", "error", "nearest")
     read = read_any(file, confined=asked.confined)
     sources, active = controlled_sources(read), active_impedances(read)
     tested = {at: place(*at) for at, element in read.placed if isinstance(element, Impedance)}
