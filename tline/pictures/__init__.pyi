@@ -1,3 +1,4 @@
+from tline.pictures.animation import Animation as Animation
 from tline.pictures.animation import animated as animated
 from tline.pictures.bode import plot_misfit as plot_misfit
 from tline.pictures.lattice import plot_lattice as plot_lattice
@@ -7,7 +8,6 @@ from tline.pictures.map import surges as surges
 from tline.pictures.network import plot_network as plot_network
 from tline.pictures.path import Route as Route
 from tline.pictures.path import route as route
-from tline.pictures.player import Animation as Animation
 from tline.pictures.profile import plot_line_waves as plot_line_waves
 from tline.pictures.profile import plot_profile as plot_profile
 from tline.pictures.profile import plot_space_time as plot_space_time

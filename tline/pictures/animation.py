@@ -1,6 +1,9 @@
 """Animation of waves and effort along a route: as a web page, or as a film."""
 
+import json
 from collections.abc import Iterator
+from html import escape
+from importlib.resources import files
 from math import ceil, log10
 from pathlib import Path
 from typing import NamedTuple
@@ -10,16 +13,18 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 from PIL import Image
 
-from tline.errors import import_extra
+from tline.atomic import replacing
+from tline.errors import InputError, import_extra
 from tline.pictures.bounds import Bound, bounds, scale, spread
 from tline.pictures.path import Route, axis, extremes_along, waves_along
-from tline.pictures.player import Animation, player
 from tline.pictures.profile import draw_bounds
 from tline.solver.result.result import Result
 from tline.style import COLOURS, DASHES, figure, name_nodes, styled
 from tline.units import handy
 
 FRAMES, PLACES = 180, 361
+FRAME = 480  # pixels, height in a notebook
+SUFFIXES, PAGE = (".html", ".gif", ".mp4"), ("player.html", "waves.js")
 STEPS = 9999  # levels from smallest to largest effort in the page
 NOTE = (
     "a travels to the right, b to the left; the effort u is half of their sum. Shaded: what u passes through in the "
@@ -64,23 +69,46 @@ class MovingQuantities(NamedTuple):
         return max(ceil(-log10(self.t[1])), 0) + 1
 
 
-class Waves(Animation):
-    """Waves along a route and against it, and the effort, half of their sum: as a page, GIF or MP4."""
+class Animation:
+    """Waves along a route and against it, and the effort, half of their sum, moving in time; notebooks play it.
 
-    suffixes = (".html", ".gif", ".mp4")
+    Parameters
+    ----------
+    motion : MovingQuantities
+        What moves.
+    """
 
     def __init__(self, motion: MovingQuantities):
-        super().__init__(_page(motion))
         self.motion = motion
+        self.html = _page(motion)
 
-    def write(self, path: Path) -> None:
-        """Write a page or a film to a file, by its suffix."""
-        suffix = path.suffix.lower()
-        if suffix == ".html":
-            super().write(path)
-            return
+    def _repr_html_(self) -> str:
+        return f'<iframe srcdoc="{escape(self.html)}" width="100%" height="{FRAME}" style="border: 0"></iframe>'
 
-        (write_gif if suffix == ".gif" else write_mp4)(self.motion, path)
+    def save(self, filename: str | Path) -> None:
+        """Write the animation to a file.
+
+        Parameters
+        ----------
+        filename : str or Path
+            ``.html`` for a page that needs nothing else, with play, pause and a slider; ``.gif`` for a picture that
+            plays for ever; ``.mp4`` for a film.
+
+        Raises
+        ------
+        InputError
+            Another suffix, or the file cannot be written.
+        MissingExtraError
+            A film is asked for, and ffmpeg is not installed.
+        """
+        suffix = Path(filename).suffix.lower()
+        if suffix not in SUFFIXES:
+            raise InputError(str(filename), "unknown kind of animation", " or ".join(SUFFIXES), f"'{suffix}'")
+        with replacing(filename) as temporary:
+            if suffix == ".html":
+                temporary.write_text(self.html, encoding="utf-8")
+            else:
+                (write_gif if suffix == ".gif" else write_mp4)(self.motion, temporary)
 
 
 def animated(result: Result, path: Route) -> Animation:
@@ -98,7 +126,7 @@ def animated(result: Result, path: Route) -> Animation:
     InputError
         A line of the route was not recorded.
     """
-    return Waves(_motion(result, path))
+    return Animation(_motion(result, path))
 
 
 def _motion(result: Result, path: Route) -> MovingQuantities:
@@ -158,7 +186,10 @@ def _page(motion: MovingQuantities) -> str:
         "wave_range": motion.wave_range,
         "along": counts(motion.waves[0], *motion.wave_range),
     }
-    return player("tline.pictures", "waves.js", "waves and effort along the path, moving in time", data)
+    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
+    template, script = (files("tline.pictures").joinpath(name).read_text(encoding="utf-8") for name in PAGE)
+    before, middle, after = (part for end in template.split("DATA", 1) for part in end.split("SCRIPT\n"))
+    return before.replace("TITLE", escape(data["title"])) + text + middle + script + after  # texts of users come last
 
 
 FRAMES_PER_SECOND = 20

@@ -79,7 +79,10 @@ def plot_margin(seen: "OperatingMargin", ax: Axes | None = None) -> Figure | Axe
     axes.set_ylabel(f"voltage [{unit}]")
     axes.grid(True)
     axes.margins(x=0)
-    axes.legend(fontsize="small")
+    if ax is None:
+        figure.legend(loc="outside lower center", ncols=5, fontsize="small")
+    else:
+        axes.legend(fontsize="small", frameon=True)
     return figure
 
 

@@ -91,5 +91,5 @@ def _is_number(text: str) -> bool:
         return False
 
 
-def _first(texts: list[str], most: int = LISTED) -> str:
-    return ", ".join(texts[:most]) + f" and {len(texts) - most} more" * (len(texts) > most)
+def _first(texts: list[str]) -> str:
+    return ", ".join(texts[:LISTED]) + f" and {len(texts) - LISTED} more" * (len(texts) > LISTED)

@@ -322,7 +322,7 @@ def _is_voltage(section: Section) -> bool:
 
 def current_table(section: Section, corner: str, reference: float, kind: str, notes: list[str]) -> CurrentTable:
     """Read a current table, replaced by the nearest one whose current rises with the voltage toward its reference."""
-    if far := len(section.rows) - len((section := without_far_ends(section, "A")).rows):
+    if far := len(section.rows) - len((section := without_far_ends(section)).rows):
         notes.append(f"[{section.keyword.title()}] has {far} rows beyond {MOST['A']:g} A, which are left out")
     rows = sorted(dict(table_of(section, corner, ("V", "A"))).items())
     if len(rows) < 2:

@@ -90,9 +90,9 @@ def number_of(word: str, line: int, unit: str) -> float:
     return value
 
 
-def without_far_ends(section: Section, unit: str) -> Section:
-    """Leave out first and last rows with values beyond what is plausible, as of exponentials of clamps."""
-    far = [any(_size(word) > MOST[unit] for word in row[1:]) for _, row in section.rows]
+def without_far_ends(section: Section) -> Section:
+    """Leave out first and last rows with currents beyond what is plausible, as of exponentials of clamps."""
+    far = [any(_size(word) > MOST["A"] for word in row[1:]) for _, row in section.rows]
     near = [k for k, each in enumerate(far) if not each]
     return section._replace(rows=section.rows[near[0] : near[-1] + 1]) if near else section
 
