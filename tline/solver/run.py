@@ -22,7 +22,7 @@ from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import Accuracy
-from tline.solver.result.envelope import watch
+from tline.solver.result.envelope import Extremes
 from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import ElementRecord, LineRecord, Result, Wave
@@ -117,7 +117,7 @@ def _run(
     if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    extremes = watch(assembly, slabs) if envelope else None
+    extremes = Extremes(assembly, slabs) if envelope else None
     recorder = Recorder(assembly, slabs) if ledger else None
     watching = [each for each in (extremes, recorder) if each]
     waves, done = march(assembly, n, observers=watching, progress=progress)

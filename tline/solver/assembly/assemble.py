@@ -58,6 +58,12 @@ class Assembly(Layout):
         network = self.network
         return max(*(int(each.max(initial=-1)) + 1 for each in (network.record_row, network.effort_row)), self.kept)
 
+    def watch(self, ends: NDArray, nodes: NDArray) -> None:
+        """Record waves at some line ends, and efforts at some nodes, in rows behind those that a run keeps."""
+        for row, seen in ((self.network.record_row, ends), (self.network.effort_row, nodes)):
+            new = seen[row[seen] < 0]
+            row[new] = self.rows + np.arange(len(new))
+
     @cached_property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""

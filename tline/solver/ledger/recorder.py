@@ -27,9 +27,7 @@ class Recorder:
         description.refuse_coupled("a ledger")
         self.assembly, self.slabs, self.h = assembly, slabs, slabs.width
         inner = np.flatnonzero(np.diff(network.first) == 0)  # nodes without line ends
-        for row, seen in ((network.record_row, np.arange(len(network.ends))), (network.effort_row, inner)):
-            new = seen[row[seen] < 0]
-            row[new] = assembly.rows + np.arange(len(new))
+        assembly.watch(np.arange(len(network.ends)), inner)
         self.rows = np.append(network.record_row, network.effort_row[inner])  # of the record, by place
         self.place_of_row = np.full(assembly.rows, -1)  # none of laws
         self.place_of_row[self.rows] = np.arange(len(self.rows))
