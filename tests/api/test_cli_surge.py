@@ -17,7 +17,8 @@ def test_a_network_is_operated_and_its_scene_does_the_same(folder: Path) -> None
     pytest.importorskip("wntr")
     operations = "--trip duty@1s --close ab@2s+1s --burst 'c:5 L/s@2s+1s' --demand d:-4L/s@1s+1s --for 5s --no-cavities"
     pictures = "--heads heads.png --map map.png --profile way.png --path lake,tower --envelope table.csv"
-    done = run(f"surge {TOWN} --at-hour 1 {operations} {pictures} --at b,c --rating '6 bar' --save scene.toml")
+    more = "--at b,c --rating '6 bar' --seconds 600"
+    done = run(f"surge {TOWN} --at-hour 1 {operations} {pictures} {more} --save scene.toml")
     assert done.exit_code == 1
     assert "largest rises" in done.stdout
     assert "no pressure class is named, for water boils" in done.stdout

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -11,17 +12,17 @@ import tline as tl
 from tline.cli.main import main
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
-OPERATIONS = {"burst": "c:5 L/s@1s+0.5s", "demand": "d:-4 L/s@0.2s+0.5s", "when": "lift<4 bar: close ab+1s"}
+OPERATIONS: Any = {"burst": "c:5 L/s@1s+0.5s", "demand": "d:-4 L/s@0.2s+0.5s", "when": "lift<4 bar: close ab+1s"}
 
 
 @pytest.fixture(scope="module")
 def surge() -> tl.Operation:
-    return tl.operate(TOWN, t_end="2 s", rating="6 bar", **OPERATIONS)  # pyright: ignore[reportArgumentType]
+    return tl.operate(TOWN, t_end="2 s", rating="6 bar", seconds=600, **OPERATIONS)
 
 
 @pytest.fixture(scope="module")
 def without_cavities() -> tl.Operation:
-    return tl.operate(TOWN, t_end="2 s", cavities=False, **OPERATIONS)  # pyright: ignore[reportArgumentType]
+    return tl.operate(TOWN, t_end="2 s", cavities=False, seconds=600, **OPERATIONS)
 
 
 def test_it_tells_what_the_command_prints(surge, monkeypatch):

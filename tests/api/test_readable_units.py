@@ -20,7 +20,13 @@ TOWN = Path(__file__).parents[2] / "scenes" / "town.inp"
 def towns():
     scene = tl.read(TOWN.with_suffix(".toml"))
     calm = {"links.duty": scene.table()["links"]["duty"] | {"speed": 1}}
-    given: Any = {"trip": "duty@0.5s", "inertia": "0.4 kg m^2", "rated_speed": "1450 rpm", "t_end": "2 s"}
+    given: Any = {
+        "trip": "duty@0.5s",
+        "inertia": "0.4 kg m^2",
+        "rated_speed": "1450 rpm",
+        "t_end": "2 s",
+        "seconds": 600,
+    }
     return {units: operate(scene.change(calm), units=units, **given) for units in ("SI", "US, m3/h")}
 
 

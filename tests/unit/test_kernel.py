@@ -22,7 +22,7 @@ from tline.solver.kernel.network import Blocks
 from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import advance
 from tline.solver.loop.slabs import Slabs
-from tline.solver.result.envelope import watch
+from tline.solver.result.envelope import Extremes
 from tline.solver.run import run
 
 SILENT, UNRECORDED = np.zeros((0, 0)), np.zeros((0, 2, 0))
@@ -62,7 +62,7 @@ def test_rows_that_ledgers_and_envelopes_record_are_theirs_alone():
     """The next run of the same scene has no room for them."""
     description = describe(random_scene(3, loads=False, solver={"order": 3, "slab": 0.1}))
     Recorder(assemble(description, set()), Slabs(10, 1.0, 10.0))
-    watch(assemble(description, set()), Slabs(10, 1.0, 10.0))
+    Extremes(assemble(description, set()), Slabs(10, 1.0, 10.0))
     assert (assemble(description, set()).network.record_row < 0).all()
 
 

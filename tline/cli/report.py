@@ -48,7 +48,7 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
             ends["error"] = each.error(_bounds(probe, estimate, sizes))
             ends["error_inside_slabs"] = each.error(_bounds(probe, blurred[name], sizes))
     return told | {
-        "grid": grid_choice(describe((result.parts or result).scene), result.resolution)._asdict(),
+        "grid": grid_choice(describe((result.parts or result).scene), result.resolution),
         "lumped": dict(result.resolution.sections),
         "losses": _losses(result),
         "measured": {

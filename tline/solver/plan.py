@@ -149,7 +149,7 @@ class Pair:
 
     def _made_anew(self, description: Description) -> Result | None:
         coarse, fine = (as_computed(run(description, one.assembly.resolution)) for one in self.orders)
-        told = compare(description, coarse, fine, self.tol).errors
+        told, *_ = compare(description, coarse, fine, self.tol)
         if not told.met or fine.unresolved:
             return None
         accuracy = replace(told, attempts=(Attempt.of(coarse, told.worst), Attempt.of(fine)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
+from math import inf
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -22,7 +23,7 @@ from tline.solver.ledger.recorder import Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import Accuracy
-from tline.solver.result.envelope import watch
+from tline.solver.result.envelope import Extremes
 from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import ElementRecord, LineRecord, Result, Wave
@@ -94,7 +95,8 @@ def accounts_of(description: Description) -> "Again | None":
     chosen = resolution(description)
     slabs = Slabs.until(description.t_end, chosen.h).number
     passed = sum(line.delay / chosen.h for line in description.lines.values() if line.losses is not None)
-    return Again(description.scene, chosen, slabs, {}, DEAR * chosen.s * slabs * passed, bool(description.coupled))
+    work = inf if description.coupled else DEAR * chosen.s * slabs * passed
+    return Again(description.scene, chosen, slabs, {}, work)
 
 
 def _run(
@@ -117,7 +119,7 @@ def _run(
     if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
         problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
         raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
-    extremes = watch(assembly, slabs) if envelope else None
+    extremes = Extremes(assembly, slabs) if envelope else None
     recorder = Recorder(assembly, slabs) if ledger else None
     watching = [each for each in (extremes, recorder) if each]
     waves, done = march(assembly, n, observers=watching, progress=progress)
@@ -149,7 +151,7 @@ def given_out(
     alone = {node: _at_node(assembly, node, waves, done, smears) for node in description.probed_nodes}
     chosen = assembly.resolution
     samples = len(assembly.network.ends) * slabs.number * chosen.s
-    work = samples + EACH_NODE * len(assembly.nodes)
+    work = inf if description.coupled else samples + EACH_NODE * len(assembly.nodes)
     return Result(
         description.scene,
         slabs,
@@ -162,7 +164,7 @@ def given_out(
         done.seconds,
         done.fronts,
         accuracy=accuracy,
-        accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work, bool(description.coupled)),
+        accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work),
         circuits=assembly.grid.circuits,
         elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
         slams=_slams(assembly),
@@ -176,8 +178,7 @@ class Again(NamedTuple):
     chosen: Resolution
     slabs: int
     kinks: dict[str, NDArray]
-    work: float  # samples
-    coupled: bool
+    work: float  # samples; infinite with coupled conductors, which ledgers refuse
 
     def __call__(self) -> Ledger | None:
         """Energies that every line and element gave, took and stored."""
@@ -190,7 +191,7 @@ class Again(NamedTuple):
     @property
     def is_cheap(self) -> bool:
         """Whether it may be done without being asked for."""
-        return self.work <= LARGEST_LEDGER and not self.coupled
+        return self.work <= LARGEST_LEDGER
 
 
 def with_ledger(result: Result, ledger: bool | None) -> Result:

@@ -58,6 +58,12 @@ class Assembly(Layout):
         network = self.network
         return max(*(int(each.max(initial=-1)) + 1 for each in (network.record_row, network.effort_row)), self.kept)
 
+    def watch(self, ends: NDArray, nodes: NDArray) -> None:
+        """Record waves at some line ends, and efforts at some nodes, in rows behind those that a run keeps."""
+        for row, seen in ((self.network.record_row, ends), (self.network.effort_row, nodes)):
+            new = seen[row[seen] < 0]
+            row[new] = self.rows + np.arange(len(new))
+
     @cached_property
     def follows_edges(self) -> bool:
         """Whether fronts at slabs' edges need pieces: where delays are whole and nothing is lumped they stay there."""
@@ -169,7 +175,7 @@ def _written(assembly: Assembly, layout: Layout, maps: tuple[NDArray, NDArray]) 
         (network.load_at, systems.load_at),
         (network.step_row, systems.step_row),
         (network.step_states, systems.step_states),
-        (network.step_whole, np.array(systems.whole, bool)),
+        (network.step_whole, systems.whole),
         (network.step, maps[0]),
         (network.step_at, maps[1]),
         (network.moved, layout.moved),
@@ -215,7 +221,7 @@ def _network(
         step_row=systems.step_row.copy(),
         step_at=maps[1],
         step_states=systems.step_states.copy(),
-        step_whole=np.array(systems.whole, bool),
+        step_whole=systems.whole.copy(),
         step=maps[0],
         record_row=record_row,
         effort_row=np.array([recorded[2].get(node, -1) for node in layout.nodes], int),

@@ -74,7 +74,6 @@ class Junctions(NamedTuple):
     """Where the ends of lines meet; N nodes, G groups of nodes."""
 
     ends: NDArray  # (2 L,) node by node
-    degree: NDArray  # (N,)
     first: NDArray  # (N + 1,) those at node k are ends[first[k]:first[k + 1]]
     group: NDArray  # (G + 1,) nodes of group g are group[g] to group[g + 1]
     blocks: Blocks
@@ -110,10 +109,9 @@ class SlabGrid:
         key = tuple(nodes), tuple(len(group.nodes) for group in groups)
         if key not in self.junctions:
             ends = np.array([end for node in nodes.values() for end in node.ends])
-            degree = np.array([len(node.ends) for node in nodes.values()])
-            first, group = np.cumsum([0, *degree]), np.cumsum([0, *key[1]])
+            first, group = np.cumsum([0, *(len(node.ends) for node in nodes.values())]), np.cumsum([0, *key[1]])
             blocks = blocks_of(self.reach, first, ends, group, self.diamonds)
-            self.junctions[key] = Junctions(ends, degree, first, group, blocks)
+            self.junctions[key] = Junctions(ends, first, group, blocks)
         return self.junctions[key]
 
 
@@ -261,8 +259,8 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
 def _thevenin(u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, excitations: list[Excitation]) -> NDArray:
     """Thévenin wave of each node just before t = 0."""
     arriving = (u + [-1, 1] * q).ravel()
-    at = np.repeat(np.arange(len(junctions.degree)), junctions.degree)
-    from_lines = np.bincount(at, weight * arriving[junctions.ends], len(junctions.degree))
+    at = np.repeat(np.arange(len(excitations)), np.diff(junctions.first))
+    from_lines = np.bincount(at, weight * arriving[junctions.ends], len(excitations))
     return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
 
 

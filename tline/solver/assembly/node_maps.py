@@ -43,8 +43,7 @@ class GroupSystems(NamedTuple):
     step_states: NDArray  # (maps,) number of states of a map
     states: NDArray  # at the start
     spaces: list[StateSpace]  # of each map, from waves of nodes and laws to efforts there
-    group: list[int]  # of each map
-    whole: list[bool]  # of each map, whether it takes the points of a slab at once, be it without states
+    whole: NDArray  # of each map, whether it takes the points of a slab at once, be it without states
     events: list[Event]  # in order of time
     impedances: list[float]  # behind which all elements are seen
 
@@ -56,33 +55,27 @@ def systems_of(groups: list[Group], h: float, before: tuple[dict[str, float], ..
     the liquid is at rest.
     """
     load_at, step_row = np.full(len(groups), -1), np.full(len(groups), -1)
-    found = GroupSystems(load_at, step_row, np.empty(0), np.empty(0), [], [], [], [], [])
-    states = [np.empty(0)]
-    filled = 0
+    states, spaces, whole = [np.empty(0)], list[StateSpace](), list[bool]()
+    events, impedances, filled = list[Event](), list[float](), 0
     for g, group in enumerate(groups):
-        impedances = group.matched(1 / h)
-        found.impedances.extend(impedances)
-        if group.dynamic or (group.elements and not group.simple):
-            load_at[g], step_row[g] = filled, len(found.spaces)
-            states.append(group.at_rest() if before is None else group.at_rest_under(*before))
-            filled += len(states[-1])
-            stores = any(element.kind.states for element in group.elements)
-            _add(found, g, group, impedances, h, stores)
-    step_states = np.array([len(system.A) for system in found.spaces], int)
-    return found._replace(step_states=step_states, states=np.concatenate(states), events=sorted(found.events))
-
-
-def _add(found: GroupSystems, g: int, group: Group, impedances: list[float], h: float, coupled: bool) -> None:
-    """Add the maps of a group, and when they change."""
-    times = group.instants
-    systems = [circuit.system for circuit in group.circuits(impedances)]
-    if len({len(system.A) for system in systems}) > 1:
-        where = next(branch.where for branch in (*group.loads, *group.branches))
-        raise InputError(where, "a switch shorts what holds efforts or flows", "a switch with a resistance above zero")
-    found.events.extend(Event(time / h, g, len(found.spaces) + 1 + j) for j, time in enumerate(times))
-    found.spaces.extend(systems)
-    found.group.extend([g] * len(systems))
-    found.whole.extend([coupled or bool(len(systems[0].A))] * len(systems))
+        seen = group.matched(1 / h)
+        impedances += seen
+        if not (group.dynamic or (group.elements and not group.simple)):
+            continue
+        load_at[g], step_row[g] = filled, len(spaces)
+        states.append(group.at_rest() if before is None else group.at_rest_under(*before))
+        filled += len(states[-1])
+        systems = [circuit.system for circuit in group.circuits(seen)]
+        if len({len(system.A) for system in systems}) > 1:
+            where, problem = next(b.where for b in (*group.loads, *group.branches)), "holds efforts or flows"
+            raise InputError(where, f"a switch shorts what {problem}", "a switch with a resistance above zero")
+        events += [Event(time / h, g, len(spaces) + 1 + j) for j, time in enumerate(group.instants)]
+        spaces += systems
+        coupled = len(systems[0].A) > 0 or any(element.kind.states for element in group.elements)
+        whole += [coupled] * len(systems)
+    step_states = np.array([len(system.A) for system in spaces], int)
+    both = np.concatenate(states), spaces
+    return GroupSystems(load_at, step_row, step_states, *both, np.array(whole, bool), sorted(events), impedances)
 
 
 def maps_of(found: GroupSystems, order: Basis, h: float) -> tuple[NDArray, NDArray]:

@@ -24,8 +24,8 @@ from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, filling_times, grouped, regrouped, time_scales
 from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
-from tline.solver.description.links import Branch, branches_of, inductive, resistive
-from tline.solver.description.nodes import NONE, Levels, Node, levels_of, nodes_anew, nodes_of
+from tline.solver.description.links import Branch, branches_of
+from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
 from tline.words.wording import place
 
 BESIDE = "description"  # what it is called among a scene's attributes
@@ -165,16 +165,6 @@ class Description:
         return like if like and [e.where for e in like.elements] == [e.where for e in self.elements] else None
 
     @property
-    def resistive(self) -> list[PlacedLaw]:
-        """Linear resistances between nodes to a steady flow."""
-        return resistive(self.scene, self.nodes)
-
-    @property
-    def inductive(self) -> list[tuple[str, str, float]]:
-        """Nodes of links that are shorts to a steady flow, and their inductances."""
-        return inductive(self.scene)
-
-    @property
     def multiports(self) -> list[str]:
         """Names of links that are multiports."""
         return [name for name, link in self.scene.links.items() if isinstance(link, Multiport)]
@@ -227,16 +217,13 @@ class Description:
     @property
     def tanks(self) -> dict[str, float]:
         """Efforts, counted from the level, at nodes of tanks that hold a level of their own at the start."""
-        found = {}
-        for load in self.scene.loads.values():
-            if isinstance(load, SurgeTank) and load.start is not None:
-                found[load.at] = load.start + self.nodes[load.at].height.above_level
-        return found
+        own = [tank for tank in self.surge_tanks.values() if tank.start is not None]
+        return {tank.at: float(tank.start or 0.0) + self.nodes[tank.at].height.above_level for tank in own}
 
     @property
-    def levels(self) -> dict[str, Levels]:
-        """Levels of tanks, by place."""
-        return levels_of(self.scene)
+    def surge_tanks(self) -> dict[str, SurgeTank]:
+        """Tanks by place."""
+        return {place("loads", name): load for name, load in self.scene.loads.items() if isinstance(load, SurgeTank)}
 
     @property
     def plausibility_notes(self) -> list[str]:

@@ -3,16 +3,13 @@
 In a scene with heights all efforts count from the level: the piezometric pressure of the liquid at rest, filled up to
 the highest node. The effort across an element from a node to the open air is the gauge pressure, the effort less
 `Height.above_level`.
-
-Tanks have limits of their levels.
 """
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import inf
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +22,6 @@ from tline.scene.rational import MOST_STATES, RationalImpedance
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
-from tline.scene.vessel import SurgeTank
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
@@ -281,26 +277,3 @@ def node_of_end(nodes: Collection[Node]) -> NDArray:
     for k, node in enumerate(nodes):
         at[node.ends] = k
     return at
-
-
-class Levels(NamedTuple):
-    """Levels above its node at which a tank is empty, and overflows, m; and the pressure of a metre, Pa/m."""
-
-    node: str
-    weight: float
-    lowest: float
-    highest: float
-
-
-def levels_of(scene: Scene) -> dict[str, Levels]:
-    """Limits of the levels of tanks, by place."""
-    return {
-        place("loads", name): Levels(
-            load.at,
-            load.weight,
-            -inf if load.lowest_level is None else float(load.lowest_level),
-            inf if load.highest_level is None else float(load.highest_level),
-        )
-        for name, load in scene.loads.items()
-        if isinstance(load, SurgeTank)
-    }

@@ -128,15 +128,11 @@ def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bo
         raise InputError("t_end", problem, expected, f"{t_end:.3g} s")
 
 
-class GridChoice(NamedTuple):
-    """Reason for a slab width, and the predicted cost of one run in samples without fronts inside slabs."""
+def grid_choice(description: Description, chosen: Resolution) -> dict[str, str | float | None]:
+    """Reason for slabs: which delays they divide; and the predicted cost of a run.
 
-    reason: str
-    cost: float | None  # not predicted beside losses, nor of a convolution
-
-
-def grid_choice(description: Description, chosen: Resolution) -> GridChoice:
-    """Classify the slabs of a run by the delays that they divide, and predict the relative cost of the run."""
+    That is in samples without fronts inside slabs, and not predicted beside losses, nor of a convolution.
+    """
     h, breaks = chosen.h, breaks_of(description)
     delays = [line.delay for name, line in description.lines.items() if name not in chosen.sections]
     work = relative_work(h, delays, breaks)
@@ -149,8 +145,8 @@ def grid_choice(description: Description, chosen: Resolution) -> GridChoice:
     else:
         reason = "common tick of delays and fronts" if len(breaks) else "common tick of delays"
     if chosen.convolved or description.dispersive:
-        return GridChoice(reason, None)
-    return GridChoice(reason, 2 * len(delays) * chosen.s * description.t_end / h * work)
+        return {"reason": reason, "cost": None}
+    return {"reason": reason, "cost": 2 * len(delays) * chosen.s * description.t_end / h * work}
 
 
 def short_lines(description: Description, record: Iterable[str]) -> tuple[list[str], float]:

@@ -1,7 +1,5 @@
 """Energy accounting during a run: energies through line ends and into elements, slab by slab."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,12 +16,7 @@ BLOCK = 100_000  # samples of a group's line ends processed together
 NET = np.array([-1.0, 1.0, 1.0, 1.0, 0.0])  # weights of an account's columns in the energy that it takes
 
 
-class Found(NamedTuple):
-    """Pieces of the slabs with fronts, of one group."""
-
-    slab: NDArray  # (pieces,)
-    span: NDArray  # (pieces, 2)
-    waves: NDArray  # (pieces, rows, 2, s) arriving and leaving waves
+Found = tuple[NDArray, NDArray, NDArray]  # of pieces of a group: slab, span (pieces, 2), waves (pieces, rows, 2, s)
 
 
 class Recorder:
@@ -34,9 +27,7 @@ class Recorder:
         description.refuse_coupled("a ledger")
         self.assembly, self.slabs, self.h = assembly, slabs, slabs.width
         inner = np.flatnonzero(np.diff(network.first) == 0)  # nodes without line ends
-        for row, seen in ((network.record_row, np.arange(len(network.ends))), (network.effort_row, inner)):
-            new = seen[row[seen] < 0]
-            row[new] = assembly.rows + np.arange(len(new))
+        assembly.watch(np.arange(len(network.ends)), inner)
         self.rows = np.append(network.record_row, network.effort_row[inner])  # of the record, by place
         self.place_of_row = np.full(assembly.rows, -1)  # none of laws
         self.place_of_row[self.rows] = np.arange(len(self.rows))
@@ -88,11 +79,11 @@ class Recorder:
         columns = Columns(basis, self.h, slabs)
         out, posted = group.energies(waves[:, 0], waves[:, 1], columns)
         if found is not None:
-            these = slice(*np.searchsorted(found.slab, [slabs[0], slabs[-1] + 1]))
-            slab = found.slab[these]
+            these = slice(*np.searchsorted(found[0], [slabs[0], slabs[-1] + 1]))
+            slab, span, waves = (part[these] for part in found)
             if len(slab):
-                w, o = found.waves[these].transpose(2, 1, 0, 3)
-                parts = group.energies(w, o, Columns(basis, self.h, slab, found.span[these]))
+                w, o = waves.transpose(2, 1, 0, 3)
+                parts = group.energies(w, o, Columns(basis, self.h, slab, span))
                 starts = np.flatnonzero(np.diff(slab, prepend=-1))
                 for whole, part in zip((out, posted), parts, strict=True):
                     whole[..., slab[starts] - slabs[0]] = np.add.reduceat(part, starts, axis=-1)
@@ -111,7 +102,7 @@ class Recorder:
             if number >= 0:  # else at what a source between two nodes prescribes
                 these, rows = order[start : start + count], len(self.groups[number].places)
                 waves = pieces.values[these].reshape(-1, rows, 2, s)
-                found[int(number)] = Found(pieces.slab[these[::rows]], pieces.span[these[::rows]], waves)
+                found[int(number)] = pieces.slab[these[::rows]], pieces.span[these[::rows]], waves
         return found
 
     def ledger(self, fronts: Fronts | None) -> Ledger:

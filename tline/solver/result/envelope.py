@@ -13,7 +13,7 @@ from tline.solver.description.given import Height
 from tline.solver.kernel.peaks import TIE, extremes, find_extremes
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.loop.slabs import Slabs, cut_at_end
-from tline.solver.radau import Basis, basis
+from tline.solver.radau import basis
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,22 +53,22 @@ COLUMNS = ("start", "lowest", "lowest_at", "lowest_error", "highest", "highest_a
 
 
 class Extremes:
-    """Recorder of extremes during a run."""
+    """Recorder of extremes during a run of an assembled scene, whose nodes it lets be recorded."""
 
-    def __init__(
-        self,
-        nodes: tuple[str, ...],
-        alone: tuple[str, ...],
-        rows: NDArray,
-        start: NDArray,
-        order: Basis,
-        slabs: Slabs,
-        at_ends: bool,
-    ):
-        self.nodes, self.alone, self.rows, self.start = nodes, alone, rows, start
-        self.order, self.slabs = order, slabs
-        self.at_ends, self.sought = at_ends, basis(1) if at_ends else order
-        self.top, self.at = np.zeros((2, 2, len(start)))  # largest fall and rise from the start, and their instants
+    def __init__(self, assembly: Assembly, slabs: Slabs):
+        network, nodes = assembly.network, list(assembly.nodes)
+        ends = np.diff(network.first)
+        there = np.flatnonzero(ends)
+        inner = np.array([k for k in np.flatnonzero(ends == 0) if nodes[k] in assembly.description.nodes], int)
+        one = network.ends[network.first[there]]
+        assembly.watch(one, inner)
+        before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
+        self.nodes, self.alone = (tuple(nodes[k] for k in each) for each in (there, inner))
+        self.start = np.append(before[one], [assembly.efforts[node] for node in self.alone])
+        self.rows = np.append(network.record_row[one], network.effort_row[inner])
+        self.order, self.slabs, self.at_ends = assembly.basis, slabs, assembly.description.blurred
+        self.sought = basis(1) if self.at_ends else self.order
+        self.top, self.at = np.zeros((2, 2, len(self.start)))  # largest fall and rise from the start, and when
 
     def see(self, record: NDArray, first: int, n: int, pieces: Noted) -> None:
         """Search n slabs from number `first` on, which begin at the first column of the record."""
@@ -122,20 +122,3 @@ class Extremes:
         columns = start, start - self.top[0], self.at[0], start + self.top[1], self.at[1]
         alone = dict(zip(self.alone, zip(*(each[ours:].tolist() for each in columns), strict=True), strict=True))
         return Envelope(self.nodes, start[:ours], *seen, weight, per_metre, alone)
-
-
-def watch(assembly: Assembly, slabs: Slabs) -> Extremes:
-    """Set up the recorder of extremes of an assembled scene, and record its nodes."""
-    network, nodes = assembly.network, list(assembly.nodes)
-    ends = np.diff(network.first)
-    there = np.flatnonzero(ends)
-    alone = np.array([k for k in np.flatnonzero(ends == 0) if nodes[k] in assembly.description.nodes], int)
-    one = network.ends[network.first[there]]
-    for row, seen in ((network.record_row, one), (network.effort_row, alone)):
-        new = seen[row[seen] < 0]
-        row[new] = assembly.rows + np.arange(len(new))
-    before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
-    names, inner = (tuple(nodes[k] for k in each) for each in (there, alone))
-    start = np.append(before[one], [assembly.efforts[node] for node in inner])
-    rows = np.append(network.record_row[one], network.effort_row[alone])
-    return Extremes(names, inner, rows, start, assembly.basis, slabs, assembly.description.blurred)

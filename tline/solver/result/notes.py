@@ -70,15 +70,16 @@ def tank_limits(description: Description, seen: Mapping[str, tuple[float, float]
     """Notes on tanks that overflow or run empty, where probes or the envelope cover their nodes."""
     at = {place("probes", name): probe.at for name, probe in description.scene.probes.items()}
     found = []
-    for where, tank in description.levels.items():
-        here = [seen[each] for each in seen if at.get(each) == tank.node or each == f"node '{tank.node}'"]
+    for where, tank in description.surge_tanks.items():
+        here = [seen[each] for each in seen if at.get(each) == tank.at or each == f"node '{tank.at}'"]
         if not here:
             continue
         low, high = min(low for low, _ in here) / tank.weight, max(high for _, high in here) / tank.weight
-        if high > tank.highest:
-            found.append(f"{where}: it overflows: its level comes to {high:.4g} m, above its {tank.highest:g} m")
-        if low < tank.lowest:
-            found.append(f"{where}: it runs empty: its level comes to {low:.4g} m, below its {tank.lowest:g} m")
+        lowest, highest = tank.lowest_level, tank.highest_level
+        if highest is not None and high > highest:
+            found.append(f"{where}: it overflows: its level comes to {high:.4g} m, above its {highest:g} m")
+        if lowest is not None and low < lowest:
+            found.append(f"{where}: it runs empty: its level comes to {low:.4g} m, below its {lowest:g} m")
     return found
 
 

@@ -274,9 +274,14 @@ class ProbeResult(AtHeight):
         return self.of_waves(t, a.at_slab_ends()[:n], b.at_slab_ends()[:n])
 
     @property
+    def passing(self) -> tuple[tuple[Wave, float], tuple[Wave, float]]:
+        """Waves a and b that pass the probe, as they are at an end of its line, and how much later."""
+        return self.record.passing(self.share)
+
+    @property
     def waves(self) -> tuple[Wave, Wave]:
         """Waves (a, b) that pass the probe, as they are at an end of its line."""
-        (a, _), (b, _) = self.record.passing(self.share)
+        (a, _), (b, _) = self.passing
         return a, b
 
     def of_waves(self, t: NDArray, a: NDArray, b: NDArray) -> Samples:

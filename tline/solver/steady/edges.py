@@ -23,6 +23,7 @@ from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, opened, units_of_laws
 from tline.solver.description.lines import Line, distinct
+from tline.solver.description.links import resistive
 from tline.solver.kernel.network import Crossing, Laws
 from tline.solver.kernel.network import Laws as Elements
 from tline.solver.kernel.units import law_addresses
@@ -221,7 +222,9 @@ def _steep(elements: Elements, largest: float) -> NDArray:
 
 def _standing(description: Description) -> list[PlacedLaw]:
     """Elements without a state, and resistive ones, which pass a steady flow in proportion to the effort."""
-    return [_running(element) for element in description.elements if not element.kind.fills] + description.resistive
+    return [_running(element) for element in description.elements if not element.kind.fills] + resistive(
+        description.scene, description.nodes
+    )
 
 
 def _running(element: PlacedLaw) -> PlacedLaw:

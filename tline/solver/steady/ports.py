@@ -22,7 +22,7 @@ from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.lines import distinct
-from tline.solver.description.links import Branch, admittance, capacitive, conductors
+from tline.solver.description.links import Branch, admittance, capacitive, conductors, inductive
 from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place
@@ -97,7 +97,7 @@ def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) 
 
 def joins_of(description: Description, number: Mapping[str, int], lines: Lines) -> Joins:
     """Lines along which nothing falls, and links that are shorts to a steady flow."""
-    shorts, lossless = description.inductive, ~lines.falls
+    shorts, lossless = inductive(description.scene), ~lines.falls
     pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
     inertia = np.concatenate([(lines.z0 * lines.delay)[lossless], [inertia for _, _, inertia in shorts]])
     names = [name for name, kept in zip(description.lines, lossless.tolist(), strict=True) if kept]

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,19 +20,6 @@ STEPS = 2  # consecutive steps that must do so: two runs may agree by accident
 ROUNDED = 1e-13  # relative to the amplitude; smaller differences are rounding
 
 
-class Comparison(NamedTuple):
-    """Differences between a run and a finer one, with the factors from these to errors."""
-
-    differences: Accuracy  # largest differences, from which errors are estimated
-    by: float  # ratio of errors at any instant to differences
-    merged: float  # relative to the largest wave; smaller fronts are left out of both runs
-
-    @property
-    def errors(self) -> Accuracy:
-        """Estimated errors of the coarser run."""
-        return self.differences.times(self.by).at_least(self.merged)
-
-
 def compare(
     description: Description,
     coarse: Result,
@@ -42,17 +28,18 @@ def compare(
     before: Sequence[Accuracy] = (),
     unknown: float = SLOWEST,
     whole: bool = False,
-) -> Comparison:
+) -> tuple[Accuracy, float, Accuracy]:
     """Estimate the errors of a run by its differences to a finer one.
 
     `before` are differences of each earlier run to the next, up to the coarse one; without any a step is taken to leave
     the share `unknown`. The inside of slabs counts even if their ends are beyond the tolerance if all is asked
-    (`whole`).
+    (`whole`). Returned are the errors, their ratio to differences, and these; smaller fronts than both runs follow are
+    left out of both.
     """
     found = Accuracy(tol, *differences(coarse, fine, None if whole else tol))
     by = caution(found, before[-1] if before else None, unknown)
     by *= magnified(description, coarse, fine, [*(each.worst for each in before), found.worst])
-    return Comparison(found, by, fine.resolution.layers)
+    return found.times(by).at_least(fine.resolution.layers), by, found
 
 
 def differences(

@@ -17,7 +17,7 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import ProbeResult, Result, Wave
 from tline.solver.run import accounts_of
 from tline.solver.tolerance.compare import BETWEEN, added, relative
-from tline.solver.tolerance.difference import Difference, on_slabs, ways
+from tline.solver.tolerance.difference import Difference, on_slabs
 from tline.solver.tolerance.kinks import kinking
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
 from tline.words.wording import place
@@ -242,7 +242,7 @@ def _difference(coarse: ProbeResult, fine: ProbeResult, near: NDArray, settle: f
 def _in_pieces(probe: ProbeResult, x: NDArray, end: float) -> NDArray:
     """Instants at places of all pieces of the waves at a probe, s."""
     found = [np.empty((0, x.size))]
-    for wave, late in zip(probe.waves, ways(probe), strict=True):
+    for wave, late in probe.passing:
         start, stop = (wave.pieces.slab[:, None] + wave.pieces.span).T[:, :, None] * wave.h + late
         found.append(start + (stop - start) * x)
     same = probe.share in (0.0, 1.0)  # pieces of both waves

@@ -112,7 +112,9 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, broken: ND
     x = np.array(chebyshev(max(*(probe.waves[0].basis.s for probe in (coarse, fine)))))
     if 0.0 < fine.share < 1.0:
         edges = [
-            delay / probe.record.a1.h * k % 1.0 for probe, k in ((fine, 1), (coarse, every)) for delay in ways(probe)
+            delay / probe.record.a1.h * k % 1.0
+            for probe, k in ((fine, 1), (coarse, every))
+            for _, delay in probe.passing
         ]
         x = np.unique(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
     n, whole = len(broken), ~broken
@@ -127,9 +129,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, broken: ND
 
 def on_slabs(probe: ProbeResult, x: NDArray, first: int, n: int) -> NDArray:
     """Gauge effort and z0 times flow at places x, in slabs, of n slabs from a first one on, shape (2, n, places)."""
-    a, b = (
-        _wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in zip(probe.waves, ways(probe), strict=True)
-    )
+    a, b = (_wave_on_slabs(wave, delay / wave.h, x, first, n) for wave, delay in probe.passing)
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
 
@@ -160,7 +160,7 @@ def _in_pieces(
         return np.zeros(2), np.zeros(2)
     slabs = np.flatnonzero(broken)
     fronts = np.concatenate([breakpoints(coarse), breakpoints(fine)])
-    edges = [slabs * h + late % h for late in (0.0, *ways(fine))]  # of the waves' slabs, too
+    edges = [slabs * h + late % h for late in (0.0, *(late for _, late in fine.passing))]  # of the waves' slabs, too
     end = min(n * h, fine.slabs.end)
     knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts, [end]]))
     knots = knots[(knots >= 0) & (knots <= end)]
@@ -184,7 +184,7 @@ def _in_pieces(
 def _overlooked(probe: ProbeResult, narrow: float) -> float:
     """Height by which a wave rises above both its sides, or falls below them, in pieces too narrow to compare."""
     most = 0.0
-    for wave, late in zip(probe.waves, ways(probe), strict=True):
+    for wave, late in probe.passing:
         start, stop = wave.h * (wave.pieces.slab[:, None] + wave.pieces.span).T
         real = (stop - start <= narrow) & (stop - start > ROUNDINGS * EPS * stop) & (start + late < probe.slabs.end)
         if not real.any():
@@ -198,9 +198,7 @@ def _overlooked(probe: ProbeResult, narrow: float) -> float:
 
 def _on_pieces(probe: ProbeResult, start: NDArray, stop: NDArray, same: NDArray, x: NDArray) -> NDArray:
     """Gauge effort and z0 times flow at places x of pieces, shape (2, pieces, places)."""
-    a, b = (
-        wave.between(start - delay, stop - delay, same, x) for wave, delay in zip(probe.waves, ways(probe), strict=True)
-    )
+    a, b = (wave.between(start - delay, stop - delay, same, x) for wave, delay in probe.passing)
     return np.stack([(a + b) / 2 - probe.height.weight, (a - b) / 2])
 
 
@@ -214,7 +212,7 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
     broken = np.zeros(n + 1, bool)
     for probe in (coarse, fine):
         ratio = probe.record.a1.h / fine.record.a1.h
-        for wave, delay in zip(probe.waves, ways(probe), strict=True):
+        for wave, delay in probe.passing:
             slabs = np.unique(wave.pieces.slab)
             if len(slabs):
                 begin = np.floor((slabs + delay / wave.h) * ratio + BESIDE).astype(int)
@@ -225,12 +223,4 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
 
 def breakpoints(probe: ProbeResult) -> NDArray:
     """Instants at which fronts inside slabs pass a probe, s."""
-    return np.unique(
-        np.concatenate([wave.breakpoints() + delay for wave, delay in zip(probe.waves, ways(probe), strict=True)])
-    )
-
-
-def ways(probe: ProbeResult) -> tuple[float, float]:
-    """Delays of the two waves on their way to the probe, s; zero at the ends of a line."""
-    (_, of_a), (_, of_b) = probe.record.passing(probe.share)
-    return of_a, of_b
+    return np.unique(np.concatenate([wave.breakpoints() + delay for wave, delay in probe.passing]))

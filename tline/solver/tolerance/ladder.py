@@ -166,8 +166,7 @@ class Grids(ABC):
     def step(self, ladder: "Ladder", finer: Result) -> Step:
         """Estimate the error of the last run from its difference to a finer one."""
         pair = ladder.last, finer, self.search.tol, ladder.differences, self.unknown
-        comparison = compare(self.search.description, *pair)
-        return Step(finer, comparison.errors, comparison.by, comparison.differences)
+        return Step(finer, *compare(self.search.description, *pair))
 
     @abstractmethod
     def is_enough(self, ladder: "Ladder") -> bool:
@@ -234,7 +233,7 @@ class Ladder:
         """Return the best run and its accuracy; `limit` is the reason to stop, if there was one."""
         best, accuracy, tol = self.best, self._accuracy, self.search.tol
         if self._pair and accuracy.at_slab_ends > tol:
-            accuracy = compare(self.search.description, *self._pair, self._grids.unknown, whole=True).errors
+            accuracy, *_ = compare(self.search.description, *self._pair, self._grids.unknown, whole=True)
         damped = () if limit else best.resolution.notes  # that does not matter where the tolerance is met
         damped += tuple(smeared(best.fronts)) if best.fronts.lost <= tol and not limit else ()
         unresolved = tuple(note for note in best.unresolved if note not in damped)

@@ -9,7 +9,6 @@ window with its derivatives, and integrated by parts, its equation contains none
 
 from collections.abc import Iterator
 from functools import cache, cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -144,12 +143,7 @@ def _one_in_each(parts: int) -> NDArray:
     return (np.arange(parts) + np.random.default_rng(parts).uniform(0.0, 1.0, parts)) / parts
 
 
-class Doubt(NamedTuple):
-    """Place, instant and kind of a misfit between a result and the equations."""
-
-    where: str
-    t: float
-    what: str
+Doubt = tuple[str, float, str]  # place and instant of a misfit between a result and the equations, and what it is
 
 
 def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
@@ -194,7 +188,7 @@ def _is_another(seen: Seen, sent: Wave, arrived: Wave, delay: float) -> NDArray:
 
 def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]:
     if wrong.sum() > MOST_ASIDE:
-        yield Doubt(where, float(seen.instants[wrong][0]), what)
+        yield where, float(seen.instants[wrong][0]), what
 
 
 def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
@@ -212,9 +206,7 @@ def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
         else:
             continue
         if wrong.sum() > MOST_WINDOWS:
-            yield Doubt(
-                f"node '{one.name}'", float(windows.begin[wrong][0]), "what is stored there is not what flowed in"
-            )
+            yield f"node '{one.name}'", float(windows.begin[wrong][0]), "what is stored there is not what flowed in"
 
 
 def _signals(seen: Seen, one: Balance) -> tuple[NDArray, NDArray, float, NDArray]:

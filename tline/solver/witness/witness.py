@@ -56,7 +56,7 @@ def plain_doubts(description: Description, result: Result) -> Iterator[Doubt]:
             off = np.abs(given - other)
             if apart <= KNOWS * size and off.max() > CAUTION * apart:
                 what = f"the mean of {letter} is not that of a plain run"
-                yield Doubt(f"probes.{name}", float(off.argmax() * window), what)
+                yield f"probes.{name}", float(off.argmax() * window), what
 
 
 def _slab(description: Description, result: Result) -> float | None:
@@ -97,8 +97,8 @@ class Witness:
         accuracy = result.accuracy
         if accuracy is None or not accuracy.met:
             return result
-        for doubt in islice(self._doubts(result), 1):
-            limit = f"two methods disagree at {doubt.where} at {doubt.t:.6g} s: {doubt.what}"
+        for where, t, what in islice(self._doubts(result), 1):
+            limit = f"two methods disagree at {where} at {t:.6g} s: {what}"
             result = replace(result, accuracy=replace(accuracy, limit=limit))
         return result
 
