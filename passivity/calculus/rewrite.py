@@ -32,22 +32,22 @@ def _written(graph: Graph, n: int) -> Iterator[Rewriting]:
     yield from _cayley(graph, powers, sums)
     yield from _parallel(graph, powers, sums)
     yield from _of_two(graph, powers, sums)
-    yield from _together(graph, powers, sums)
     yield from _cancelled(graph, powers, sums)
     if not graph.moves[n]:
         return
     yield from _spread(graph, powers, [b for b in sums if graph.moves[b]])
+    yield from _together(graph, powers, sums)
 
 
 def _together(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
-    """A factor that is a sum over the common denominator of its terms, where that leaves no more of these."""
+    """A factor that is a sum over the common denominator of its terms, where that leaves fewer of these."""
     for base in sums:
         terms = graph.nodes[base][1]
         under = [{b: -e for b, e in graph.powers(m).items() if e < 0 and graph.nodes[b][0] == "sum"} for _, m in terms]
         if below := {b: max(each.get(b, 0) for each in under) for b in sorted(set().union(*under))}:
             over = _powered(graph, below)
             above = graph.sum([graph.product([term, over]) for term in terms])
-            if len(graph.terms(above[1])) <= len(terms):
+            if len(graph.terms(above[1])) < len(terms):
                 rest = _powered(graph, {b: e for b, e in powers.items() if b != base})
                 e = powers[base]
                 yield False, graph.product([above, over, rest], [e, -e, 1]), list(below)
