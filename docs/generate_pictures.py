@@ -49,7 +49,8 @@ def waves() -> dict[str, Any]:
 
 @styled
 def signals() -> dict[str, Any]:
-    """Pictures of cables: crosstalk, reflections, eyes, load lines, a measured load; and a verdict."""
+    """Pictures of cables: crosstalk, reflections, eyes, load lines, a measured load; and two verdicts."""
+    parts = np.eye(2), np.eye(2) / 5, np.eye(2) / 10
     pulse = tl.signal.pulse_response(tl.examples["stripline_eye"], "receiver", "100 ps", "20 ps", tol=1e-4)
     found = {
         "tdr": tl.signal.reflectometry(tl.examples["tdr"], "near", "100 ps"),
@@ -61,6 +62,7 @@ def signals() -> dict[str, Any]:
         "ddr_eye": tl.signal.eye(tl.examples["ddr_ibis"], "die", "1 ns"),
         "bode": tl.frequency.respond(tl.examples["cable_rlc"], 2j * np.pi * np.geomspace(1e6, 1e9, 1001)),
         "passivity": tl.passivity.check_positive_real("(s + 2)/(s^2 + s + 1)"),
+        "passivity_discrete": tl.passivity.is_bounded_real(([[0.5, 0.7], [-0.6, 0.5]], *parts, True)),
     } | {f"exercise_{letter}": tl.exercise(letter) for letter in ("1d", "1e", "2a", "3c")}
     misfit = tl.pictures.plot_misfit(tl.examples["antenna"].loads["antenna"].model, "antenna.s1p")
     return {name: each.plot() for name, each in found.items()} | {"fit": misfit}

@@ -84,16 +84,17 @@ def outside(verdict: Verdict, network: Any = None) -> Verdict:
     """The verdict on a function of z from that on a function of s; `network` is the former, as given."""
     if network is None and verdict.function is not None:
         network = verdict.function.bilinear().bilinear().bilinear()  # at -1/s, and then at (s - 1)/(s + 1)
-    witness = verdict.witness and _at_z(verdict, verdict.witness, network)
+    if (found := verdict.witness) and (found.re, found.im) == (1, 0):  # z is infinite there: a point near it
+        test = _test(verdict, found)
+        finite = next(filter(None, (test(1 - Fraction(1, 2**k), Fraction(0)) for k in count(2))))
+        verdict = replace(verdict, witness=finite)
+    witness = verdict.witness and _at_z(verdict.witness, network)
     hidden = _hidden(network) if isinstance(network, RationalFunction) else verdict.hidden
     return replace(verdict, function=network, witness=witness, hidden=hidden, floats=None, in_s=verdict)
 
 
-def _at_z(verdict: Verdict, found: Witness, network: Any) -> Witness:
-    """A witness as a point z; s = 1, which is infinity, is left for a point near it."""
-    if (found.re, found.im) == (1, 0):
-        test = _test(verdict, found)
-        found = next(filter(None, (test(1 - Fraction(1, 2**k), Fraction(0)) for k in count(2))))
+def _at_z(found: Witness, network: Any) -> Witness:
+    """A witness as a point z."""
     size = (1 - found.re) ** 2 + found.im**2
     re, im = (1 - found.re**2 - found.im**2) / size, 2 * found.im / size
     image = network if isinstance(found.found, StateSpace) and isinstance(network, StateSpace) else found.found

@@ -59,7 +59,7 @@ class Decided(Presentation):
         """Impedance plane, Smith chart and reflection, or samples against their bound; on `ax` one of these alone."""
         if self.picture:
             return super().plot(ax)
-        raise ExpressionError("plot", "there is no picture of this", "a function of one port without names, or samples")
+        raise ExpressionError("plot", "there is no picture of this", "a function without names, or samples")
 
     def __bool__(self) -> NoReturn:
         raise TypeError("a verdict is neither true nor false, expected its .proved, .refuted or .status")

@@ -342,7 +342,8 @@ class Verdict(Decided):
 
         if self.in_s is not None:
             return self.in_s.evidence
-        if self.proof or not self.asked[0]:
+        open_circuit = isinstance(self.function, RationalFunction) and self.function.is_infinite  # 1/0 is no node
+        if self.proof or open_circuit or not self.asked[0]:
             return self.proof
         if point := self.witness:
             return self.question.file(point)

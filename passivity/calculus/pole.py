@@ -20,7 +20,7 @@ _SPARE = 128  # bits beyond those of the radius
 
 
 class Spot(NamedTuple):
-    """The point of a disc around s at which a node is j^turn 2^-exponent."""
+    """The point of a disc around s at which a node is j^turn 2^-exponent; z0 + load of the line n for the node ~n."""
 
     radius: Fraction
     node: int
@@ -31,27 +31,31 @@ class Spot(NamedTuple):
 def value_at(graph: Graph, value: Value, re: Fraction, im: Fraction, spot: Spot, names: Names) -> acb:
     """A ball with the value there; not finite if it is not shown that there is such a point in Re s > 0."""
     radius, n, exponent, turn = spot
+    part = (ONE, n)
+    if n < 0:
+        z0, _, load = graph.nodes[~n][1]
+        part = graph.sum([load, z0])
     bits = _SPARE + 2 * max(map(bits_of, (re, im, radius)))
-    spend((len(needed(graph, value[1])) + 2 * _ARCS * len(needed(graph, n))) * (4_000 + 40 * bits), "a pole")
+    spend((len(needed(graph, value[1])) + 2 * _ARCS * len(needed(graph, part[1]))) * (4_000 + 40 * bits), "a pole")
     with ctx.workprec(bits):
         unit, small = of_fraction(radius), acb(0, 1) ** turn * arb(2) ** -exponent
         place = of_point(re, im) + acb(arb(0, unit), arb(0, unit))
-        if 0 < radius < re and _turns(graph, n, of_point(re, im), unit, names, abs(small)) > 0:
+        if 0 < radius < re and _turns(graph, part, of_point(re, im), unit, names, abs(small)) > 0:
             return in_balls(graph, [value], place, names, {n: small})[0]
         return acb("nan")
 
 
-def _turns(graph: Graph, n: int, centre: acb, unit: arb, names: Names, least: arb) -> int:
+def _turns(graph: Graph, part: Value, centre: acb, unit: arb, names: Names, least: arb) -> int:
     """How often a part turns around 0 along the edge of a disc; 0 if it may not be analytic, or comes below a size."""
-    order = needed(graph, n)
+    order = needed(graph, part[1])
     cut = [graph.nodes[m][1][0] for m in order if graph.nodes[m][0] in ("sqrt", "log")]
-    whole, *inner = in_balls(graph, [(ONE, n), *cut], centre + acb(arb(0, unit), arb(0, unit)), names)
+    whole, *inner = in_balls(graph, [part, *cut], centre + acb(arb(0, unit), arb(0, unit)), names)
     if not whole.is_finite() or not all(x.real > 0 or x.imag > 0 or x.imag < 0 for x in inner):  # beside branch cuts
         return 0
 
     def on_edge(angle: arb) -> acb:
         place = centre + unit * acb(0, angle * arb.pi()).exp()
-        return in_balls(graph, [(ONE, n)], place, names, order=order)[0]
+        return in_balls(graph, [part], place, names, order=order)[0]
 
     cuts = [arb(2 * k) / _ARCS for k in range(_ARCS + 1)]
     if not all(abs(on_edge(low.union(high))) > least for low, high in pairwise(cuts)):

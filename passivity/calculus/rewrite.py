@@ -31,10 +31,26 @@ def _written(graph: Graph, n: int) -> Iterator[Rewriting]:
     sums = sorted((b for b in powers if graph.nodes[b][0] == "sum"), reverse=True)
     yield from _cayley(graph, powers, sums)
     yield from _parallel(graph, powers, sums)
+    yield from _of_two(graph, powers, sums)
     yield from _cancelled(graph, powers, sums)
     if not graph.moves[n]:
         return
     yield from _spread(graph, powers, [b for b in sums if graph.moves[b]])
+    yield from _together(graph, powers, sums)
+
+
+def _together(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """A factor that is a sum over the common denominator of its terms, where that leaves fewer of these."""
+    for base in sums:
+        terms = graph.nodes[base][1]
+        under = [{b: -e for b, e in graph.powers(m).items() if e < 0 and graph.nodes[b][0] == "sum"} for _, m in terms]
+        if below := {b: max(each.get(b, 0) for each in under) for b in sorted(set().union(*under))}:
+            over = _powered(graph, below)
+            above = graph.sum([graph.product([term, over]) for term in terms])
+            if len(graph.terms(above[1])) < len(terms):
+                rest = _powered(graph, {b: e for b, e in powers.items() if b != base})
+                e = powers[base]
+                yield False, graph.product([above, over, rest], [e, -e, 1]), list(below)
 
 
 def _cancelled(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
@@ -94,6 +110,25 @@ def _cayley(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[R
                 one = graph.sum([UNIT, graph.product([less, more], [1, -1])])
                 whole = graph.sum([graph.scaled(graph.inverse(one), 2), (Fraction(-1), 0)])
                 yield False, graph.scaled(whole, 1 / k), _atoms(graph, [less[1], more[1]])
+
+
+def _of_two(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[Rewriting]:
+    """k (a b + A^2)/(a + b) as k A (2/(1 - X Y) - 1), X = 1 - 2/(1 + a/A), as coth of a sum is; k and A constant."""
+    for (x, n), others, d in _quotients(graph, powers, sums):
+        above = list(graph.terms(n, x).items())
+        if others or len(above) != 2 or len(graph.terms(d)) != 2:
+            continue
+        a, b = graph.nodes[d][1]
+        for (m, c), (m2, c2) in (above, above[::-1]):
+            k = graph.product([(c, m), a, b], [1, -1, -1])
+            square = graph.product([(c2, m2), k], [1, -1])
+            if not graph.moves[k[1]] and not graph.moves[square[1]] and square[0] > 0:
+                size = graph.function("sqrt", square)
+                ones = (graph.sum([UNIT, graph.product([part, size], [1, -1])]) for part in (a, b))
+                waves = [graph.sum([UNIT, graph.scaled(graph.inverse(one), -2)]) for one in ones]
+                less = graph.sum([UNIT, graph.scaled(graph.product(waves), -1)])
+                whole = graph.sum([graph.scaled(graph.inverse(less), 2), (Fraction(-1), 0)])
+                yield False, graph.product([k, size, whole]), _atoms(graph, [a[1], b[1]])
 
 
 def _quotients(graph: Graph, powers: dict[int, int], sums: list[int]) -> Iterator[tuple[Value, dict[int, int], int]]:

@@ -87,6 +87,7 @@ class Search:
         self.floats = {name: double(x) for name, x in names.items()}
         self.periods = self.scales.periods(self.floats)
         sizes = self.periods + self.scales.ratios(self.floats) or [1.0]
+        self.closing: dict[int, int] = {}  # the line of which a node is about z0 + load
         self.low, self.high = min(sizes) * 1e-6, max(sizes) * 1e6
 
     def glance(self, count: int = _COARSE[0], angles: Array = _COARSE[1]) -> Witness | None:
@@ -149,11 +150,12 @@ class Search:
     def _close(self, value: Value, root: acb) -> Witness | None:
         """The whole may fail where a part is small enough near its zero, whatever else is small there."""
         size = _short(max(near(root.real), near(root.imag), key=abs), 1)
+        node = ~self.closing[value[1]] if value[1] in self.closing else value[1]
         for radius in (size / 2**bits for bits in _RADII):
             re, im = (round(8 * x / radius) * radius / 8 for x in (near(root.real), near(root.imag)))
             for exponent in _EXPONENTS:
                 for turn in range(1 if self.question.kind is Kind.BR else 4):
-                    if found := self.question.fails(re, im, self.names, Spot(radius, value[1], exponent, turn)):
+                    if found := self.question.fails(re, im, self.names, Spot(radius, node, exponent, turn)):
                         return found
         return None
 
@@ -311,8 +313,10 @@ class Search:
                 yield from ((Fraction(1), m) for m in below)
             elif kind == "tanh" and n != root[1]:
                 yield graph.inverse((Fraction(1), n))
-            elif kind == "line":  # A + Z tanh B, which is 0 at its poles
+            elif kind == "line":  # A + Z tanh B, which is 0 at its poles; A + Z, where the reflection has one
                 z0, through, load = parts
+                self.closing[(closing := graph.sum([load, z0]))[1]] = n
+                yield closing
                 yield graph.sum([z0, graph.product([load, graph.function("tanh", through)])])
 
     def _refined(self, tilt: float) -> Array:

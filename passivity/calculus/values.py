@@ -42,10 +42,14 @@ def in_balls(
     known: Mapping[int, acb] | None = None,
     order: list[int] | None = None,
 ) -> list[acb]:
-    """Evaluate several values in balls, common parts once, from nodes known; `order` lists the nodes needed."""
+    """Evaluate several values in balls, common parts once, from nodes known; `order` lists the nodes needed.
+
+    What is known of ~n is z0 + load of the line n.
+    """
     numbers = {name: acb(of_fraction(x)) for name, x in (names or {}).items()}
     at = _Evaluation(graph, numbers, s, acb(1), lambda name, x: getattr(x, name)(), of_fraction)
     order = needed(graph, *(n for _, n in values), known=known or ()) if order is None else order
+    at.closing = {~n: x for n, x in (known or {}).items() if n < 0}
     return at.values(values, order, known)
 
 
@@ -81,6 +85,7 @@ class _Evaluation:
 
     def __init__(self, graph: Graph, names: Mapping[str, Any], s: Any, one: Any, function: Callable, exact: Callable):
         self.graph, self.names, self.s, self.one, self.function, self.exact = graph, names, s, one, function, exact
+        self.closing: dict[int, Any] = {}  # z0 + load of lines, where it is given
 
     def values(self, values: Sequence[Value], order: list[int], known: Mapping[int, Any] | None = None) -> list[Any]:
         """Some values, the nodes that they need one after the other."""
@@ -106,6 +111,10 @@ class _Evaluation:
         scaled = [at[m] * exact(c) for c, m in parts]
         if kind == "line":
             z0, propagation, load = scaled
+            if n in self.closing:  # the wave there and that which comes back, as z0 + load is known better than load
+                there = self.closing[n]
+                back = self.function("exp", -2 * propagation) * (there - 2 * z0)
+                return z0 * (there + back) / (there - back)
             wave = self.function("tanh", propagation)
             return z0 * (load + z0 * wave) / (z0 + load * wave)
         return self.function(kind, scaled[0])

@@ -204,9 +204,13 @@ def draw_smith(
 def draw_worst(verdict: Verdict, ax: Axes | None = None) -> Any:
     """A figure: all eigenvalues or singular values, the worst heavy, and that at the witness, on `ax` or a new one."""
     kind, network, bound = verdict.kind, verdict.function, float(verdict.kind is Kind.BR)
-    w = _grid(verdict)
-    x = np.array([angle(one) for one in w]) if verdict.is_discrete else w
-    values = _values(kind, network, np.exp(1j * x) if verdict.is_discrete else 1j * w)
+    try:
+        w = _grid(verdict)
+        x = np.array([angle(one) for one in w]) if verdict.is_discrete else w
+        values = _values(kind, network, np.exp(1j * x) if verdict.is_discrete else 1j * w)
+    except (OverflowError, np.linalg.LinAlgError):
+        expected = "numbers within the range of floats"
+        raise ExpressionError("plot", "too large or too small to be drawn", expected) from None
     region = " for |z| > 1" if verdict.is_discrete else ""
     title = f"{kind.value}{region}, {verdict.ports} port{'s' * (verdict.ports > 1)}: {verdict.status.value}"
     drawn, (axes,) = cells_of(ax, 8.0, 4.6, title=title)
@@ -235,21 +239,13 @@ def _grid(verdict: Verdict) -> NDArray:
     network = verdict.function if verdict.in_s is None else verdict.in_s.function
     if isinstance(network, StateSpace):
         many = network.states > _MOST_STATES
-        w = np.array([]) if not network.states else _near_poles(FloatSystem.of(verdict.kind, network))
+        system = FloatSystem.of(verdict.kind, network) if network.states else None
+        w = np.array([w * system.unit for w in first_grid(system) if 0 < w < math.inf] if system else [])
     else:
         many, w = False, frequencies(RationalFunction(network.fraction[1], fmpz_poly([1])), [])
-    even = (
-        np.tan(np.linspace(0, math.pi, (POINTS // 4 if many else POINTS) + 2)[1:-1] / 2) if verdict.is_discrete else []
-    )
-    if not len(w):
-        w = np.geomspace(0.01, 100, POINTS)
-    elif not many:
-        w = np.concatenate([w, np.geomspace(w.min(), w.max(), POINTS)])
-    return np.unique([*w, *even]) * _OFF_POLES
-
-
-def _near_poles(system: FloatSystem) -> NDArray:
-    return np.array([w * system.unit for w in first_grid(system) if 0 < w < math.inf])
+    points, (low, high) = POINTS // 4 if many else POINTS, (w.min(), w.max()) if len(w) else (0.01, 100.0)
+    even = np.tan(np.linspace(0, math.pi, points + 2)[1:-1] / 2) if verdict.is_discrete else []
+    return np.unique([*w, *np.geomspace(low, high, points), *even]) * _OFF_POLES
 
 
 def _values(kind: Kind, network: Network, points: NDArray) -> NDArray:
@@ -259,6 +255,8 @@ def _values(kind: Kind, network: Network, points: NDArray) -> NDArray:
         z = np.array([d + c @ np.linalg.solve(s * np.eye(len(a)) - a, b) for s in points])
     else:
         z = np.array([network(s) for s in points])
+    if not np.isfinite(z).all():
+        raise OverflowError
     if kind is Kind.BR:
         return np.linalg.svd(z, compute_uv=False)
     return np.linalg.eigvalsh((z + z.conj().swapaxes(1, 2)) / 2)

@@ -32,7 +32,6 @@ MAX_ROUNDS = 4
 WELL = 1e4  # condition of R, and its part of P, below which it is inverted: the pencil takes three times as long
 _NEAR = 2.0**-30  # between value and level, in parts of the value
 _SAME = 2.0**-20  # between the ends of bands found by both methods, in parts of the frequency
-_HALVINGS = 60
 
 
 class Crossing(NamedTuple):

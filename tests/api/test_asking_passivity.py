@@ -122,6 +122,8 @@ def test_pictures_and_notebooks():
     shown = is_positive_real("tanh(s) + Z2", ["Z2 positive real"])._repr_html_()
     assert "proved" in shown
     assert "<img" not in shown
+    with pytest.raises(ExpressionError, match="plot: too large or too small to be drawn"):
+        is_bounded_real(([["-1e400"]], [["1e400"]], [["1e-200"]], [["1/2"]])).plot()
     with pytest.raises(ExpressionError, match="there is no picture of this"):
         is_positive_real("tanh(s) + Z2", ["Z2 positive real"]).plot()
 

@@ -60,6 +60,8 @@ WRITTEN_OTHERWISE = [
     "sqrt((R + L*s)/(1 + T*s))*tanh(sqrt((R + L*s)*(1 + T*s)))",
     "sqrt(sqrt((R + L*s)/(1 + T*s))*tanh(sqrt((R + L*s)*(1 + T*s)))/(R + 1/s))",
     "let x = line(R, s, Z2) + R; (x^2 + x)/(x + 1)",
+    "(Z2*sqrt(s) + R^2)/(Z2 + sqrt(s))",
+    "let x = log(1 + s); let c = x/(x + Z2); c*Z2 + (1 - c)*x",
     "let x = s + 2 + Z2*R/(Z2 + R); (x^3 + x)/(x^2 + 1)",
     "line(0, s, 1) + line(-R, T*s, R) + (tanh(s + 2) - 1)/(tanh(s + 2) + 1) + 2",
 ]

@@ -31,6 +31,8 @@ CLOSED = {  # positive real outside the unit disc or not, by hand
     "1/2 + 3/4/z + 1/2/z^2 + 1/4/z^3 - 1e-30": False,
     "1": True,
     "-1": False,
+    "6/5 + 1/(z^2 + 2/9)": False,  # 6/5 - 9/7 at z = j
+    "1/(z^2 + 2/9) - 6/5": False,  # at infinity, too
     "sqrt((z + 1)/(z - 1))": True,
     "exp(-1/z)": True,  # cos(sin θ) > 0
     "tanh((z + 1)/(z - 1))": True,

@@ -125,6 +125,16 @@ def test_other_spots_are_no_witnesses(spot):
     assert check_file(told | {"spot": spot}) is not None
 
 
+def test_a_load_far_behind_a_line():
+    """Z + z0 = 0 at s = 51: there the wave that comes back is as large as it takes, whatever the line loses."""
+    verdict = ask("line(50, 1e10*s, 1 - s)", Kind.PR)
+    assert verdict.refuted
+    assert abs(verdict.witness.re - 51) <= verdict.witness.spot.radius
+    assert check_file(verdict.evidence) is None
+    for other in (-1, 0, 99, -99):
+        assert check_file(verdict.evidence | {"spot": [verdict.evidence["spot"][0], other, 2**1400, 0]}) is not None
+
+
 @pytest.mark.parametrize("text", ["exp(-1e10*s)*(exp(-s) - exp(-2))/(s - 2)", "exp(-1e5*s)*(s - 2)/(s - 2)/(s + 1)"])
 def test_no_pole_is_left_where_a_factor_takes_it(text):
     assert ask(text, Kind.BR).status is not Status.REFUTED

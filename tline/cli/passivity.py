@@ -96,9 +96,9 @@ def passivity(
     within : TOLERANCE
         Require it also for all coefficients within a relative tolerance, such as 0.01 or '1 %'.
     sector : LOW,HIGH
-        Are all values in the disc on these ends, or, with inf, in a half-plane? 0.5,inf asks for an input index of 0.5.
+        Ask whether all values lie in the disc on these ends, or, with inf, in a half-plane: 0.5,inf is an input index.
     supply : Q,S,R
-        Is it dissipative: Q |W|^2 + 2 S Re W + R >= 0?
+        Ask whether Q |W|^2 + 2 S Re W + R >= 0 of all values W: dissipative for this supply.
     error : BAR
         Largest distance of each sample of a file from its true value.
     verify : FILE.json
