@@ -203,5 +203,5 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
         ),
         left=np.zeros((ends, most, s)),
         pair_edges=np.zeros((2, given + 1)),
-        pair=np.zeros((4, given, s)),
+        pair=np.zeros((2, given, s)),
     )

@@ -4,62 +4,35 @@ import numpy as np
 
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, project, times
-from tline.solver.kernel.diamonds.full import flushed, meet_apart
+from tline.solver.kernel.diamonds.full import meet_apart
 from tline.solver.kernel.fronts.merge import release
-from tline.solver.kernel.fronts.structures import MERGE, SCALE, FrontRun
-
-WEAK = 8.0  # times the allowed size of a breakpoint: weaker fronts are left out of friction
+from tline.solver.kernel.fronts.structures import MERGE, FrontRun
 
 
 @function
 def take_up(fronts, row, wave, side):
-    """Hold a slab by values at the points of pieces, as needed for friction. Returns the number of pieces.
-
-    Pieces beside a weak front are one: each loses the polynomial that their projection loses, so no energy is made, and
-    the front itself stays as it is.
-    """
-    pieces, tools, whole = fronts.pieces, fronts.tools, fronts.work.whole
-    edges, values, n = fronts.work.pair_edges[side], fronts.work.pair[side], np.int64(0)
+    """Hold a slab by values at the points of its pieces, as needed for friction. Returns the number of pieces."""
+    pieces, edges, values = fronts.pieces, fronts.work.pair_edges[side], fronts.work.pair[side]
     if row < 0:
         edges[0], edges[1] = 0.0, 1.0
         copy(wave, values[0])
         return np.int64(1)
-    weak = WEAK * fronts.same * fronts.sizes[SCALE]
     for j in range(pieces.number[row]):
-        if j == 0 or pieces.size[row, j] > weak:
-            edges[n], n = pieces.start[row, j], n + 1
-    edges[n], j = 1.0, np.int64(0)
-    for k in range(n):
-        clear(whole)
-        while j < pieces.number[row] and pieces.start[row, j] < edges[k + 1]:
-            start, stop = pieces.start[row, j], pieces.start[row, j + 1]
-            project(pieces.coef[row, j], start, stop, edges[k], edges[k + 1], tools.gauss, whole)
-            j += 1
-        times(tools.to_points, whole, 0, values[k])
-        copy(values[k], fronts.work.pair[side + 2, k])
-    return n
+        edges[j] = pieces.start[row, j]
+        times(fronts.tools.to_points, pieces.coef[row, j], 0, values[j])
+    edges[pieces.number[row]] = 1.0
+    return pieces.number[row]
 
 
 @function
-def put_back(fronts, row, wave, side, n):
-    """Write back the n pieces that friction has changed."""
-    pieces, tools, whole, part = fronts.pieces, fronts.tools, fronts.work.whole, fronts.work.part
-    edges, values, before, j = fronts.work.pair_edges[side], fronts.work.pair[side], fronts.work.pair[side + 2], 0
+def put_back(fronts, row, wave, side):
+    """Write back the pieces that friction has changed."""
+    pieces, values = fronts.pieces, fronts.work.pair[side]
     if row < 0:
-        for i in range(wave.size):
-            wave[i] = flushed(values[0, i])
+        copy(values[0], wave)
         return
-    for k in range(n):
-        for i in range(wave.size):
-            before[k, i] = values[k, i] - before[k, i]
-        times(tools.to_legendre, before[k], 0, whole)
-        while j < pieces.number[row] and pieces.start[row, j] < edges[k + 1]:
-            clear(part)
-            start, stop = pieces.start[row, j], pieces.start[row, j + 1]
-            project(whole, edges[k], edges[k + 1], start, stop, tools.gauss, part)
-            for i in range(wave.size):
-                pieces.coef[row, j, i] = flushed(pieces.coef[row, j, i] + part[i])
-            j += 1
+    for j in range(pieces.number[row]):
+        times(fronts.tools.to_legendre, values[j], 0, pieces.coef[row, j])
 
 
 @function
@@ -72,8 +45,8 @@ def meet_in_pieces(job, line, row_a, a, row_b, b, wide, high):
         for j in range(m):
             x, y = wide * (edges[0, i + 1] - edges[0, i]), high * (edges[1, j + 1] - edges[1, j])
             done &= meet_apart(job.run, line, pair[0, i], zero, pair[1, j], zero, x, y)
-    put_back(fronts, row_a, a, 0, n)
-    put_back(fronts, row_b, b, 1, m)
+    put_back(fronts, row_a, a, 0)
+    put_back(fronts, row_b, b, 1)
     return done
 
 

@@ -99,7 +99,7 @@ class Workspace(NamedTuple):
     steps: Steps
     left: Floats3  # (ends, m, s) waves that leave half diamonds
     pair_edges: Floats2  # (2, pieces + 1) of two slabs that meet in a diamond
-    pair: Floats3  # (4, pieces, s) of these, and before they meet
+    pair: Floats3  # (2, pieces, s) of these
 
 
 class Fronts(NamedTuple):
