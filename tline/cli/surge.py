@@ -41,10 +41,13 @@ def operated_network(network: "Scene | str", **given: Any) -> "tuple[Scene, tupl
     **given
         Arguments of `tline.surge.operation.operate`.
     """
+    from tline.scene.text_file import check_readable
     from tline.surge.event import to_open
     from tline.surge.operate import read_network
     from tline.surge.operation import plan
 
+    if isinstance(network, str) and Path(network).suffix:
+        check_readable(network)
     operations = {kind: given.pop(kind) for kind in OPERATIONS if kind in given}
     reading = {key: given.pop(key) for key in READING if key in given}
     reading |= {"hour": hours(reading["hour"])} if "hour" in reading else {}

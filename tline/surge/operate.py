@@ -21,7 +21,6 @@ from tline.scene.pump import EFFICIENCY, Pump
 from tline.scene.quantity import Quantity
 from tline.scene.regulating import RegulatingValve
 from tline.scene.scene import Scene
-from tline.scene.text_file import check_readable
 from tline.scene.valve import CheckValve, Orifice
 from tline.solver.description.description import describe
 from tline.solver.description.excitation import just_before
@@ -347,7 +346,6 @@ def read_network(
         if suffix in EPANET:
             return Network(*read_with_controls(str(network), wave_speed, material, hour or 0.0, moving_tanks, opened))
         if suffix not in ("", ".toml"):
-            check_readable(network)
             raise InputError(str(network), "unknown kind of file", ".inp or .toml", suffix or "no suffix")
     refuse_water(water)
     return network if isinstance(network, Network) else Network(as_scene(network))
