@@ -116,8 +116,7 @@ def _number(x: float) -> float | str:
 def in_lines(verdict: Verdict, margins: Margins, robust: Robustness | None = None, z0: str = "1") -> list[str]:
     """A verdict in words, line by line, with as many steps of its proof as a screen has room for."""
     several = f", {verdict.ports} ports" if verdict.ports > 1 or _is_matrix(verdict) else ""
-    region = " for |z| > 1" if verdict.is_discrete else ""
-    lines = [f"{verdict.kind.value}{region}{several}: {verdict.status.value}", f"  because {verdict.why}"]
+    lines = [f"{verdict.kind.value}{verdict.region}{several}: {verdict.status.value}", f"  because {verdict.why}"]
     lines += ["  with z = (1 + s)/(1 - s)"] if verdict.is_discrete and (verdict.proof or verdict.steps) else []
     lines += [f"  exactly if {verdict.condition}"] if verdict.condition else []
     if verdict.witness:

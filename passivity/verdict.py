@@ -293,6 +293,11 @@ class Verdict(Decided):
         return self.in_s is not None
 
     @property
+    def region(self) -> str:
+        """Words behind what was asked: where it has to hold, if that is not Re s > 0."""
+        return " for |z| > 1" if self.is_discrete else ""
+
+    @property
     def ports(self) -> int:
         """Number of ports."""
         if self.function is None:

@@ -6,12 +6,12 @@ coefficient, factors common to all terms of a sum stand before it; so (a - b) an
 
 from collections.abc import Iterable
 from fractions import Fraction
-from math import isqrt
 from typing import Any, TypeAlias
 
 from passivity.budget import MAX_BITS, bits_of, check_size, spend
 from passivity.calculus.fact import Fact
 from passivity.errors import ExpressionError
+from passivity.expression.number import square_root
 from passivity.verifier import Graph as Nodes
 
 Value: TypeAlias = tuple[Fraction, int]
@@ -201,8 +201,8 @@ class Graph(Nodes):
             return self.product([other, self.function("cosh", value)], [1, 1] if name == "sinh" else [-1, -1])
         if not c:
             return UNIT if name in ("exp", "cosh") else ZERO
-        if n == 0 and name == "sqrt" and c > 0 and all(isqrt(x) ** 2 == x for x in c.as_integer_ratio()):
-            return Fraction(isqrt(c.numerator), isqrt(c.denominator)), 0
+        if n == 0 and name == "sqrt" and (root := square_root(c)) is not None:
+            return root, 0
         if n == 0 and name == "log" and c == 1:
             return ZERO
         sign = -1 if name in ("tanh", "cosh") and c < 0 else 1

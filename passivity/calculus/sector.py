@@ -14,7 +14,7 @@ from passivity.calculus.given import given
 from passivity.calculus.read import statements
 from passivity.discrete import Discrete
 from passivity.errors import ExpressionError, shown
-from passivity.expression.number import written
+from passivity.expression.number import square_root, written
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix
@@ -121,17 +121,12 @@ def is_dissipative(
     if Q == 0 and S:
         ends = (-R / (2 * S), math.inf) if S > 0 else (-math.inf, -R / (2 * S))
         return is_in_sector(what, *ends, assume, values, budget=budget)
-    room = S * S - Q * R
-    root = fmpq(room.numerator, room.denominator).sqrt() if room > 0 and _is_square(room) else None
-    if Q >= 0 or root is None:
+    root = square_root(S * S - Q * R)
+    if Q >= 0 or not root:
         expected = "Q <= 0, and S^2 - Q R the square of a fraction above 0; for Q > 0 > R ask about 1/W with R, S, Q"
         raise ExpressionError("supply", "no disc or half-plane between fractions", expected, told)
-    middle, radius = S / -Q, Fraction(int(root.p), int(root.q)) / -Q
+    middle, radius = S / -Q, root / -Q
     return is_in_sector(what, middle - radius, middle + radius, assume, values, budget=budget)
-
-
-def _is_square(x: Fraction) -> bool:
-    return all(math.isqrt(part) ** 2 == part for part in (x.numerator, x.denominator))
 
 
 def _end(x: Exact) -> Fraction | float:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from flint import fmpz_poly
 
 from passivity.budget import ASIDE, budget
-from passivity.expression.number import double
+from passivity.expression.number import double, square_root
 from passivity.polynomial.infimum import infimum
 from passivity.polynomial.sign import allowance, find_sign, product
 from passivity.rational.evaluate import Exact, positive
@@ -92,15 +92,13 @@ def _reflection(p: fmpz_poly, q: fmpz_poly) -> Margin | None:
 def _root(x: Fraction | float, rounding: Callable[[Fraction], int]) -> Fraction:
     """Square root; exact for squares, else so near that its distance to 1 has 60 bits."""
     exact = Fraction(x)
-    up, down = math.isqrt(exact.numerator), math.isqrt(exact.denominator)
-    if up * up == exact.numerator and down * down == exact.denominator:
-        return Fraction(up, down)
+    if (root := square_root(exact)) is not None:
+        return root
     near = abs(exact - 1)
     bits = 60 + max(near.denominator.bit_length() - near.numerator.bit_length(), 0)
     shift = bits - (exact.numerator.bit_length() - exact.denominator.bit_length()) // 2
     scaled = exact * Fraction(4) ** shift
-    root = math.isqrt(math.floor(scaled)) + (rounding is math.ceil)
-    return root / Fraction(2) ** shift
+    return (math.isqrt(math.floor(scaled)) + (rounding is math.ceil)) / Fraction(2) ** shift
 
 
 def margin(network: RationalMatrix | StateSpace, kind: Kind) -> Margin | None:

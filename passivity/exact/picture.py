@@ -54,9 +54,9 @@ def draw_verdict(verdict: Verdict, margins: Margins, z0: float = 1.0, ax: Axes |
     with np.errstate(invalid="ignore", divide="ignore"):
         h = values if verdict.kind is Kind.BR else np.where(np.isinf(values), 1, (values - z0) / (values + z0))
     (*values, point), (*h, there) = values, h
-    axis, region = ("e^jθ, θ > 0", " for |z| > 1") if verdict.is_discrete else ("jω, ω > 0", "")
+    axis = "(e^jθ), θ > 0" if verdict.is_discrete else "(jω), ω > 0"
     width, columns = (13.0, 3) if verdict.kind is Kind.PR else (9.5, 2)
-    title = f"{verdict.kind.value}{region}: {verdict.status.value}"
+    title = f"{verdict.kind.value}{verdict.region}: {verdict.status.value}"
     drawn, cells = cells_of(ax, width, 4.6, columns=columns, title=title)
     *plane, smith, size = [None, ax, None] if ax is not None else cells
     draw_smith(smith, np.array(h), axis, there)
@@ -121,18 +121,21 @@ def _impedance_plane(axes: Axes, z: NDArray[np.complex128], margin: Margin | Non
         z.imag,
         color=_CURVE,
         linewidth=1.7,
-        label=f"Z({axis.replace(',', '),')}",
+        label=f"Z{axis}",
         marker="." if np.ptp(shown) == 0 else "",
     )
-    axes.plot(
-        [witness.real], [witness.imag], "o", color=INK, markersize=5, label="_" if np.isnan(witness) else "witness"
-    )
+    _mark(axes, witness)
     if margin is not None and math.isfinite(margin.value):
         axes.axvline(margin.value, color=INK, linestyle="--", linewidth=1, label=f"smallest Re Z = {margin.value:.4g}")
     axes.set(xlim=(min(left, -0.08 * (right - left)), right), ylim=(bottom, top))
     axes.set(xlabel="Re Z  [unit of Z]", ylabel="Im Z  [unit of Z]")
     axes.grid()
     axes.legend(loc="best", fontsize=8)
+
+
+def _mark(axes: Axes, witness: complex) -> None:
+    if not np.isnan(witness):
+        axes.plot([witness.real], [witness.imag], "o", color=INK, markersize=5, label="witness")
 
 
 def _range(values: NDArray, scale: float) -> tuple[float, float]:
@@ -168,7 +171,7 @@ def _label_axis(axes: Axes, discrete: bool) -> None:
 
 
 def draw_smith(
-    axes: Axes, h: NDArray[np.complex128], axis: str = "jω, ω > 0", witness: complex = complex("nan")
+    axes: Axes, h: NDArray[np.complex128], axis: str = "(jω), ω > 0", witness: complex = complex("nan")
 ) -> None:
     """Draw H(jw), shape (n,), on a Smith chart: the circles are those of r and x in Z = z0 (r + jx).
 
@@ -191,10 +194,8 @@ def draw_smith(
             label = f"{'−' * (sign < 0)}j{level:g}"
             axes.text(1.07 * at.real, 1.07 * at.imag, label, fontsize=6, color="#666666", ha="center", va="center")
     dot = "." if len(h) and np.ptp(h) == 0 else ""
-    axes.plot(h.real, h.imag, color=_CURVE, linewidth=1.7, marker=dot, label=f"H({axis.replace(',', '),')}")
-    axes.plot(
-        [witness.real], [witness.imag], "o", color=INK, markersize=5, label="_" if np.isnan(witness) else "witness"
-    )
+    axes.plot(h.real, h.imag, color=_CURVE, linewidth=1.7, marker=dot, label=f"H{axis}")
+    _mark(axes, witness)
     axes.add_patch(Rectangle((0, 0), 0, 0, color=ACTIVE_COLOUR, label="forbidden: |H| > 1"))
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel="Re H", ylabel="Im H", aspect="equal")
     axes.legend(loc="upper right", fontsize=7, facecolor="white", frameon=True)
@@ -211,8 +212,7 @@ def draw_worst(verdict: Verdict, ax: Axes | None = None) -> Any:
     except (OverflowError, np.linalg.LinAlgError):
         expected = "numbers within the range of floats"
         raise ExpressionError("plot", "too large or too small to be drawn", expected) from None
-    region = " for |z| > 1" if verdict.is_discrete else ""
-    title = f"{kind.value}{region}, {verdict.ports} port{'s' * (verdict.ports > 1)}: {verdict.status.value}"
+    title = f"{kind.value}{verdict.region}, {verdict.ports} port{'s' * (verdict.ports > 1)}: {verdict.status.value}"
     drawn, (axes,) = cells_of(ax, 8.0, 4.6, title=title)
     axes.plot(x, values[:, 1:], color=FAINT, linewidth=0.9)
     worst, usual = values[:, 0], float(np.median(np.abs(values))) or 1.0

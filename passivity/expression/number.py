@@ -38,6 +38,18 @@ def double(x: Fraction | float) -> float:
         return math.inf if x > 0 else -math.inf
 
 
+def square_root(x: Fraction) -> Fraction | None:
+    """The square root of a fraction, if it is one itself.
+
+    Examples
+    --------
+    >>> square_root(Fraction(4, 9)), square_root(Fraction(2)), square_root(Fraction(-1))
+    (Fraction(2, 3), None, None)
+    """
+    root = Fraction(math.isqrt(x.numerator), math.isqrt(x.denominator)) if x >= 0 else x
+    return root if root * root == x else None
+
+
 def written(x: Fraction | float) -> str:
     """A number in full, of any length; Python refuses to write more than 4300 digits.
 

@@ -252,7 +252,7 @@ class RationalFunction:
         return RationalFunction(self.p // common, self.q // common)
 
     def bilinear(self, sign: int = 1) -> "RationalFunction":
-        """The function at (1 + x)/(1 - x) in place of s, or at its inverse: outside the unit disc for Re x > 0.
+        """The function at (1 + x)/(1 - x) in place of s, or at its reciprocal: outside the unit disc for Re x > 0.
 
         Examples
         --------

@@ -165,8 +165,7 @@ class Command(click.Command):
             text = f"{told.default:g}" if isinstance(told.default, float) else str(told.default)
             more |= {"default": text, "show_default": "not given" not in found.help}
         if kind is str or kind is int:
-            quoted = re.search('"(.+)"', found.kind)
-            written = quoted[1] if quoted else METAVARS.get(name, "NAME")
+            written = "|".join(re.findall('"([^"]+)"', found.kind)) or METAVARS.get(name, "NAME")
             more["metavar"] = found.kind if name in documented[0] else written
         return click.Option([*flags, name], type=kind, help=found.help, **more)
 
