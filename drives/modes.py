@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from flint import fmpq_poly
 
 from drives.coupled import CoupledDrives
-from drives.number import rational, roots
+from drives.number import rational
+from drives.roots import roots
 
 ANGLE = ("free angle", "where the spools stand changes nothing: no force depends on it, and only the angles show it")
 SPEED = ("common speed", "both spools slow down at the same rate B/J, so the tension never feels it")

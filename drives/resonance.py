@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drives.coupled import CoupledDrives
-from drives.number import positive_roots, squared
+from drives.roots import positive_roots, squared
 from drives.transfer import TransferFunction
 from tline.errors import InputError
 

@@ -9,7 +9,8 @@ import numpy as np
 from flint import fmpq_mat, fmpq_poly
 from numpy.typing import NDArray
 
-from drives.number import roots, written
+from drives.number import written
+from drives.roots import roots
 from tline.errors import import_extra
 from tline.presentation import Presentation, plain
 
@@ -78,7 +79,7 @@ class StateSpace(Presentation):
 
     @cached_property
     def poles(self) -> list[complex]:
-        """Eigenvalues of A with their multiplicity, rad/s; zeros are exact zeros, see `drives.number.roots`.
+        """Eigenvalues of A with their multiplicity, rad/s; zeros are exact zeros, see `drives.roots.roots`.
 
         Examples
         --------

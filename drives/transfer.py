@@ -11,7 +11,8 @@ import numpy as np
 from flint import acb, ctx, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
-from drives.number import roots, written
+from drives.number import written
+from drives.roots import roots
 from tline.errors import InputError, import_extra
 from tline.presentation import Presentation, plain
 

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 import tline as tl
 from tline import Scene, simulate
 from tline.scene.heights import GRAVITY
-from tline.surge.tables import thrusts
+from tline.surge.thrust import thrusts
 from tline.surge.worst import DRAINS, worst
 
 HEAD, WAVE, DENSITY, DIAMETER, FLOW, ANGLE = 6e5, 1000.0, 1000.0, 0.5, 0.2, radians(60)

@@ -27,7 +27,7 @@ COMMANDS = {
     "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
     "surge": ("tline.cli.surge:surge", "Operate a water network without editing a file: the worst of a surge."),
     "study": ("tline.cli.surge:study", "Many surges of a water network, and variants of it, from one file."),
-    "design": ("tline.cli.surge:design", "Size an air vessel, a closure, a relief valve or a flywheel."),
+    "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),
     "sweep": ("tline.cli.sweep:sweep", "A scene in many runs with other values: grids, tolerances of parts, clusters."),
     "frequency": ("tline.cli.frequency:frequency", "A scene over frequency: transfer functions, S-parameters."),
     "tdr": ("tline.cli.signal:tdr", "Time-domain reflectometry: a step into a node, and what comes back."),
@@ -45,7 +45,7 @@ COMMANDS = {
         "Prove or refute that an impedance is positive real, or a reflection bounded real.",
     ),
     "fit": (
-        "tline.cli.frequency:fit",
+        "tline.cli.fit:fit",
         "The passive model that a Touchstone file becomes in a scene, and how well it fits.",
     ),
     "friction": ("tline.cli.friction:friction", "Friction models on a testbench, and where methods fail."),

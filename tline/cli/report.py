@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from tline.cli.frequency import as_dict
+from tline.cli.fit import as_dict
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
 from tline.scene.touchstone import MeasuredMultiport, Touchstone

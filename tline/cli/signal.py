@@ -263,7 +263,7 @@ def channel(
     mask : TIME,LEVEL
         As of `tline.cli.signal.eye`.
     """
-    from tline.cli.frequency import trying
+    from tline.cli.fit import trying
     from tline.signal import measured_channel
 
     asked = {key: given.pop(key) for key in OF_EYE if key in given}
