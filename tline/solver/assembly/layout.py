@@ -251,7 +251,9 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
         excitations + [[(factor, 1.0)] for factor in controls],
         excitation_row=np.where(driven, np.cumsum(driven) - 1, -1),
         systems=systems,
-        laws=started(laws, elements, effort, through, openings),
+        laws=started(laws, elements, effort, through, openings)._replace(
+            effort=np.array([effort.get(name, 0.0) for name in nodes])
+        ),
         loads_before=np.concatenate([systems.states, states_of(elements, effort, openings)]),
     )
 

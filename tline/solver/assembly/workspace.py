@@ -57,7 +57,7 @@ def work_for(network: Network, state: State) -> Work:
     s, laws = state.before.shape[1], network.laws
     nodes, states, elements = largest_group(network)
     tile, ports = max(SAMPLES // s, 1), nodes + elements
-    crossing, store, circuit = _of_elements(laws, state, elements, tile) if elements else _without_elements()
+    crossing, store, circuit = _of_elements(laws, state, nodes, elements, tile) if elements else _without_elements()
     return Work(
         tile=tile,
         position=np.zeros(len(network.ends), np.int64),
@@ -83,7 +83,7 @@ def renew(work: Work, network: Network, s: int) -> None:
     store = work.store
     for part in (*work.circuit, *work.govern, store.system, store.integral, store.constant, store.division):
         part.fill(0)
-    work.circuit.waves[:] = np.repeat(laws.before, s)
+    work.circuit.waves[:], work.circuit.held[:] = np.repeat(laws.before, s), laws.effort
 
 
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
@@ -123,8 +123,8 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     )
 
 
-def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Crossing, Store, CircuitWork]:
-    """Workspace of laws and stores in groups of at most `elements` elements."""
+def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int) -> tuple[Crossing, Store, CircuitWork]:
+    """Workspace of laws and stores in groups of at most `nodes` nodes and `elements` elements."""
     s = state.before.shape[1]
     at_points = {name: np.empty(s) for name in AT_POINTS}
     system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
@@ -145,6 +145,8 @@ def _of_elements(laws: Laws, state: State, elements: int, tile: int) -> tuple[Cr
         control=np.zeros((elements, s)),
         kept=np.zeros((elements, int(laws.states.max(initial=0)))),
         waves=np.repeat(laws.before, s),
+        held=laws.effort.copy(),
+        part=np.zeros(nodes, np.int64),
         width=np.zeros(1, np.int64),
         largest=np.zeros(1),
     )
@@ -167,8 +169,8 @@ def _without_elements() -> Any:
     others = dict.fromkeys((*AT_POINTS, "integral", "constant"), nothing)
     store = Store(nothing, nothing, tools, **others, system=matrix, division=np.empty(0, np.int64))
     two = dict.fromkeys(("answer", "system", "control", "kept"), matrix)
-    one = dict.fromkeys((*AT_LAWS, "waves", "largest"), nothing)
-    circuit = CircuitWork(**one, **two, width=np.zeros(0, np.int64))
+    one = dict.fromkeys((*AT_LAWS, "waves", "held", "largest"), nothing)
+    circuit = CircuitWork(**one, **two, **dict.fromkeys(("part", "width"), np.zeros(0, np.int64)))
     return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(circuit)
 
 

@@ -91,6 +91,13 @@ class Group:
         return len(self.elements) == 1 and not self.dynamic and not any(node.dead for node in self.nodes)
 
     @cached_property
+    def pockets(self) -> NDArray:
+        """Whether each node's effort is determined by laws alone."""
+        tied = {int(k) for branch in self.branches for k in branch.nodes}
+        found = (n.dead and n.load is None and not n.switches and k not in tied for k, n in enumerate(self.nodes))
+        return np.fromiter(found, bool) & (len(self.elements) > 0)
+
+    @cached_property
     def loads(self) -> list[Branch]:
         """Loads with a state."""
         return [

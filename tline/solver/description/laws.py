@@ -69,6 +69,9 @@ def laws_of(
         record_row=np.full(len(flat), -1),
         before=np.zeros(len(flat)),
         impedance=np.array([0.0 if n.held is not None else 1 / n.total for group in groups for n in group.nodes]),
+        pocket=np.concatenate([np.zeros(0, bool), *(group.pockets for group in groups)]),
+        pockets=np.array([group.pockets.any() for group in groups], bool),
+        effort=np.zeros(sum(len(group.nodes) for group in groups)),
         tools=tools_of(basis(1)),
         step=0.0,
     )

@@ -47,6 +47,9 @@ class Laws(NamedTuple):
     source_impedance: Floats  # (E,) behind which each is seen, > 0
     before: Floats  # (E,) wave e + ρ i into it before t = 0
     impedance: Floats  # (N,) Thévenin impedance of each node beside branches, 0 if its effort is held
+    pocket: Flags  # (N,) whether elements alone determine its effort
+    pockets: Flags  # (G,) whether a group has such nodes
+    effort: Floats  # (N,) before t = 0
     record_row: Integers  # (E,) row in the record of the wave e + ρ i into it, or of what drives a store; -1 for none
     tools: Tools
     step: float  # slab width, s
@@ -237,6 +240,8 @@ class CircuitWork(NamedTuple):
     control: Floats2  # (elements, s)
     kept: Floats2  # (elements, 2) states
     waves: Floats  # (E s,) last waves into all elements, with which the next search begins
+    held: Floats  # (N,) last efforts
+    part: Integers  # (nodes,) of the group that a pocket joins, by its first
     width: Integers  # (1,) of the map
     largest: Floats  # (1,) wave of the whole run, or 0 where it is not known
 

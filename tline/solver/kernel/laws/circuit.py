@@ -24,6 +24,7 @@ import numpy as np
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import ACCEPTED_RESIDUAL, BEST_RESIDUAL, TINY, largest
 from tline.solver.kernel.laws.answers import answered, exchange_states, respond_to, unbalance
+from tline.solver.kernel.laws.pockets import hold
 from tline.solver.kernel.network import DIVIDED, MISSES, SPENT, Run
 
 AT_ONCE, ALONG = 40, 200  # waves at which laws are asked: from the last slab's, and for each μ
@@ -187,7 +188,11 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
                 u[p * n + n - 1] = np.nan  # where it is looked for
             return 0
         for a in range(size):
-            row[k * q + a], work.waves[first * s + a] = work.sent[a], work.aimed[a]
+            row[k * q + a] = work.sent[a]
+        if laws.pockets[g]:
+            hold(run, g, q, h, step, at, k)
+        for a in range(size):
+            work.waves[first * s + a] = work.aimed[a]
             stores = laws.state_at[first + a // q] >= 0
             run.work.into[a // q, block * q + a % q] = work.drive[a] if stores else work.aimed[a]
         for a in range(k * q):
