@@ -50,23 +50,32 @@ class Windows:
 
 
 class Seen:
-    """Efforts and flows of a result at instants `t`: random ones, then those of windows if `windows`."""
+    """Efforts and flows of a result at instants `t`: random ones, or those of windows beside what is `known` there."""
 
-    def __init__(self, result: Result, description: Description, tol: float, windows: bool):
-        self.result, self.description, self.tol = result, description, tol
-        self.instants = _one_in_each(INSTANTS) * description.t_end
-        self._ends: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
+    def __init__(
+        self,
+        result: Result,
+        description: Description,
+        tol: float,
+        t: NDArray | None = None,
+        known: "Seen | None" = None,
+    ):
+        self.result, self.description, self.tol, self._known = result, description, tol, known
+        self.t = _one_in_each(INSTANTS) * description.t_end if t is None else t
+        self._waves: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
         self.at_node = {
             node: (name, end)
             for name in result.lines
             if name in description.lines
             for end, node in enumerate(description.lines[name].nodes)
         }
-        self.windows = Windows(list(self._edges())) if windows else None
-        self.t = np.concatenate([self.instants, self.windows.t]) if self.windows else self.instants
+
+    def windows(self) -> tuple[Windows, "Seen"]:
+        """Random windows, each in pieces between slab ends and fronts, and what is seen there."""
+        windows = Windows(list(self._edges()))
+        return windows, Seen(self.result, self.description, self.tol, windows.t, self)
 
     def _edges(self) -> Iterator[NDArray]:
-        """Yield the edges of the pieces of each window: slab ends and fronts."""
         t_end, h = self.description.t_end, self.result.resolution.h
         width = min(t_end / WINDOWS, SLABS * h)
         lines = self.result.lines.values()
@@ -78,13 +87,18 @@ class Seen:
             inside = known[(known > begin) & (known < end)]
             yield np.sort(np.clip(np.concatenate([[begin, end], slabs, inside]), begin, end))
 
+    def waves(self, name: str, end: int) -> tuple[NDArray, NDArray]:
+        """Waves at an end of a line, toward end 2 and toward end 1."""
+        if (name, end) not in self._waves:
+            record = self.result.lines[name]
+            a, b = record.at_end2 if end else record.at_end1
+            self._waves[name, end] = a(self.t), b(self.t)
+        return self._waves[name, end]
+
     def end(self, name: str, end: int) -> tuple[NDArray, NDArray]:
         """Effort at an end of a line, and flow out of the line there."""
-        if (name, end) not in self._ends:
-            record = self.result.lines[name]
-            a, b = (wave(self.t) for wave in (record.at_end2 if end else record.at_end1))
-            self._ends[name, end] = (a + b) / 2, (a - b) / (2 * record.z0) * (1.0 if end else -1.0)
-        return self._ends[name, end]
+        a, b = self.waves(name, end)
+        return (a + b) / 2, (a - b) / (2 * self.result.lines[name].z0) * (1.0 if end else -1.0)
 
     def reads(self, one: Balance) -> bool:
         """Whether all lines that the balance of a node needs are recorded."""
@@ -94,6 +108,8 @@ class Seen:
     @cached_property
     def largest(self) -> float:
         """Largest effort at any recorded line end."""
+        if self._known:
+            return self._known.largest
         return max((float(np.abs(self.end(*at)[0]).max()) for at in self.at_node.values()), default=0.0)
 
     def conducts(self, one: Balance) -> float:
@@ -114,8 +130,8 @@ class Seen:
         flows = sum(float(np.abs(self.end(*at)[1]).max()) for at in one.ends)
         conducts = self.conducts(one)
         size = max(float(np.abs(self.efforts(one) - gauge).max()), flows / conducts, FAINT * self.largest)
-        share = MARGIN * self.tol + NODE_ROUNDING
-        return share * size + 1e-15 * abs(gauge), share * (size * conducts + flows)
+        share, least = MARGIN * self.tol + NODE_ROUNDING, self._known.allowed(one) if self._known else (0.0, 0.0)
+        return max(share * size + 1e-15 * abs(gauge), least[0]), max(share * (size * conducts + flows), least[1])
 
     def across(self, term: Term, u: NDArray) -> tuple[NDArray, float]:
         """Effort across an element at a node of effort u, in its direction, and the sign of its flow from the node."""
@@ -148,20 +164,19 @@ Doubt = tuple[str, float, str]  # place and instant of a misfit between a result
 
 def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
     """Yield nodes whose balance fails at more than a few instants."""
-    at = slice(INSTANTS)
     for one in nodes:
         if not seen.reads(one):
             continue
-        efforts, (off_u, off_y) = seen.efforts(one)[:, at], seen.allowed(one)
+        efforts, (off_u, off_y) = seen.efforts(one), seen.allowed(one)
         where = f"node '{one.name}'"
         yield from _doubt(seen, np.ptp(efforts, axis=0) > 2 * off_u, where, "efforts of lines that meet there differ")
         if one.held is not None:
-            wrong = np.abs(efforts[0] - one.held(seen.instants)) > off_u
+            wrong = np.abs(efforts[0] - one.held(seen.t)) > off_u
             yield from _doubt(seen, wrong, where, "the effort is not the one that is prescribed")
         elif not one.stores:
             (low, high), out = seen.passed(one), seen.out(one)
             wrong = (out < low - off_y) | (out > high + off_y)
-            yield from _doubt(seen, wrong[at], where, "what flows in does not flow out")
+            yield from _doubt(seen, wrong, where, "what flows in does not flow out")
 
 
 def line_doubts(seen: Seen) -> Iterator[Doubt]:
@@ -170,39 +185,38 @@ def line_doubts(seen: Seen) -> Iterator[Doubt]:
         line = seen.description.lines.get(name)
         if line is None or line.losses is not None:
             continue
-        (a1, b1), (a2, b2) = record.at_end1, record.at_end2
-        for sent, arrived in ((a1, a2), (b2, b1)):
-            wrong = _is_another(seen, sent, arrived, line.delay)
-            if wrong.sum() > MOST_ASIDE:
-                pair = (record.a1, record.a2) if sent is a1 else (record.b2, record.b1)
-                wrong &= _is_another(seen, *pair, line.delay)
+        computed = (record.a1, record.a2), (record.b2, record.b1)
+        for side, (sent, arrived) in enumerate(computed):
+            given = (record.at_end2 if side else record.at_end1)[side]
+            wrong = _is_another(seen, given, seen.waves(name, 1 - side)[side], line.delay)
+            if wrong.sum() > MOST_ASIDE and given is not sent:
+                wrong &= _is_another(seen, sent, arrived(seen.t), line.delay)
             yield from _doubt(seen, wrong, f"lines.{name}", "a wave does not arrive as it left")
 
 
-def _is_another(seen: Seen, sent: Wave, arrived: Wave, delay: float) -> NDArray:
-    """At which random instants a wave differs from the one sent a delay before."""
-    now, then = arrived(seen.instants), sent(seen.instants - delay)
+def _is_another(seen: Seen, sent: Wave, now: NDArray, delay: float) -> NDArray:
+    """At which random instants a wave that arrives differs from the one sent a delay before."""
+    then = sent(seen.t - delay)
     size = max(float(np.abs(now).max()), FAINT * seen.largest)
     return np.abs(now - then) > (4 * seen.tol + NODE_ROUNDING) * size
 
 
 def _doubt(seen: Seen, wrong: NDArray, where: str, what: str) -> Iterator[Doubt]:
     if wrong.sum() > MOST_ASIDE:
-        yield where, float(seen.instants[wrong][0]), what
+        yield where, float(seen.t[wrong][0]), what
 
 
 def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
     """Yield nodes whose stored quantity does not match its inflow in more than one window."""
-    if (windows := seen.windows) is None:
-        return
-    for one in nodes:
-        if not one.stores or one.held is not None or not seen.reads(one):
-            continue
+    read = [one for one in nodes if seen.reads(one)]
+    windows, there = seen.windows() if read else (None, seen)
+    for one in read:
+        assert windows is not None
         equation = one.stores[0].equation
         if isinstance(equation, Volume):
-            wrong = _misses_volume(equation, windows, *_signals(seen, one))
+            wrong = _misses_volume(equation, windows, *_signals(there, one))
         elif isinstance(equation, Impedance) and equation.degree <= MOST_DEGREE:
-            wrong = _misses_impedance(equation, windows, *_signals(seen, one))
+            wrong = _misses_impedance(equation, windows, *_signals(there, one))
         else:
             continue
         if wrong.sum() > MOST_WINDOWS:
@@ -211,10 +225,10 @@ def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
 
 def _signals(seen: Seen, one: Balance) -> tuple[NDArray, NDArray, float, NDArray]:
     """Effort across a store and flow into it in all windows, and their allowed errors."""
-    store, (low, high), (off_u, off_y), at = one.stores[0], seen.passed(one), seen.allowed(one), slice(INSTANTS, None)
+    store, (low, high), (off_u, off_y) = one.stores[0], seen.passed(one), seen.allowed(one)
     e, sign = seen.across(store, seen.efforts(one)[0])
     i = sign * (seen.out(one) - (low + high) / 2)
-    return e[at], i[at], off_u if store.beyond is None else 2 * off_u, ((high - low) / 2 + off_y)[at]
+    return e, i, off_u if store.beyond is None else 2 * off_u, (high - low) / 2 + off_y
 
 
 def _misses_impedance(
