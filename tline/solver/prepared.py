@@ -129,15 +129,15 @@ class Prepared:
         if halved:
             left = SLOWEST
         elif len(told) > 1:
-            left = min(SLOWER * told[-1] / told[-2], SLOWEST)
+            left = min(SLOWER * (told[-1] / told[-2]) ** (1 / max(order - attempts[-3].order, 1)), SLOWEST)
         spare = known is not None and told and told[-1] <= ROOM * tol * left and not halved
         self.starts[tol] = Start(order - 1 if spare else order, left, halved, told[-1] if told and not spare else inf)
 
 
 def _is_ladder(attempts: Sequence[Attempt]) -> bool:
-    """Whether each run had a higher order than the one before, or half its slab, or both."""
+    """Whether each run had a higher order than the one before, or a half or a quarter of its slab, or both."""
     return len(attempts) > 1 and all(
-        (b.order, b.slab) != (a.order, a.slab) and b.order - a.order in (0, 1) and b.slab in (a.slab, a.slab / 2)
+        (b.order, b.slab) != (a.order, a.slab) and b.order >= a.order and a.slab / b.slab in (1.0, 2.0, 4.0)
         for a, b in pairwise(attempts)
     )
 

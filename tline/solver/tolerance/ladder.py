@@ -187,6 +187,7 @@ class Ladder:
     def __init__(self, grids: Grids, first: Result):
         self._grids, self.search = grids, grids.search
         self.last, self.helps, self.stale, self.attempts = first, True, 0, [Attempt.of(first)]
+        self.left, self._orders = 1.0, 1
         self.told, self.differences = Accuracy(self.search.tol), []
         self.best, self._accuracy, self._steps = first, self.told, [self.told]
         self._pair = None
@@ -214,10 +215,11 @@ class Ladder:
             self._pair = step.differences and (self.last, finer, self.search.tol, [*self.differences])
         self._steps.append(steps)
         self.differences += [step.differences] if step.differences else []
-        blind, left = finer.resolution.blind, gained(*self._steps[-2:])
-        self.helps = not blind and left <= HELPS
-        narrowed = finer.resolution.h < self.last.resolution.h
-        self.stale = self.stale + 1 if narrowed and not blind and left >= 1.0 else 0
+        blind, narrowed = finer.resolution.blind, finer.resolution.h < self.last.resolution.h
+        self.left = gained(*self._steps[-2:]) ** (1 / self._orders)
+        self._orders = max(finer.resolution.s - self.last.resolution.s, 1)
+        self.helps = not blind and self.left <= HELPS
+        self.stale = self.stale + 1 if narrowed and not blind and self.left >= 1.0 else 0
         self.last = finer
 
     def limit(self) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Mapping
 from dataclasses import replace
-from math import inf, log, log10
+from math import ceil, inf, log, log10
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
@@ -27,9 +27,11 @@ STEPS, SOON, MOST_CELLS = 3, 5e5, 1e7  # steps that show a pace; cells of one ru
 HALVED = 4  # halvings of the slab, at most, to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
+AHEAD, EACH_ORDER = 4, 0.06  # orders in one step, at most; share of a difference that an order leaves, or less
+ROUGH, QUARTERS = 1e-2, 4  # larger errors beside smooth laws tell nothing of an order's worth: slabs are so divided
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
 
-State = tuple[bool, bool, bool, bool]
+State = tuple[bool, bool, bool, bool, int, int]
 
 
 NOWHERE = Start(0, SLOWEST)
@@ -111,12 +113,30 @@ class Orders(Grids):
         last, cuts = ladder.last, self.cuts
         layered = last.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
         follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
-        helped, stay = (ladder.helps or layered) and not cuts.governed, cuts.in_pieces(last) or cuts.governed
-        chosen = self.grids.send((helped, layered, ladder.told.met, stay))
-        kinks = cuts.ahead(last, chosen, ladder.compared > 0, not (ladder.helps or layered))
+        narrowed = ladder.compared > 0 and last.resolution.h < ladder.attempts[-2].slab
+        smooth = bool(cuts.elements) and not (cuts.kinked or layered)  # laws: there narrower slabs cost less than cuts
+        rough = smooth and ladder.compared > 0 and not narrowed and ladder.told.worst > ROUGH
+        helped = (ladder.helps or layered or (smooth and narrowed)) and not (cuts.governed or rough)
+        stay, parts = cuts.in_pieces(last) or cuts.governed, QUARTERS if rough else 2
+        chosen = self.grids.send((helped, layered, ladder.told.met, stay, self._ahead(ladder), parts))
+        kinks = cuts.ahead(last, chosen, ladder.compared > 0, not (ladder.helps or layered or smooth))
         same = chosen.same * (FAINT if cuts.layers else 1.0)
         chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0, same=same)
         return self.search.run(chosen, kinks, cuts.places)
+
+    def _ahead(self, ladder: Ladder) -> int:
+        """Orders from the last run to the next, whose error should be within the tolerance, at the pace so far.
+
+        Beside laws nothing is foretold from the first comparison, and beside cells nothing at all.
+        """
+        told, wanted = ladder.told.worst, self.search.tol
+        cells, least = self.search.description.dispersive, 1 + bool(self.cuts.elements)
+        if cells or ladder.compared < least or not wanted < told < inf:
+            return 1
+        left = min(ladder.left, EACH_ORDER) if ladder.compared > 1 else EACH_ORDER
+        last, before = ladder.attempts[-1], ladder.attempts[-2]
+        gained = last.order - before.order + log(last.slab / before.slab) / log(EACH_ORDER) * before.order
+        return min(max(ceil(log(wanted / told) / log(left) - gained), 1), AHEAD)
 
     def is_enough(self, ladder: Ladder) -> bool:
         """Whether the tolerance is met, as far as is known how fast runs converge.
@@ -165,7 +185,7 @@ class Orders(Grids):
         crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
         same = JOINED * tol if crowded else 0.0
         while True:
-            helped, layered, met, stay = yield chosen._replace(same=same, cell=cell, fit=fit, exact=exact)
+            helped, layered, met, stay, ahead, parts = yield chosen._replace(same=same, cell=cell, fit=fit, exact=exact)
             narrow = description.dispersive and not cell  # no order makes up for cells
             cell = cell / 2 if cell >= LEAST_CELL * h else 0.0
             same *= FINER  # so that the difference of two runs shows errors by joining in the first
@@ -176,9 +196,9 @@ class Orders(Grids):
                     raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
             last = LAST_BEHIND if layered else LAST
             if given.order is None and s < last and (helped or fixed) and not narrow:
-                s += 1
+                s = min(s + ahead, last)
             elif not fixed:
-                h /= 2
+                h /= parts
                 s += stay and given.order is None and s < last and not narrow
             else:
                 return

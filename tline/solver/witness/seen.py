@@ -63,6 +63,8 @@ class Seen:
         self.result, self.description, self.tol, self._known = result, description, tol, known
         self.t = _one_in_each(INSTANTS) * description.t_end if t is None else t
         self._waves: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
+        self._allowed: dict[str, tuple[float, float]] = {}
+        self._places: dict[tuple[int, int], tuple[NDArray, NDArray]] = {}
         self.at_node = {
             node: (name, end)
             for name in result.lines
@@ -92,8 +94,20 @@ class Seen:
         if (name, end) not in self._waves:
             record = self.result.lines[name]
             a, b = record.at_end2 if end else record.at_end1
-            self._waves[name, end] = a(self.t), b(self.t)
+            self._waves[name, end] = self._values(a), self._values(b)
         return self._waves[name, end]
+
+    def _values(self, wave: Wave) -> NDArray:
+        """Values of a wave; places in slabs, and their polynomials, are the same for all waves without fronts."""
+        if len(wave.pieces.slab):
+            return wave(self.t)
+        key = wave.basis.s, len(wave.values)
+        if key not in self._places:
+            place = self.t / wave.h
+            slab = np.minimum(place.astype(int), len(wave.values) - 1)
+            self._places[key] = slab, wave.basis.evaluation(np.minimum(place - slab, 1.0))
+        slab, weights = self._places[key]
+        return np.einsum("ij,ij->i", wave.values[slab], weights)
 
     def end(self, name: str, end: int) -> tuple[NDArray, NDArray]:
         """Effort at an end of a line, and flow out of the line there."""
@@ -126,12 +140,15 @@ class Seen:
 
     def allowed(self, one: Balance) -> tuple[float, float]:
         """Allowed errors of the effort at a node and of the flow out of the lines."""
-        gauge = next((term.weight for term in (*one.flows, *one.stores) if term.weight), 0.0)
-        flows = sum(float(np.abs(self.end(*at)[1]).max()) for at in one.ends)
-        conducts = self.conducts(one)
-        size = max(float(np.abs(self.efforts(one) - gauge).max()), flows / conducts, FAINT * self.largest)
-        share, least = MARGIN * self.tol + NODE_ROUNDING, self._known.allowed(one) if self._known else (0.0, 0.0)
-        return max(share * size + 1e-15 * abs(gauge), least[0]), max(share * (size * conducts + flows), least[1])
+        if one.name not in self._allowed:
+            gauge = next((term.weight for term in (*one.flows, *one.stores) if term.weight), 0.0)
+            flows = sum(float(np.abs(self.end(*at)[1]).max()) for at in one.ends)
+            conducts = self.conducts(one)
+            size = max(float(np.abs(self.efforts(one) - gauge).max()), flows / conducts, FAINT * self.largest)
+            share, least = MARGIN * self.tol + NODE_ROUNDING, self._known.allowed(one) if self._known else (0.0, 0.0)
+            effort, flow = share * size + 1e-15 * abs(gauge), share * (size * conducts + flows)
+            self._allowed[one.name] = max(effort, least[0]), max(flow, least[1])
+        return self._allowed[one.name]
 
     def across(self, term: Term, u: NDArray) -> tuple[NDArray, float]:
         """Effort across an element at a node of effort u, in its direction, and the sign of its flow from the node."""
