@@ -162,7 +162,7 @@ def test_turns_are_those_of_a_sine():
     sine, solver = {"shape": "sine", "amplitude": 2e5, "frequency": FREQUENCY}, {"order": 4, "slab": 1 / 32}
     scene = one_line(2.5, pipe, sine, 0, {"kind": "matched"}, medium="hydraulic", solver=solver)
     result = simulate(scene)
-    cuts = Cuts(describe(scene), 1.0).ahead(result, result.resolution, later=True, stuck=False)
+    cuts = Cuts(describe(scene)).turns(result)
     half = 0.5 / FREQUENCY
     assert cuts["nodes.near"] == pytest.approx([half, 2 * half], abs=1e-4)  # as well as slabs of 1/32 resolve it
     assert cuts["nodes.far"] == pytest.approx([1 + half], abs=1e-4)

@@ -16,12 +16,14 @@ ANY_DROP = -inf, inf
 class Bend(NamedTuple):
     """Wave at which a law kinks: a constant part, and one proportional to a power of the control signal.
 
-    Of a store it is the effort that drives its flow.
+    Of a store it is the effort that drives its flow. Beside it the law turns sharply within a layer of waves, whose
+    width is as the square of the control signal; 0 if it does not.
     """
 
     constant: float
     varying: float = 0.0
     power: int = 1
+    layer: float = 0.0
 
 
 class Volume(NamedTuple):

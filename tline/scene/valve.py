@@ -84,7 +84,7 @@ class Root(LawKind):
     name, unit = "quadratic", "laws.quadratic.quadratic"
 
     def bends(self, c, rho):  # noqa: D102
-        yield Bend(c[0])
+        yield Bend(c[0], layer=(rho * c[1] / 2) ** 2 if c[1] < inf else 0.0)
 
     def holds(self, c, control):  # noqa: D102
         if c[1] * control == 0:

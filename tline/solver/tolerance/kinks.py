@@ -6,12 +6,13 @@ A law is smooth between some points of its graph. With e the effort across the e
 into it rises along the graph, and passes each point once. A piece without a kink inside is as accurate as its order; so
 the instant is sought on the piece before or behind, continued into the one that has it.
 
-Behind a front that meets a nearly shut orifice, and beside the instant at which its flow turns, the flow changes in a
-time far shorter than a slab: a layer. There the last terms of polynomials are large. Such pieces are cut, ever closer
-from run to run, to the end that is nearer to a kink of the law, or to both.
+The flow through an orifice of capacity C is i = (sqrt(v² + v |e + ρ i|) - v)·2/ρ with v = (ρ C/2)²: beside its kink it
+turns within a layer as wide as v, which is little if the orifice is nearly shut. Slabs are cut where the wave is
+`WIDER` times farther from the kink than at the cut before: on all such pieces polynomials converge alike.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Bend
 from tline.solver.description.resolution import Resolution
-from tline.solver.radau import Basis, basis, thin_product
+from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
 from tline.solver.run import NO_KINKS, Kinks, at_node
 
@@ -32,11 +33,9 @@ SETTLED = 1e-13  # pieces; a step this short is the last, for each is some 1e4 t
 OVER = 1.5  # pieces by which a neighbour is extrapolated
 ROUNDED = 1e-12  # of the largest wave; smaller values have no sign
 STILL = 1e-9  # of the largest wave; a smaller flow does not turn
-PLACES = np.array([1 / 16, 1 / 4])  # of cuts, from the end of a piece
-NEARER = 2.0  # times as near to a kink: the end that is meant
-ROUGHER = 100.0  # times the median of all pieces; where most are alike the order is too low for all
-MOST, CROWD = 20, 9  # slabs in which a piece is cut after one run; pieces in one that is cut no more
-FULL = 24  # cuts in a slab, at most: of more pieces waves would be smeared
+WIDER = 4.0  # ratio of distances from a kink of two cuts beside it
+SHUT = 1e-2  # control signal; layers of elements nearer to shut are not resolved
+FULL = 24  # middles of pieces at which a slab is cut, at most: of more pieces waves would be smeared
 LEAST = 1e-9  # slabs; narrower pieces are not cut
 MOST_HALVED = 50_000  # pieces of an element; beyond, none is halved
 
@@ -53,12 +52,12 @@ class PiecewiseQuantity(NamedTuple):
 class Cuts:
     """Instants at which slabs of the next finer run are cut in pieces, at elements with laws.
 
-    `kinked` are elements whose laws kink, `layers` instants near which a response is not resolved, or at which pieces
-    are halved, `places` the elements whose waves runs are to record; if `governed`, openings move by themselves.
+    `kinked` are elements whose laws kink, `middles` those of pieces that were halved with their slabs, `places` the
+    elements whose waves runs are to record; if `governed`, openings move by themselves.
     """
 
-    def __init__(self, description: Description, tol: float):
-        self.elements, self.kinked, self.layers, self._tol = description.elements, kinking(description), NO_KINKS, tol
+    def __init__(self, description: Description):
+        self.elements, self.kinked, self.middles = description.elements, kinking(description), NO_KINKS
         held = {node for element in self.kinked for node in element.nodes}  # kinks there are known
         self._ends = [
             (name, node)
@@ -74,21 +73,19 @@ class Cuts:
         """Whether slabs of a run were in pieces at elements, which do not become narrower with the slabs."""
         return any(len(last.elements[where].wave.pieces.slab) for where in self.places)
 
-    def ahead(self, last: Result, chosen: Resolution, later: bool, stuck: bool) -> Kinks:
-        """Instants at which slabs of the next run are cut: where laws kinked in the last one.
+    def after(self, last: Result, chosen: Resolution) -> Kinks:
+        """Instants at which slabs of a run at the chosen resolution are cut: where laws kinked in the last one.
 
-        Pieces are halved with their slabs if the order stays. With `later` also where flow turned at ends of recorded
-        lines with friction. Where a higher order did not help, the search is `stuck`, layers that the run does not
-        resolve are cut, and stay so.
+        Pieces are halved with their slabs if the order stays.
         """
-        kinks = kinks_of(last, self.kinked)
         if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
-            self.layers = together(self.layers, middles_of(last, self.elements))
-        if stuck:
-            self.layers = together(self.layers, layers_of(last, self.elements, self._tol))
-        self.layers = {where: _thinned(cuts / chosen.h) * chosen.h for where, cuts in self.layers.items()}
-        turns = turns_of(last, self._ends) if later else {}
-        return {**together(kinks, self.layers), **turns}
+            self.middles = united(self.middles, middles_of(last, self.elements))
+        self.middles = {where: _thinned(cuts / chosen.h) * chosen.h for where, cuts in self.middles.items()}
+        return united(kinks_of(last, self.kinked), self.middles)
+
+    def turns(self, last: Result) -> Kinks:
+        """Instants at which flow turned in a run at ends of recorded lines with friction, away from these elements."""
+        return turns_of(last, self._ends)
 
 
 def kinking(description: Description) -> list[PlacedLaw]:
@@ -97,17 +94,37 @@ def kinking(description: Description) -> list[PlacedLaw]:
 
 
 def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
-    """Instants at which laws kinked in a run that recorded the waves into these elements, s."""
+    """Instants at which waves into elements, as a run recorded them, passed kinks of laws, and cuts beside these, s."""
     found = {}
     for element in elements:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
-        bends = element.kind.bends(element.constants, record.impedance)
-        instants = [_crossings(_beyond(into, at, element, result.resolution.s), result) for at in bends]
-        all_ = np.unique(np.concatenate([np.empty(0), *instants]))
+        control = _control(element, into, result.resolution.s)
+        instants = [np.empty(0)]
+        for bend in element.kind.bends(element.constants, record.impedance):
+            for level in (bend, *_beside(bend, into, control)):
+                values = into.values - level.constant - level.varying * control**level.power
+                instants.append(_crossings(into._replace(values=values, before=float(values[0, 0])), result))
+        all_ = np.unique(np.concatenate(instants))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
     return found
+
+
+def _control(element: PlacedLaw, into: PiecewiseQuantity, s: int) -> NDArray:
+    """Control signal of an element at the points of pieces."""
+    if element.law.factor is None:
+        return np.ones(1)
+    t = into.start[:, None] + into.width[:, None] * basis(s).c
+    return np.maximum(element.law.factor.value(t, (into.start + into.width / 2)[:, None]), 0.0)
+
+
+def _beside(bend: Bend, into: PiecewiseQuantity, control: NDArray) -> Iterator[Bend]:
+    """Waves on either side of a kink, each farther away by the same factor, up to the largest."""
+    away, most = bend.layer, np.abs(into.values - bend.constant).max()
+    while 0 < away * max(control.min(), SHUT) ** 2 < most:
+        yield from (Bend(bend.constant, sign * away, 2) for sign in (-1, 1))
+        away *= WIDER
 
 
 def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kinks:
@@ -126,30 +143,6 @@ def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kin
     return found
 
 
-def layers_of(result: Result, elements: Sequence[PlacedLaw], tol: float) -> Kinks:
-    """Instants at which to cut pieces whose last terms are beyond the tolerance, and far beyond those of most, s."""
-    found = {}
-    for element in elements:
-        into, rough = _roughness(result, element)
-        slab = ((into.start + into.width / 2) / result.resolution.h).astype(int)
-        coarse = (
-            (rough > max(tol, ROUGHER * np.median(rough)))
-            & (np.bincount(slab)[slab] <= CROWD)
-            & (into.width > LEAST * result.resolution.h)
-        )
-        order = np.flatnonzero(coarse)[np.argsort(-rough[coarse])]
-        worst = order[np.sort(np.unique(slab[order], return_index=True)[1])][:MOST]
-        if len(worst):
-            cuts = np.concatenate(
-                [
-                    (into.start[these, None] + into.width[these, None] * places).ravel()
-                    for places, these in zip((PLACES, 1 - PLACES), _ends(result, element, into, worst), strict=True)
-                ]
-            )
-            found[element.where] = np.unique(cuts)
-    return found
-
-
 def middles_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
     """Middles of pieces that the middle of their slab does not part, s: these are no narrower in slabs half as wide.
 
@@ -165,28 +158,6 @@ def middles_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
     return found
 
 
-def _roughness(result: Result, element: PlacedLaw) -> tuple[PiecewiseQuantity, NDArray]:
-    """The wave into an element, and the last terms of its pieces in effort and flow, over the largest change."""
-    record, s = result.elements[element.where], result.resolution.s
-    into = _in_pieces(record.wave)
-    efforts = [(sign, _in_pieces(wave).values) for sign, wave in zip((1, -1), record.efforts, strict=True) if wave]
-    terms, rough = basis(s).to_legendre[max(s - 2, 1) :], np.zeros(len(into.start))
-    for values in (*(values for _, values in efforts), into.values - sum(sign * values for sign, values in efforts)):
-        change = np.ptp(values)
-        if change > 0:
-            rough = np.maximum(rough, np.abs(thin_product(values, terms.T)).max(axis=1, initial=0.0) / change)
-    return into, rough
-
-
-def _ends(result: Result, element: PlacedLaw, into: PiecewiseQuantity, these: NDArray) -> tuple[NDArray, NDArray]:
-    """Pieces among some that are to be cut toward their start, and toward their end."""
-    away = np.full((2, len(these)), np.inf)
-    for bend in element.kind.bends(element.constants, result.elements[element.where].impedance):
-        off = np.abs(_beyond(into, bend, element, result.resolution.s).values)
-        away = np.minimum(away, [off[these, 0], off[these, -1]])
-    return these[~(away[0] > NEARER * away[1])], these[~(away[1] > NEARER * away[0])]
-
-
 def _thinned(cuts: NDArray) -> NDArray:
     """Every nth of ascending cuts in each slab, so that there are `FULL` at most."""
     _, first, count = np.unique(cuts.astype(int), return_index=True, return_counts=True)
@@ -194,9 +165,11 @@ def _thinned(cuts: NDArray) -> NDArray:
     return cuts[rank % np.repeat(-(-count // FULL), count) == 0]
 
 
-def together(one: Kinks, other: Kinks) -> Kinks:
-    """Instants of both."""
-    return {where: np.union1d(one.get(where, np.empty(0)), other.get(where, np.empty(0))) for where in {*one, *other}}
+def united(*all_: Kinks) -> Kinks:
+    """Instants of all, ascending, by place."""
+    return {
+        where: np.unique(np.concatenate([each[where] for each in all_ if where in each])) for where in {*chain(*all_)}
+    }
 
 
 def _in_pieces(wave: Wave) -> PiecewiseQuantity:
@@ -210,16 +183,6 @@ def _in_pieces(wave: Wave) -> PiecewiseQuantity:
     order = np.argsort(start, kind="stable")
     values = np.concatenate([wave.values[whole], pieces.values])[order]
     return PiecewiseQuantity(start[order] * wave.h, width[order] * wave.h, values, wave.before)
-
-
-def _beyond(into: PiecewiseQuantity, bend: Bend, element: PlacedLaw, s: int) -> PiecewiseQuantity:
-    """Subtract from the wave into an element its value at a bend."""
-    control = 1.0
-    if bend.varying and element.law.factor is not None:
-        t = into.start[:, None] + into.width[:, None] * basis(s).c
-        control = element.law.factor.value(t, (into.start + into.width / 2)[:, None])
-    values = into.values - bend.constant - bend.varying * np.maximum(control, 0.0) ** bend.power
-    return into._replace(values=values, before=float(values[0, 0]))
 
 
 def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:

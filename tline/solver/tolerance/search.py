@@ -11,13 +11,13 @@ from tline.solver.description.resolution import Resolution, cell_in, resolution,
 from tline.solver.description.slab import cell_of, cells_in
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
-from tline.solver.tolerance.kinks import Cuts
+from tline.solver.run import NO_KINKS
+from tline.solver.tolerance.kinks import Cuts, united
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
 DIGITS = 3  # digits of the tolerance per order of the first run, beyond three
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
-FAINT = 0.1  # a further factor beside layers: in a flow far smaller than waves, joints are far larger
 FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
 MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
 CLEAR, FAR_CLEAR = 1 / 3, 1 / 30  # of the tolerance: largest error estimate accepted from two runs alone; if laws kink
@@ -93,7 +93,7 @@ class Orders(Grids):
     def __init__(self, search: Search, sections: Mapping[str, int] = NONE, settle: float = 0.0, start: Start = NOWHERE):
         super().__init__(search)
         self.sections, self.settle, self.start, self.unknown = sections, settle, start, start.left
-        self.cuts = Cuts(search.description, search.tol)
+        self.cuts = Cuts(search.description)
         self.grids = self._finer(start.halved)
 
     def first(self) -> Result:
@@ -119,9 +119,8 @@ class Orders(Grids):
         helped = (ladder.helps or layered or (smooth and narrowed)) and not (cuts.governed or rough)
         stay, parts = cuts.in_pieces(last) or cuts.governed, QUARTERS if rough else 2
         chosen = self.grids.send((helped, layered, ladder.told.met, stay, self._ahead(ladder), parts))
-        kinks = cuts.ahead(last, chosen, ladder.compared > 0, not (ladder.helps or layered or smooth))
-        same = chosen.same * (FAINT if cuts.layers else 1.0)
-        chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0, same=same)
+        kinks = united(cuts.after(last, chosen), cuts.turns(last) if ladder.compared else NO_KINKS)
+        chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0)
         return self.search.run(chosen, kinks, cuts.places)
 
     def _ahead(self, ladder: Ladder) -> int:
