@@ -38,11 +38,11 @@ class Layer(NamedTuple):
     end: int  # slab from which on the scene's own have it
 
     def sampled(self, first: int, n: int, order: Basis) -> NDArray:
-        """Values at the points of n slabs of the scene, (rows, 2, n, s)."""
-        x = (np.arange(first, first + n)[:, None] + order.c).ravel()
-        k = np.clip(np.searchsorted(self.edges, x) - 1, 0, len(self.edges) - 2)
-        local = order.evaluation((x - self.edges[k]) / (self.edges[k + 1] - self.edges[k]))
-        return np.einsum("xi,xird->rdx", local, self.values[k]).reshape(*self.values.shape[2:], n, order.s)
+        """Values at the points of n slabs of the scene, (rows, 2, n, s), where the layer's own are as wide."""
+        k = np.clip(np.searchsorted(self.edges, first + order.c - EDGE) - 1, 0, len(self.edges) - 2)  # in the first
+        local = order.evaluation(first + order.c - self.edges[k])
+        slabs = np.minimum(np.arange(n)[:, None] + k, len(self.values) - 1)
+        return np.einsum("xi,nxird->rdnx", local, self.values[slabs])
 
 
 class Layers:

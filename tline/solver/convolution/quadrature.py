@@ -40,6 +40,7 @@ SMOOTH = 8, 9, 10, 12, 15  # times powers of 2: lengths of fast transforms
 KEPT_SLABS = 1000  # slabs of transforms whose modes are kept for the next scene
 SLOWEST, PLACES = 1e-6, 400  # cycles per slab, and from there to a half
 FAST, SPARSE = 0.3, 8  # smallest eigenvalue of a change within a few slabs; one in so many is looked at
+GROWING = np.geomspace(0.1, 1e3, 100)  # rates of growth per slab, from the smallest seen within a few slabs on
 
 
 def rounding(padded: int) -> float:
@@ -200,9 +201,9 @@ def bundle_creates_energy(bundle: Bundle, order: Basis, h: float, slabs: NDArray
 
 @lru_cache
 def fast(s: int) -> NDArray:
-    """Some eigenvalues of D on |ζ| = 1, of changes within a few slabs."""
+    """Some eigenvalues of D on |ζ| = 1, of changes within a few slabs, and behind them rates of growth."""
     rates = circle(s)[0].ravel()
-    return rates[np.abs(rates) > FAST][::SPARSE]
+    return np.append(rates[np.abs(rates) > FAST][::SPARSE], GROWING)
 
 
 @lru_cache

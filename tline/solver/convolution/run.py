@@ -69,8 +69,8 @@ def envelope_of(description: Description, result: Result) -> Envelope:
 class Convolved:
     """Linear scene in s, with the changes of its sources from before t = 0.
 
-    Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each. Slabs may be far wider
-    than delays where all is `slow`.
+    Many fronts may be at edges of slabs (`clocked`), in place of narrower slabs beside each, which are there where
+    fronts are `followed`. Slabs may be far wider than delays where all is `slow`.
     """
 
     def __init__(
@@ -82,9 +82,10 @@ class Convolved:
         envelope: bool = False,
         clocked: bool = True,
         slow: bool = False,
+        followed: bool = True,
     ):
         self.description, self.padded, self.envelope = description, padded, envelope
-        self.clocked, self.slow = clocked, slow
+        self.clocked, self.slow, self.followed = clocked, slow, followed
         self.kept = {*record, *description.probed}
         self.lines = [name for name in description.lines if envelope or name in self.kept]
         self.before: Before = above_level(description) if description.steady else rest(description)
@@ -107,7 +108,7 @@ class Convolved:
     @cached_property
     def layered(self) -> bool:
         """Whether the response beside fronts may be followed on narrower slabs there, along rays."""
-        return not self.clock and not self.slow and affordable(self.network)
+        return self.followed and not self.clock and not self.slow and affordable(self.network)
 
     def follows(self, h: float) -> bool:
         """Whether it is, on slabs of width h: laws move at edges, and meet fronts there if delays are whole slabs."""

@@ -5,6 +5,7 @@ With v = T u and i = T^-T y of the modes without losses, u' = -Z y and y' = -Y u
 is followed over s, and none is taken for another.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -65,12 +66,23 @@ class Bundle(NamedTuple):
         return Eigenmodes(gamma, vectors, inverse, np.linalg.solve(Z, vectors * gamma[:, None]), float(alike))
 
     def fronts(self, s: NDArray) -> NDArray:
-        """Delays of fronts in the modes, (k,) s: of those that are not told apart at s (n,), the shortest."""
-        found = self.delays
+        """Delays of fronts in the modes, (k,) s: of those that are not told apart at s (n,), the shortest.
+
+        Modes that meet where Re s > 0 are none by themselves: their responses would grow, and only the sum does not.
+        Such places are near real s, where one that is slower is then passed by the other.
+        """
+        found, real = self.delays, np.imag(s) == 0
         while len(apart := np.unique(found)) > 1:
-            k = np.diff(apart).argmin()
-            if apart[k + 1] - apart[k] > SAME_DELAY * apart[-1] and self.modes(s, found).alike > ALIKE:
+            modes = self.modes(s, found)
+            passes = np.real(modes.gamma[real])
+            met = [
+                bool((passes[:, found == sooner].max(axis=1) >= passes[:, found == later].min(axis=1)).any())
+                for sooner, later in pairwise(apart)
+            ]
+            near = np.diff(apart)
+            if near.min() > SAME_DELAY * apart[-1] and modes.alike > ALIKE and not any(met):
                 break
+            k = np.where(met, near, near + apart[-1] * any(met)).argmin()
             found = np.where(found == apart[k + 1], apart[k], found)
         return found
 

@@ -11,6 +11,7 @@ from tline.solver.convolution.families import SAME_FAMILY, leads
 from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved, is_affordable, is_slow, suits
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy
@@ -34,6 +35,7 @@ ALIKE = 2  # largest ratio of errors to differences of two runs so near to a jum
 BLURRED = 0.01  # of the shortest delay of a lossy line: nearer to a jump the tolerance does not apply
 MOST_BLURRED = 0.25  # largest share of a run that may be blurred
 WIDE, MOST_WIDE = 64, 1e4  # slabs of a run without fast changes: of the first, and of the last
+STEP, BENT = 1e-6, 1e-3  # of efforts, to see slopes of a law; and change of a slope, of the slope, at a corner
 MOST_CLOCKED = 2.5e5  # samples with fronts at edges of slabs; beyond these, narrower slabs beside fronts take over
 
 
@@ -76,14 +78,15 @@ class Convolutions(Grids):
     def __init__(self, search: Search, *, clocked: bool = True, slow: bool = False):
         super().__init__(search)
         description, padded = search.description, padding(search.tol)
+        self.jumps = arrivals(description)
+        jumping = any(len(each) for each in self.jumps.values())
         how = {"envelope": search.envelope, "clocked": clocked, "slow": slow}
+        how["followed"] = jumping or not any(map(_has_corner, kinking(description)))
         self.scene = Convolved(description, search.record, padded, **how)
         self.order = description.scene.solver.order or ORDER
         self.h = self._first_slab()
-        self.jumps = arrivals(description)
         network, bundles = self.scene.network, self.scene.network.bundles.values()
         lossy = [*network.lossy, *(k for bundle in bundles for k in bundle.lines)]
-        jumping = any(len(each) for each in self.jumps.values())
         self.settle = BLURRED * network.second * float(network.delays[lossy].min()) if jumping else 0.0
         self.alone = any(bundle.skin.any() for bundle in bundles)  # no other method computes these
         self.share, self.off = SLOWEST, inf
@@ -188,6 +191,17 @@ def _torn(wave: Wave) -> float:
     """Sum of all jumps of a wave between its slabs, or pieces."""
     values = wave.pieces.values if len(wave.pieces.slab) else wave.values
     return float(np.abs(values @ wave.basis.evaluation([0.0])[0] - np.append(wave.before, values[:-1, -1])).sum()) / 2
+
+
+def _has_corner(element: PlacedLaw) -> bool:
+    """Whether the slope of a law jumps: waves get corners that nothing follows, as sharp as those of waveforms."""
+    flow = element.kind.flow(element.constants)
+    if flow is None:
+        return True
+    efforts = np.array([bend.constant for bend in element.kind.bends(element.constants, 0.0)]) - element.constants[0]
+    step = STEP * (np.abs(efforts).max() or 1.0)
+    before, at, behind = (flow(efforts + k * step) for k in (-1, 0, 1))
+    return bool((np.abs(behind - 2 * at + before) > BENT * np.abs(behind - before)).any())
 
 
 def _near(name: str, scene: Scene, jumps: dict[str, NDArray], settle: float) -> NDArray:
