@@ -8,10 +8,11 @@ the instant is sought on the piece before or behind, continued into the one that
 
 The flow through an orifice of capacity C is i = (sqrt(v² + v |e + ρ i|) - v)·2/ρ with v = (ρ C/2)²: beside its kink it
 turns within a layer as wide as v, which is little if the orifice is nearly shut. Slabs are cut where the wave is
-`WIDER` times farther from the kink than at the cut before: on all such pieces polynomials converge alike.
+`WIDER` times farther from the kink than at the cut before, if slabs sweep over as much: on all such pieces
+polynomials converge alike.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from typing import NamedTuple
 
@@ -100,11 +101,12 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
         control = _control(element, into, result.resolution.s)
-        instants = [np.empty(0)]
+        instants, swept = [np.empty(0)], _swept(into, result.resolution.h)
         for bend in element.kind.bends(element.constants, record.impedance):
-            for level in (bend, *_beside(bend, into, control)):
+            for level in (bend._replace(layer=0.0), *_beside(bend, into, control)):
                 values = into.values - level.constant - level.varying * control**level.power
-                instants.append(_crossings(into._replace(values=values, before=float(values[0, 0])), result))
+                t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
+                instants.append(t[swept(t) >= (WIDER - 1) * level.layer])
         all_ = np.unique(np.concatenate(instants))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
@@ -121,10 +123,19 @@ def _control(element: PlacedLaw, into: PiecewiseQuantity, s: int) -> NDArray:
 
 def _beside(bend: Bend, into: PiecewiseQuantity, control: NDArray) -> Iterator[Bend]:
     """Waves on either side of a kink, each farther away by the same factor, up to the largest."""
-    away, most = bend.layer, np.abs(into.values - bend.constant).max()
-    while 0 < away * max(control.min(), SHUT) ** 2 < most:
-        yield from (Bend(bend.constant, sign * away, 2) for sign in (-1, 1))
+    away, most, least = bend.layer, np.abs(into.values - bend.constant).max(), max(control.min(), SHUT) ** 2
+    while 0 < away * least < most:
+        yield from (Bend(bend.constant, sign * away, 2, away * least) for sign in (-1, 1))
         away *= WIDER
+
+
+def _swept(into: PiecewiseQuantity, h: float) -> Callable[[NDArray], NDArray]:
+    """Function of instants: what a quantity sweeps over in the slab there."""
+    slab = ((into.start + into.width / 2) / h).astype(int)
+    low, high = np.full(slab[-1] + 1, np.inf), np.full(slab[-1] + 1, -np.inf)
+    np.minimum.at(low, slab, into.values.min(axis=1))
+    np.maximum.at(high, slab, into.values.max(axis=1))
+    return lambda t: (high - low)[np.minimum((t / h).astype(int), slab[-1])]
 
 
 def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kinks:
