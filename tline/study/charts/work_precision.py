@@ -9,7 +9,7 @@ Programs are measured in the same run as all else; absent ones are named.
 | rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included | the same |
 | TSNet | in an environment of its own, one pipe as two | its MOCSimulator() | the process |
 
-Where friction depends on the flow, the textbook's grid of characteristics is added.
+Where friction depends on the flow, a staggered grid of characteristics is added, and its extrapolation.
 """
 
 import time
@@ -33,7 +33,7 @@ ORDERS = (1, 2, 3, 5, 8)
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 GOOD = 1e-13  # an error that needs no refinement
 PATIENT = FULL._replace(longest=1.0)  # s; peers need it
-TEXTBOOK = "moc_grid"
+GRIDS = "moc_grid", "moc_extrapolated"
 PEERS: dict[str, Any] = {
     "ngspice": ngspice, "scikit-rf, inverse FFT": inverse_fft, "rthym-moc": rthym, "TSNet": tsnet,
 }  # fmt: skip
@@ -100,9 +100,8 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
     True
     """
     scene = chart_scene(name).scene
-    textbook = _baseline(TEXTBOOK, scene)
-    programs = [Rival(key, "peer", one.incompatibility(scene), partial(one.run, scene)) for key, one in PEERS.items()]
-    rivals = programs if textbook.why else [textbook, *programs]
+    rivals = [grid for grid in (_baseline(key, scene) for key in GRIDS) if not grid.why]
+    rivals += [Rival(key, "peer", one.incompatibility(scene), partial(one.run, scene)) for key, one in PEERS.items()]
     table = _chart(name, rivals, quick, QUICK if quick else PATIENT, progress)
     if scene.medium == "hydraulic" and not describe(scene).lossy:
         table.notes.append("rthym-moc has friction here, which cannot be switched off.")
