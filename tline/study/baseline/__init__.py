@@ -44,7 +44,6 @@ BASELINES: dict[str, Baseline] = {
     "moc_linear": Baseline("MOC, linear interpolation", 2, 2, partial(moc, weights=linear, offset=HALF)),
     "moc_cubic": Baseline("MOC, cubic interpolation", 4, 2, partial(moc, weights=cubic, offset=HALF)),
     "moc_grid": Baseline("MOC on a staggered grid", 2, 2, moc_grid, no_friction, "friction"),
-    "moc_extrapolated": Baseline("… extrapolated", 4, 2, moc_extrapolated, no_friction, "friction"),
     "upwind": Baseline("upwind", 1, 1, upwind),
     "lax_wendroff": Baseline("Lax-Wendroff", 2, 2, lax_wendroff),
     "fdtd": Baseline("FDTD leapfrog", 2, 2, fdtd),
@@ -52,4 +51,5 @@ BASELINES: dict[str, Baseline] = {
     "lumped_pi": Baseline("π sections", 2, 2, lumped_pi, knows="resistance"),
     "pade": Baseline("Padé sections", 3, 3, pade),
     "slabs_pointwise": Baseline("slabs, pointwise, s = 4", 4, 4, slabs_pointwise),
+    "moc_extrapolated": Baseline("… extrapolated", 4, 2, moc_extrapolated, no_friction, "friction"),
 }

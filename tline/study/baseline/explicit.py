@@ -110,14 +110,14 @@ def moc_grid(scene: Scene, n: float) -> BaselineRun:
     )
     efforts, flows = steady_state(description) if description.steady else rest(description)[:2]
     start, t = np.array([efforts[node.name] for node in each]), np.arange(steps + 1) * dt
-    begun = time.perf_counter()
+    begun = time.process_time()
     given = np.zeros((len(each), steps + 1, 2))
     for k, node in enumerate(each):
         for shape, factor in [(node.held, 1.0)] if node.held else node.flows:
             for side, near in enumerate((t - dt / 4, t + dt / 4)):
                 given[k, :, side] += factor * shape.value(t, near)
     record = march(pipes, reaches, start, flows[:, 0], given, np.array(probed(scene)))[:, :, 0]
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     return BaselineRun(t, dict(zip(scene.probes, record, strict=True)), seconds)
 
 
@@ -222,13 +222,13 @@ def slabs_pointwise(scene: Scene, n: float, order: int = 4, offset: float = HALF
     network = assembly.network._replace(shift=shift, shift_row=rows)
     record = np.full((2 * len(assembly.recorded), 2, steps * order), np.inf)  # entries left infinite: unbounded growth
     advance(network, assembly.state, 0, np.zeros((len(assembly.excitations), 0)), record, 0)
-    begun = time.perf_counter()
+    begun = time.process_time()
     excitation = np.zeros((len(assembly.excitations), steps, order))
     for row, parts in zip(excitation, assembly.excitations, strict=True):
         for waveform, share in parts:
             row += share * projected(waveform, waveform.breaks(steps * h), assembly.basis, h, 0, steps)
     advance(network, assembly.state, steps, excitation.reshape(len(excitation), -1), record, 0)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     at_ends = record[:, :, order - 1 :: order] / 2
     u = {
         name: np.append(0.0, at_ends[assembly.recorded[line] + side].sum(axis=0))

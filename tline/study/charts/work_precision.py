@@ -114,9 +114,9 @@ def _baseline(key: str, scene: Scene, idle: str = "") -> Rival:
     method = BASELINES[key]
 
     def run(n: int) -> TimedRun:
-        begun = time.perf_counter()
+        begun = time.process_time()
         trace = method.run(scene, n)
-        return TimedRun(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
+        return TimedRun(trace.t, trace.u, trace.seconds, time.process_time() - begun)
 
     return Rival(method.label, "baseline", method.incompatibility(scene) or idle or None, run)
 
@@ -180,7 +180,7 @@ def refined(
             continue  # this few are too few
         ran = True
         yield row(label, kind, f"{n} {unit} per shortest delay", done, judge)
-        if done.seconds > effort.longest or judge.errors(done)[1] < GOOD:
+        if done.seconds > effort.longest or judge.errors(done)[1] < max(GOOD, judge.own):
             return
 
 
@@ -205,9 +205,9 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     from tline.solver.simulate import simulate
 
     describe(scene).known.clear()  # of earlier searches, which would be repeated as they ended
-    begun = time.perf_counter()
+    begun = time.process_time()
     result = simulate(scene, tol=tol, ledger=False)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     accuracy, probes = result.accuracy, result.probes
     stepping = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
     u = {name: probe.at_slab_ends.u for name, probe in probes.items()}
@@ -219,10 +219,12 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
 def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
     """Cost of runs to a tolerance, all attempts counted, their estimated and their true error.
 
-    A tolerance below the judge's own error is left out.
+    A tolerance below the judge's own error is left out, and all below one that takes too long.
     """
     for tol in TOLERANCES[:: 3 if effort is QUICK else 1]:
         if tol < judge.own:
             return
         done = timed(partial(simulated, scene, tol), effort)
         yield row("to a tolerance", "tolerance", f"tolerance {tol:.0e}", done, judge, tol)
+        if done.seconds > PATIENT.longest:
+            return
