@@ -94,6 +94,13 @@ def test_friction_on_a_grid_converges_at_the_declared_order(name, finest, counts
         assert slope("moc_grid", scene, exact, counts, probe) == pytest.approx(BASELINES["moc_grid"].order, abs=0.1)
 
 
+def test_extrapolation_of_a_grid_gains_an_order_at_least():
+    """It gains two where no flow turns, and one where flows do."""
+    scene = chart_scene("friction").scene
+    exact = partial(FrictionSolution(scene, 1024).at, "far")
+    assert slope("moc_extrapolated", scene, exact, (8, 16, 32)) > 2.7
+
+
 def test_two_halves_of_a_pipe_are_the_pipe():
     given = chart_scene("friction").scene.table()
     half = given["lines"]["pipe"] | {"length": "2000 ft", "delay": 0.5}

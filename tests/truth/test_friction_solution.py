@@ -11,6 +11,7 @@ from friction_series import reference
 from friction import Dahl, ElastoPlastic, LuGre, Ramp, Sine, Status, Table, Testbench, simulate
 from tline import InputError, Scene
 from tline.solver.description.description import describe
+from tline.solver.simulate import simulate as tl_simulate
 from tline.solver.steady.steady_state import steady_state
 from tline.study.charts.scenes import chart_scene
 from tline.study.programs import rthym, tsnet
@@ -67,6 +68,17 @@ def test_its_error_falls_with_the_third_power_and_is_not_less_than_it_says(name,
     for rough in grids:
         assert largest(rough, scene, wanted) < rough.error
     assert best.error < 3e-8 * largest(best, scene)
+
+
+def test_a_flow_stopped_at_once_is_that_of_diamonds():
+    """Fronts are kept on both sides by the grid, and followed by the diamonds; they have nothing in common."""
+    given = chart_scene("friction").scene.table()
+    draw = given["sources"]["draw"] | {"value": {"shape": "step", "from": "-200 L/s", "to": 0, "at": 0.25}}
+    scene = changed(sources={"draw": draw}, solver={"order": 5, "slab": 0.125})
+    solution = FrictionSolution(scene, 256)
+    run = tl_simulate(scene)
+    assert largest(solution, scene, {"far": run.probes["far"].at(T).u}) < 1e-11 * largest(solution, scene)
+    assert solution.error < 1e-11 * largest(solution, scene)
 
 
 @pytest.mark.parametrize("name", ["friction", "network"])

@@ -85,6 +85,8 @@ def test_the_judge_weighs_errors_by_the_amplitude():
 
 def test_refinement_ends_where_it_is_exact_or_too_slow():
     class Fixed:
+        own = 0.0
+
         def errors(self, run):
             return run.u, run.u
 

@@ -337,7 +337,7 @@ class Result(Display, Export):
     samples : int
         Line-end samples computed.
     seconds : float
-        Time spent stepping [s].
+        Processor time spent stepping [s].
     fronts : Tally
         Count and size of the fronts that did not fit the slabs.
     accuracy : Accuracy or None

@@ -6,7 +6,7 @@ sections are sparse linear systems, vectorised, integrated by scipy's `solve_ivp
 | family | treatment of a wave |
 |---|---|
 | characteristics (MOC) | delayed by whole steps, with adjusted wave speed, or interpolated |
-| characteristics on a grid | carried from reach to reach, with friction in each |
+| characteristics on a grid | carried from reach to reach, with friction by the trapezoidal rule; extrapolated |
 | upwind, Lax-Wendroff | carried from cell to cell |
 | FDTD | leapfrog of effort and flow on staggered grids |
 | lumped, Padé | line replaced by an ordinary differential equation |
@@ -28,6 +28,7 @@ from tline.study.baseline.explicit import (
     lax_wendroff,
     linear,
     moc,
+    moc_extrapolated,
     moc_grid,
     no_friction,
     slabs_pointwise,
@@ -42,7 +43,7 @@ BASELINES: dict[str, Baseline] = {
     "moc_backward_euler": Baseline("MOC, loads by backward Euler", 1, 1, partial(moc, rule=backward_euler)),
     "moc_linear": Baseline("MOC, linear interpolation", 2, 2, partial(moc, weights=linear, offset=HALF)),
     "moc_cubic": Baseline("MOC, cubic interpolation", 4, 2, partial(moc, weights=cubic, offset=HALF)),
-    "moc_grid": Baseline("MOC on a grid, Courant 1", 2, 2, moc_grid, no_friction, "friction"),
+    "moc_grid": Baseline("MOC on a staggered grid", 2, 2, moc_grid, no_friction, "friction"),
     "upwind": Baseline("upwind", 1, 1, upwind),
     "lax_wendroff": Baseline("Lax-Wendroff", 2, 2, lax_wendroff),
     "fdtd": Baseline("FDTD leapfrog", 2, 2, fdtd),
@@ -50,4 +51,5 @@ BASELINES: dict[str, Baseline] = {
     "lumped_pi": Baseline("π sections", 2, 2, lumped_pi, knows="resistance"),
     "pade": Baseline("Padé sections", 3, 3, pade),
     "slabs_pointwise": Baseline("slabs, pointwise, s = 4", 4, 4, slabs_pointwise),
+    "moc_extrapolated": Baseline("… extrapolated", 4, 2, moc_extrapolated, no_friction, "friction"),
 }

@@ -80,7 +80,7 @@ def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol:
     t, evaluations = np.arange(steps + 1) * dt, 0
     breaks = np.unique(np.round(np.concatenate([[], *(w.breaks(t[-1]) for row in parts for w, _ in row)]) / dt, 9))
     edges = [0.0, *breaks[(breaks > 0) & (breaks < steps)] * dt, t[-1]]
-    begun = time.perf_counter()
+    begun = time.process_time()
     v = np.array([sampled(row, t, dt) for row in parts])
     x, u = np.zeros(A.shape[0]), directly @ v
     sizes = [np.abs(sampled(node.excitations, t, dt)).max() for node in describe(scene).nodes.values()]
@@ -111,7 +111,7 @@ def _solved(scene: Scene, A, B, efforts, directly, parts: list, dt: float, rtol:
             break
         u[:, here] += efforts @ run.y[:, : len(here)]
         x = run.y[:, -1]
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     return BaselineRun(t, dict(zip(scene.probes, u[probed(scene)], strict=True)), seconds)
 
 

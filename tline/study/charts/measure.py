@@ -1,7 +1,7 @@
 """Runs of a chart: measurement of their time and of their errors against the exact solution, and the table of results.
 
-Two clocks: one runs while time is stepped, sampling of sources included; the other from the call to its answer, as a
-user waits for it. Compiling is in neither. A time is the median of several runs.
+Two times, of the processor where it is this process: while time is stepped, sampling of sources included; and from the
+call to its answer, as a user waits for it. Compiling is in neither. Each is the median of several runs.
 """
 
 from collections.abc import Callable, Iterator, Mapping

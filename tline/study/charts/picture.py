@@ -45,7 +45,8 @@ def draw(table: ChartTable) -> Figure:
             axes.plot(x, [_shown(each) for each in y], label=method, **look)
         axes.set(xscale="log", yscale="log", xlabel=waited, ylabel=f"largest error / largest effort, {where}")
         axes.set_title(title, fontsize=10, loc="left")
-        axes.set_ylim(LOWEST, HIGHEST)
+        least = min(_shown(getattr(row, name)) for row in table.rows for name in ("error", "error_at_own"))
+        axes.set_ylim(max(LOWEST, least / 10), HIGHEST)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(LogLocator(numticks=20))
             axis.set_minor_locator(NullLocator())

@@ -9,7 +9,7 @@ Programs are measured in the same run as all else; absent ones are named.
 | rthym-moc | its factor of friction that of the scene, where it can be | its run(), setting up included | the same |
 | TSNet | in an environment of its own, one pipe as two | its MOCSimulator() | the process |
 
-Where friction depends on the flow, the textbook's grid of characteristics is added.
+Where friction depends on the flow, a staggered grid of characteristics is added, and its extrapolation.
 """
 
 import time
@@ -33,7 +33,7 @@ ORDERS = (1, 2, 3, 5, 8)
 TOLERANCES = tuple(10.0**-k for k in range(3, 11))
 GOOD = 1e-13  # an error that needs no refinement
 PATIENT = FULL._replace(longest=1.0)  # s; peers need it
-TEXTBOOK = "moc_grid"
+GRIDS = "moc_grid", "moc_extrapolated"
 PEERS: dict[str, Any] = {
     "ngspice": ngspice, "scikit-rf, inverse FFT": inverse_fft, "rthym-moc": rthym, "TSNet": tsnet,
 }  # fmt: skip
@@ -100,9 +100,8 @@ def peers(name: str, quick: bool = False, progress: bool = False) -> ChartTable:
     True
     """
     scene = chart_scene(name).scene
-    textbook = _baseline(TEXTBOOK, scene)
-    programs = [Rival(key, "peer", one.incompatibility(scene), partial(one.run, scene)) for key, one in PEERS.items()]
-    rivals = programs if textbook.why else [textbook, *programs]
+    rivals = [grid for grid in (_baseline(key, scene) for key in GRIDS) if not grid.why]
+    rivals += [Rival(key, "peer", one.incompatibility(scene), partial(one.run, scene)) for key, one in PEERS.items()]
     table = _chart(name, rivals, quick, QUICK if quick else PATIENT, progress)
     if scene.medium == "hydraulic" and not describe(scene).lossy:
         table.notes.append("rthym-moc has friction here, which cannot be switched off.")
@@ -115,9 +114,9 @@ def _baseline(key: str, scene: Scene, idle: str = "") -> Rival:
     method = BASELINES[key]
 
     def run(n: int) -> TimedRun:
-        begun = time.perf_counter()
+        begun = time.process_time()
         trace = method.run(scene, n)
-        return TimedRun(trace.t, trace.u, trace.seconds, time.perf_counter() - begun)
+        return TimedRun(trace.t, trace.u, trace.seconds, time.process_time() - begun)
 
     return Rival(method.label, "baseline", method.incompatibility(scene) or idle or None, run)
 
@@ -181,7 +180,7 @@ def refined(
             continue  # this few are too few
         ran = True
         yield row(label, kind, f"{n} {unit} per shortest delay", done, judge)
-        if done.seconds > effort.longest or judge.errors(done)[1] < GOOD:
+        if done.seconds > effort.longest or judge.errors(done)[1] < max(GOOD, judge.own):
             return
 
 
@@ -206,9 +205,9 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
     from tline.solver.simulate import simulate
 
     describe(scene).known.clear()  # of earlier searches, which would be repeated as they ended
-    begun = time.perf_counter()
+    begun = time.process_time()
     result = simulate(scene, tol=tol, ledger=False)
-    seconds = time.perf_counter() - begun
+    seconds = time.process_time() - begun
     accuracy, probes = result.accuracy, result.probes
     stepping = sum(attempt.seconds for attempt in accuracy.attempts) if accuracy else result.seconds
     u = {name: probe.at_slab_ends.u for name, probe in probes.items()}
@@ -220,10 +219,12 @@ def simulated(scene: Scene, tol: float | None = None) -> TimedRun:
 def to_tolerances(scene: Scene, judge: Judge, effort: Effort) -> Iterator[Row]:
     """Cost of runs to a tolerance, all attempts counted, their estimated and their true error.
 
-    A tolerance below the judge's own error is left out.
+    A tolerance below the judge's own error is left out, and all below one that takes too long.
     """
     for tol in TOLERANCES[:: 3 if effort is QUICK else 1]:
         if tol < judge.own:
             return
         done = timed(partial(simulated, scene, tol), effort)
         yield row("to a tolerance", "tolerance", f"tolerance {tol:.0e}", done, judge, tol)
+        if done.seconds > PATIENT.longest:
+            return

@@ -1,11 +1,15 @@
-"""Pipes with quadratic friction as arrays: their steady state, and characteristics from point to point of a grid."""
+"""Pipes with quadratic friction on a staggered grid of characteristics, friction by the trapezoidal rule.
+
+Points at whole steps alternate with points half a reach and half a step from them. A front that starts at a node runs
+from point to point; there each wave has two values, one before the front in it and one behind, so that none is smeared.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.compiled.structure import Floats, Floats2, Integers, pack
+from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, pack
 from tline.compiled.unit import function, unit
 
 ROUNDS = 60  # of Newton's method for the steady state
@@ -17,19 +21,20 @@ class Pipes(NamedTuple):
 
     first: Integers  # (nodes + 1,) the ends at node k are ends[first[k]:first[k + 1]]
     ends: Integers
-    held: Floats  # (nodes,) the effort there; nan where none is held
+    held: Flags  # (nodes,) whether the effort is prescribed there
+    conductance: Floats  # (nodes,) to earth
     z0: Floats  # (lines,)
     lost: Floats  # (lines,) K of a drop K |y| y over the line
 
 
-def joined(node: list[int], nodes: int, held: NDArray, z0: NDArray, lost: NDArray) -> Pipes:
+def joined(node: list[int], held: NDArray, conductance: NDArray, z0: NDArray, lost: NDArray) -> Pipes:
     """Build pipes from the number of the node at each end."""
-    first = np.cumsum([0, *np.bincount(node, minlength=nodes)])
-    return Pipes(first, np.argsort(node, kind="stable"), held, z0, lost)
+    first = np.cumsum([0, *np.bincount(node, minlength=len(held))])
+    return Pipes(first, np.argsort(node, kind="stable"), held, conductance, z0, lost)
 
 
 def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
-    """Effort of each node and flow of each line, from end 1 to end 2, for given flows into the nodes.
+    """Effort of each node and flow of each line, from end 1 to end 2, for given efforts or flows into the nodes.
 
     Newton's method on all drops and balances at once.
     """
@@ -39,11 +44,10 @@ def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
     incidence = np.zeros((nodes, lines))  # contribution of a flow to a node
     incidence[node[::2], np.arange(lines)] -= 1
     incidence[node[1::2], np.arange(lines)] += 1
-    fixed = ~np.isnan(pipes.held)
     scale = pipes.z0.mean()  # of efforts, so that all unknowns are flows
-    balances, ties = np.where(fixed[:, None], 0.0, incidence), np.diag(fixed.astype(float))
-    wanted = np.where(fixed, pipes.held / scale, -given)
-    found = np.full(lines + nodes, np.abs(given).sum())
+    balances, ties = np.where(pipes.held[:, None], 0.0, incidence), np.diag(pipes.held.astype(float))
+    wanted = np.where(pipes.held, given / scale, -given)
+    found = np.full(lines + nodes, np.abs(given[~pipes.held]).sum())
     for _ in range(ROUNDS):
         y = found[:lines]
         slope = pipes.lost * np.abs(y) / scale
@@ -53,87 +57,147 @@ def steady(pipes: Pipes, given: NDArray) -> tuple[NDArray, NDArray]:
 
 
 class GridState(NamedTuple):
-    """Pipes in reaches, and the values at their points."""
+    """Pipes in reaches, and the waves that leave their points, each before and behind its front.
+
+    A wave leaves with what friction takes of it along the first half of its way to the next point.
+    """
 
     pipes: Pipes
     reaches: Integers  # (lines,)
-    given: Floats2  # (nodes, steps + 1) flows into the nodes
+    given: Floats3  # (nodes, steps + 1, 2) efforts where they are prescribed, else flows into the nodes
     seen: Integers  # (rows,) nodes that are recorded
-    record: Floats2  # (rows, steps + 1)
-    effort: Floats  # (nodes,)
-    u: Floats2  # (lines, points)
-    y: Floats2
-    plus: Floats2  # wave toward end 2
-    minus: Floats2
+    record: Floats3  # (rows, steps + 1, 2)
+    effort: Floats2  # (nodes, 2)
+    a: Floats3  # (lines, points, 2) toward end 2, from points at whole steps
+    b: Floats3  # toward end 1
+    a_half: Floats3  # from points between them
+    b_half: Floats3
 
 
 def march(
     pipes: Pipes, reaches: NDArray, effort: NDArray, flow: NDArray, given: NDArray, seen: NDArray
 ) -> NDArray[np.float64]:
-    """Efforts at some nodes at all steps, from a steady state, for given flows into the nodes."""
-    record, (u, y, plus, minus) = np.zeros((len(seen), given.shape[1])), np.zeros((4, len(reaches), max(reaches) + 1))
+    """Efforts at some nodes at all steps, before and behind fronts, (rows, steps + 1, 2), from a steady state."""
+    record, waves = np.zeros((len(seen), *given.shape[1:])), np.zeros((4, len(reaches), max(reaches) + 1, 2))
     at_end = np.empty(2 * len(reaches))
     at_end[pipes.ends] = np.repeat(effort, np.diff(pipes.first))
     for j, n in enumerate(reaches):
-        u[j, : n + 1] = at_end[2 * j] + (at_end[2 * j + 1] - at_end[2 * j]) / n * np.arange(n + 1)
-        y[j, : n + 1] = flow[j]
-    record[:, 0] = effort[seen]
-    march_on(pack(GridState(pipes, reaches, given, seen, record, effort.copy(), u, y, plus, minus)))
+        u = at_end[2 * j] + (at_end[2 * j + 1] - at_end[2 * j]) / n * (np.arange(n) + 0.5)
+        forward = pipes.z0[j] * flow[j] - pipes.lost[j] / n / 4 * abs(flow[j]) * flow[j]
+        waves[2, j, :n], waves[3, j, :n] = (u + forward)[:, None], (u - forward)[:, None]
+    march_on(pack(GridState(pipes, reaches, given, seen, record, np.repeat(effort[:, None], 2, axis=1), *waves)))
     return record
 
 
 @unit
 def march_on(state: GridState) -> int:
     """Advance all points, step by step."""
-    pipes, reaches, effort = state.pipes, state.reaches, state.effort
-    u, y, plus, minus = state.u, state.y, state.plus, state.minus
-    for step in range(1, state.given.shape[1]):
+    pipes, reaches, a, b = state.pipes, state.reaches, state.a, state.b
+    for step in range(state.given.shape[1]):
         for j in range(reaches.size):
-            inside(u[j], y[j], plus[j], minus[j], reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j])
-        for k in range(effort.size):
-            at_node(pipes, reaches, k, effort, state.given[k, step], plus, minus)
-            for i in range(pipes.first[k], pipes.first[k + 1]):
-                end = pipes.ends[i]
-                into, _, _ = arriving(pipes, reaches, end, effort[k], plus, minus)
-                j, sign = end // 2, 2.0 * (end % 2) - 1.0
-                u[j, reaches[j] * (end % 2)], y[j, reaches[j] * (end % 2)] = effort[k], sign * into
+            n, z0, K = reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j] / 2
+            cross(state.a_half[j], state.b_half[j], a[j], b[j], n - 1, 1, z0, K)
+        for k in range(state.effort.shape[0]):
+            at_node(state, k, step)
         for row in range(state.seen.size):
-            state.record[row, step] = effort[state.seen[row]]
+            state.record[row, step, 0] = state.effort[state.seen[row], 0]
+            state.record[row, step, 1] = state.effort[state.seen[row], 1]
+        for j in range(reaches.size):
+            n, z0, K = reaches[j], pipes.z0[j], pipes.lost[j] / reaches[j] / 2
+            cross(a[j], b[j], state.a_half[j], state.b_half[j], n, 0, z0, K)
     return 0
 
 
 @function
-def inside(u, y, plus, minus, n, z0, K):
-    """Advance the points between the ends of a line by one step; the travelling waves are left in plus and minus."""
-    for i in range(n + 1):
-        half = K / 2 * abs(y[i]) * y[i]
-        plus[i], minus[i] = u[i] + z0 * y[i] - half, u[i] - z0 * y[i] + half
-    for i in range(1, n):
-        w = plus[i - 1] - minus[i + 1]  # 2 z0 y + K |y| y
-        y[i] = w / (z0 + np.sqrt(z0**2 + K * abs(w)))
-        u[i] = (plus[i - 1] + minus[i + 1]) / 2
+def cross(a, b, next_a, next_b, points, shift, z0, K):
+    """Let the waves of neighbouring points meet in the points between them, half a reach further: K |y| y is lost."""
+    for i in range(points):
+        w, v = a[i, 0], b[i + 1, 0]
+        y = flow_of(w - v, z0, K)
+        lost = K / 2 * abs(y) * y
+        w, v = w - lost, v + lost
+        next_a[i + shift, 0] = next_a[i + shift, 1] = w - lost
+        next_b[i + shift, 0] = next_b[i + shift, 1] = v + lost
+        if a[i, 1] != a[i, 0] or b[i + 1, 1] != b[i + 1, 0]:  # behind a front there is another value of its wave
+            behind_w = v + 2 * z0 * flow_of(a[i, 1] - v, z0, K / 2) if a[i, 1] != a[i, 0] else w
+            behind_v = w - 2 * z0 * flow_of(w - b[i + 1, 1], z0, K / 2) if b[i + 1, 1] != b[i + 1, 0] else v
+            next_a[i + shift, 0] = w - halved(w - behind_v, z0, K)
+            next_a[i + shift, 1] = behind_w - halved(behind_w - behind_v, z0, K)
+            next_b[i + shift, 0] = v + halved(behind_w - v, z0, K)
+            next_b[i + shift, 1] = behind_v + halved(behind_w - behind_v, z0, K)
 
 
 @function
-def arriving(pipes, reaches, end, effort, plus, minus):
-    """Flow out of an end of a line at an effort there, its decrease per effort, and the arriving wave."""
+def flow_of(w, z0, K):
+    """Flow at which 2 z0 y + K |y| y is w."""
+    return w / (z0 + np.sqrt(z0**2 + K * abs(w)))
+
+
+@function
+def halved(w, z0, K):
+    """Half of the loss at the flow w/(2 z0)."""
+    return K / 8 * abs(w) * w / z0**2
+
+
+@function
+def at_node(state, k, step):
+    """Balance the flows into a node, before and behind a front that is there, and send the waves from it."""
+    pipes, effort = state.pipes, state.effort
+    two = state.given[k, step, 0] != state.given[k, step, 1]
+    for i in range(pipes.first[k], pipes.first[k + 1]):
+        two = two or wave_at(state, pipes.ends[i], 0) != wave_at(state, pipes.ends[i], 1)
+    effort[k, 0] = balanced(state, k, step, 0, effort[k, 1])
+    effort[k, 1] = balanced(state, k, step, 1, effort[k, 0]) if two else effort[k, 0]
+    for i in range(pipes.first[k], pipes.first[k + 1]):
+        end, leaving = pipes.ends[i], state.b if pipes.ends[i] % 2 else state.a
+        j, place = end // 2, state.reaches[end // 2] * (end % 2)
+        z0, K = pipes.z0[j], pipes.lost[j] / state.reaches[j] / 2
+        into = flow_of(2 * (wave_at(state, end, 0) - effort[k, 0]), z0, K)
+        between = flow_between(state, end, effort[k, 0]) if two else into
+        leaving[j, place, 0] = leaving[j, place, 1] = effort[k, 0] - z0 * into + K / 2 * abs(between) * between
+        if two:
+            into, _ = flow_into(state, end, effort[k, 1], effort[k, 0], 1)
+            leaving[j, place, 1] = effort[k, 1] - z0 * into + K / 2 * abs(into) * into
+
+
+@function
+def wave_at(state, end, side):
+    """Wave that arrives at an end of a line: effort + z0 flow + K/2 |flow| flow, the flow out of the line."""
     j = end // 2
-    w = plus[j, reaches[j] - 1] if end % 2 else minus[j, 1]  # effort + z0 flow + K/2 |flow| flow
-    z0, K = pipes.z0[j], pipes.lost[j] / reaches[j]
-    flow = 2 * (w - effort) / (z0 + np.sqrt(z0**2 + 2 * K * abs(w - effort)))
-    return flow, 1 / (z0 + K * abs(flow)), w
+    return state.a_half[j, state.reaches[j] - 1, side] if end % 2 else state.b_half[j, 0, side]
 
 
 @function
-def at_node(pipes, reaches, k, effort, given, plus, minus):
-    """Solve for the effort at which the flows into a node balance, by Newton's method from the previous effort."""
-    if not np.isnan(pipes.held[k]):
-        return
+def flow_between(state, end, before):
+    """Flow out of an end of a line between a front that arrives and the one that leaves, at an effort before both."""
+    z0, K = state.pipes.z0[end // 2], state.pipes.lost[end // 2] / state.reaches[end // 2] / 2
+    sent = before - z0 * flow_of(2 * (wave_at(state, end, 0) - before), z0, K)
+    return flow_of(wave_at(state, end, 1) - sent, z0, K / 2)
+
+
+@function
+def flow_into(state, end, u, before, side):
+    """Flow out of an end of a line at an effort there, and its decrease per effort; behind fronts for side 1."""
+    z0, K = state.pipes.z0[end // 2], state.pipes.lost[end // 2] / state.reaches[end // 2] / 2
+    flow = flow_of(2 * (wave_at(state, end, 0) - (before if side else u)), z0, K)
+    if side:  # the wave that arrives has lost what it does between the fronts
+        return (before - u) / z0 - flow + 2 * flow_between(state, end, before), 1 / z0
+    return flow, 1 / (z0 + K * abs(flow))
+
+
+@function
+def balanced(state, k, step, side, effort):
+    """Effort of a node at which the flows into it balance, by Newton's method from another."""
+    pipes, before = state.pipes, state.effort[k, 0]
+    if pipes.held[k]:
+        return state.given[k, step, side]
     for _ in range(50):
-        flow, slope, size = given, 0.0, 0.0
+        flow, slope, size = state.given[k, step, side] - pipes.conductance[k] * effort, pipes.conductance[k], 0.0
         for i in range(pipes.first[k], pipes.first[k + 1]):
-            into, falls, w = arriving(pipes, reaches, pipes.ends[i], effort[k], plus, minus)
-            flow, slope, size = flow + into, slope + falls, size + abs(w)
-        effort[k] += flow / slope
+            into, falls = flow_into(state, pipes.ends[i], effort, before, side)
+            flow, slope = flow + into, slope + falls
+            size += abs(wave_at(state, pipes.ends[i], side))
+        effort += flow / slope
         if abs(flow / slope) <= LAST_STEP * size:
-            return
+            break
+    return effort
