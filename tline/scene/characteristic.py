@@ -1,6 +1,7 @@
 """Laws of both media: diodes, and tables of effort and flow."""
 
 from itertools import pairwise
+from math import log, pi
 from typing import Annotated, Literal
 
 import numpy as np
@@ -27,6 +28,13 @@ class Shockley(LawKind):
     """Law of a diode; constants: effort beyond the element, saturation current, thermal voltage."""
 
     name, unit = "diode", "laws.diode.diode"
+
+    def knees(self, c, rho):
+        """Place of the pair of branch points of Lambert's W in the flow, π thermal voltages beside real waves."""
+        beyond, saturation, thermal = c
+        if rho > 0:
+            place = beyond + thermal * (log(thermal / (rho * saturation)) - 1) - rho * saturation
+            yield Bend(place, layer=pi * thermal)
 
     def flow(self, c):  # noqa: D102
         _, saturation, thermal = c

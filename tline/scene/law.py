@@ -72,6 +72,10 @@ class LawKind:
         """Waves e + ρ i at which the law kinks."""
         yield from ()
 
+    def knees(self, c: Constants, rho: float) -> Iterator[Bend]:
+        """Waves e + ρ i beside which the law turns within a layer, without a kink."""
+        yield from ()
+
     def holds(self, c: Constants, control: float) -> tuple[float, float]:
         """Least and largest drop at which nothing passes; both zero if the flow stops only at balance."""
         return 0.0, 0.0

@@ -94,8 +94,8 @@ class Group:
     def pockets(self) -> NDArray:
         """Whether each node's effort is determined by laws alone."""
         tied = {int(k) for branch in self.branches for k in branch.nodes}
-        found = (n.dead and n.load is None and not n.switches and k not in tied for k, n in enumerate(self.nodes))
-        return np.fromiter(found, bool) & (len(self.elements) > 0)
+        alone = (node.dead and not (node.load or node.switches or node.flows) for node in self.nodes)
+        return np.array([one and bool(self.elements) and k not in tied for k, one in enumerate(alone)])
 
     @cached_property
     def loads(self) -> list[Branch]:

@@ -53,12 +53,14 @@ class PiecewiseQuantity(NamedTuple):
 class Cuts:
     """Instants at which slabs of the next finer run are cut in pieces, at elements with laws.
 
-    `kinked` are elements whose laws kink, `middles` those of pieces that were halved with their slabs, `places` the
-    elements whose waves runs are to record; if `governed`, openings move by themselves.
+    `kinked` are elements whose laws kink, `sharp` those cut beside knees of smooth laws as well, `middles` middles
+    of pieces that were halved with their slabs, `places` the elements whose waves runs are to record; if `governed`,
+    openings move by themselves.
     """
 
     def __init__(self, description: Description):
         self.elements, self.kinked, self.middles = description.elements, kinking(description), NO_KINKS
+        self.sharp: Sequence[PlacedLaw] = ()
         held = {node for element in self.kinked for node in element.nodes}  # kinks there are known
         self._ends = [
             (name, node)
@@ -74,15 +76,17 @@ class Cuts:
         """Whether slabs of a run were in pieces at elements, which do not become narrower with the slabs."""
         return any(len(last.elements[where].wave.pieces.slab) for where in self.places)
 
-    def after(self, last: Result, chosen: Resolution) -> Kinks:
+    def after(self, last: Result, chosen: Resolution, stuck: bool) -> Kinks:
         """Instants at which slabs of a run at the chosen resolution are cut: where laws kinked in the last one.
 
-        Pieces are halved with their slabs if the order stays.
+        Pieces are halved with their slabs if the order stays. From where a higher order did not help, and the search
+        is `stuck`, layers of smooth laws are cut as well.
         """
+        self.sharp = self.elements if stuck else self.sharp
         if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
             self.middles = united(self.middles, middles_of(last, self.elements))
         self.middles = {where: _thinned(cuts / chosen.h) * chosen.h for where, cuts in self.middles.items()}
-        return united(kinks_of(last, self.kinked), self.middles)
+        return united(kinks_of(last, self.kinked, self.sharp), self.middles)
 
     def turns(self, last: Result) -> Kinks:
         """Instants at which flow turned in a run at ends of recorded lines with friction, away from these elements."""
@@ -94,16 +98,20 @@ def kinking(description: Description) -> list[PlacedLaw]:
     return [element for element in description.elements if [*element.kind.bends(element.constants, 1.0)]]
 
 
-def kinks_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
-    """Instants at which waves into elements, as a run recorded them, passed kinks of laws, and cuts beside these, s."""
+def kinks_of(result: Result, kinked: Sequence[PlacedLaw], sharp: Sequence[PlacedLaw] = ()) -> Kinks:
+    """Instants at which waves into elements, as a run recorded them, passed kinks of laws, and cuts beside these, s.
+
+    Of `sharp` ones also where they pass layers of laws without a kink.
+    """
     found = {}
-    for element in elements:
+    for element in sharp or kinked:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
         control = _control(element, into, result.resolution.s)
         instants, swept = [np.empty(0)], _swept(into, result.resolution.h)
-        for bend in element.kind.bends(element.constants, record.impedance):
-            for level in (bend._replace(layer=0.0), *_beside(bend, into, control)):
+        seen = element.constants, record.impedance
+        for place in chain(element.kind.bends(*seen), element.kind.knees(*seen) if sharp else ()):
+            for level in (place._replace(layer=0.0), *_beside(place, into, control)):
                 values = into.values - level.constant - level.varying * control**level.power
                 t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
                 instants.append(t[swept(t) >= (WIDER - 1) * level.layer])

@@ -114,12 +114,14 @@ class Orders(Grids):
         layered = last.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
         follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
         narrowed = ladder.compared > 0 and last.resolution.h < ladder.attempts[-2].slab
-        smooth = bool(cuts.elements) and not (cuts.kinked or layered)  # laws: there narrower slabs cost less than cuts
+        pieces = cuts.in_pieces(last)
+        smooth = bool(cuts.elements) and not (cuts.kinked or layered or pieces)  # laws: narrower slabs cost less
         rough = smooth and ladder.compared > 0 and not narrowed and ladder.told.worst > ROUGH
         helped = (ladder.helps or layered or (smooth and narrowed)) and not (cuts.governed or rough)
-        stay, parts = cuts.in_pieces(last) or cuts.governed, QUARTERS if rough else 2
+        stay, parts = pieces or cuts.governed, QUARTERS if rough else 2
         chosen = self.grids.send((helped, layered, ladder.told.met, stay, self._ahead(ladder), parts))
-        kinks = united(cuts.after(last, chosen), cuts.turns(last) if ladder.compared else NO_KINKS)
+        stuck = not (ladder.helps or layered or smooth)
+        kinks = united(cuts.after(last, chosen, stuck), cuts.turns(last) if ladder.compared else NO_KINKS)
         chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0)
         return self.search.run(chosen, kinks, cuts.places)
 
