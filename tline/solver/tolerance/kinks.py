@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.given import Bend
+from tline.solver.description.given import Bend, Shape
 from tline.solver.description.resolution import Resolution
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Result, Wave
@@ -107,33 +107,32 @@ def kinks_of(result: Result, kinked: Sequence[PlacedLaw], sharp: Sequence[Placed
     for element in sharp or kinked:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
-        control = _control(element, into, result.resolution.s)
+        factor = element.law.factor
+        points = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c
+        control = _control(factor, points, (into.start + into.width / 2)[:, None])
         instants, swept = [np.empty(0)], _swept(into, result.resolution.h)
         seen = element.constants, record.impedance
         for place in chain(element.kind.bends(*seen), element.kind.knees(*seen) if sharp else ()):
             for level in (place._replace(layer=0.0), *_beside(place, into, control)):
                 values = into.values - level.constant - level.varying * control**level.power
                 t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
-                instants.append(t[swept(t) >= (WIDER - 1) * level.layer])
+                instants.append(t[swept(t) >= (WIDER - 1) * level.layer * _control(factor, t, t) ** 2])
         all_ = np.unique(np.concatenate(instants))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
     return found
 
 
-def _control(element: PlacedLaw, into: PiecewiseQuantity, s: int) -> NDArray:
-    """Control signal of an element at the points of pieces."""
-    if element.law.factor is None:
-        return np.ones(1)
-    t = into.start[:, None] + into.width[:, None] * basis(s).c
-    return np.maximum(element.law.factor.value(t, (into.start + into.width / 2)[:, None]), 0.0)
+def _control(factor: Shape | None, t: NDArray, inside: NDArray) -> NDArray:
+    """Control signal of an element."""
+    return np.ones(1) if factor is None else np.maximum(factor.value(t, inside), 0.0)
 
 
 def _beside(bend: Bend, into: PiecewiseQuantity, control: NDArray) -> Iterator[Bend]:
     """Waves on either side of a kink, each farther away by the same factor, up to the largest."""
-    away, most, least = bend.layer, np.abs(into.values - bend.constant).max(), max(control.min(), SHUT) ** 2
-    while 0 < away * least < most:
-        yield from (Bend(bend.constant, sign * away, 2, away * least) for sign in (-1, 1))
+    away, most = bend.layer, np.abs(into.values - bend.constant).max()
+    while 0 < away * max(control.min(), SHUT) ** 2 < most:
+        yield from (Bend(bend.constant, sign * away, 2, away) for sign in (-1, 1))
         away *= WIDER
 
 
