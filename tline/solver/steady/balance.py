@@ -262,8 +262,7 @@ class _Point:
             self._slope = np.maximum(self._slope, SHUT / linear.unit)
         self.left = system.matrix @ z - system.f
         self.left[:edges] += drop
-        self._into = np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
-        self.left += self._into
+        self.left += np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
         self.worst = float(np.abs(self.left).max())
         sizes = np.abs(drop).max(initial=0.0), linear.unit * np.abs(self.flow).max(initial=0.0)
         self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
@@ -271,9 +270,10 @@ class _Point:
     @property
     def is_exact(self) -> bool:
         """Whether each residual is rounding of the terms of its own equation, be there far larger efforts elsewhere."""
-        matrix, f = self._system.matrix, self._system.f
-        own = np.bincount(matrix.rows, np.abs(matrix.values * self.z[matrix.columns]), len(f))
-        return bool((np.abs(self.left) <= ROUNDED * (own + np.abs(f) + np.abs(self._into))).all())
+        (rows, columns, values), flows, f = self._system.matrix, self._system.flows, self._system.f
+        own = np.bincount(rows, np.abs(values * self.z[columns]), len(f))
+        through = np.bincount(flows.rows, np.abs(flows.values * self.flow[flows.columns]), len(f))
+        return bool((np.abs(self.left) <= ROUNDED * (own + through + np.abs(f))).all())
 
     def jacobian(self) -> Sparse:
         """Jacobian of the residuals: laws first, then balances."""
