@@ -32,7 +32,8 @@ INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
 STEPS, HALVINGS = 400, 40
 BEST_RESIDUAL = 1e-15  # relative to the largest effort, at which Newton's method stops
-POLISHED, ROUNDED = 20, 4e-15  # further steps while an equation has more than this, relative to its own terms
+ROUNDED, VAIN = 1e-15, 3  # residual of an equation, relative to its own terms; steps without gain on the way there
+NO_FLOW = 1e-24  # residual that is none, relative to the largest effort
 ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
 SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, for a law that has none at rest
 SHUT = 1e-9  # conductance of a closed law, in those units, beside multiports
@@ -268,12 +269,12 @@ class _Point:
         self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
 
     @property
-    def is_exact(self) -> bool:
-        """Whether each residual is rounding of the terms of its own equation, be there far larger efforts elsewhere."""
+    def inexact(self) -> float:
+        """Largest residual over what rounding leaves of the terms of its equation, be efforts elsewhere far larger."""
         (rows, columns, values), flows, f = self._system.matrix, self._system.flows, self._system.f
-        own = np.bincount(rows, np.abs(values * self.z[columns]), len(f))
-        through = np.bincount(flows.rows, np.abs(flows.values * self.flow[flows.columns]), len(f))
-        return bool((np.abs(self.left) <= ROUNDED * (own + through + np.abs(f))).all())
+        own = np.bincount(rows, np.abs(values * self.z[columns]), len(f)) + np.abs(f)
+        own += np.bincount(flows.rows, np.abs(flows.values * self.flow[flows.columns]), len(f))
+        return float((np.abs(self.left) / (ROUNDED * own + NO_FLOW * self.scale)).max())
 
     def jacobian(self) -> Sparse:
         """Jacobian of the residuals: laws first, then balances."""
@@ -285,12 +286,13 @@ class _Point:
 def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:
     system = _System(laws, linear, leaking)
     edges, n = system.edges, len(linear.given)
-    here, limit, polished = _Point(system, start), None, 0
+    here, limit, least, vain = _Point(system, start), None, np.inf, 0
     for _ in range(STEPS):
         close = here.worst <= BEST_RESIDUAL * here.scale
-        if close and (here.is_exact or polished == POLISHED):
-            break
-        polished += close
+        if close:
+            least, vain = min(least, here.inexact), 0 if here.inexact < least else vain + 1
+            if least <= 1 or vain == VAIN:
+                break
         J = here.jacobian()
         if linear.B is None:
             step = _solved(J, edges, here.left)
