@@ -56,13 +56,12 @@ def fit_of(t_end: float, h: float, tolerance: float, drive: float = 0.0) -> Fit:
 
 def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
     """Circuits of all lines that lose something; many laws that differ by scale share the circuits of their shape."""
+    losses = {id(line.losses): line.losses for line in lines.values() if line.losses is not None}
+    many = len({each.exact.series for each in losses.values()}) > FEW_LAWS
     known: dict[int, Circuits] = {}
-    many = len({line.losses.exact.series for line in lines.values() if line.losses is not None}) > FEW_LAWS
-    for line in lines.values():
-        if line.losses is not None and id(line.losses) not in known:
-            exact = line.losses.exact
-            (series, a), (shunt, b) = (circuit_of(law, fit, many) for law in (exact.series, exact.shunt))
-            known[id(line.losses)] = Circuits(series, shunt, max(a, b))
+    for key, each in losses.items():
+        (series, a), (shunt, b) = (circuit_of(law, fit, many) for law in (each.exact.series, each.exact.shunt))
+        known[key] = Circuits(series, shunt, max(a, b))
     return {name: known[id(line.losses)] for name, line in lines.items() if line.losses is not None}
 
 

@@ -38,6 +38,8 @@ def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> N
 def projected(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:
     """Values at the Radau points of n slabs from number `first` on, shape (n, s); broken ones hold L2 projections."""
     found = sampled(waveform, basis, h, first, n)
+    if not len(waveform.breaks((first + n) * h)):
+        return found
     places = places_of([(waveform, 1.0)], (first + n) * h, h)
     inside = places[places != np.floor(places)]
     if len(inside):

@@ -32,13 +32,14 @@ INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
 STEPS, HALVINGS = 400, 40
 BEST_RESIDUAL = 1e-15  # relative to the largest effort, at which Newton's method stops
-POLISHED, ROUNDED = 20, 4e-15  # further steps while an equation has more than this, relative to its own terms
+ROUNDED, VAIN = 1e-15, 3  # residual of an equation, relative to its own terms; steps without gain on the way there
+NO_FLOW = 1e-24  # residual that is none, relative to the largest effort
 ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
 SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, for a law that has none at rest
 SHUT = 1e-9  # conductance of a closed law, in those units, beside multiports
 LEAK = 1e-14  # conductance of a part, in those units, that determines its effort where nothing else does
 LEAKS = 10.0 ** np.arange(0, -14, -1)  # leaks on the way to a state that is not found at once
-MOST_DENSE = 300  # unknowns
+MOST_DENSE = 99  # unknowns; with more, OpenBLAS takes threads, which wait for each other where cores are busy
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
 NOTHING = 1e-12  # of the largest effort, or of 1 without excitation: smaller ones are at rest
 TIED = 1e-13  # of the diagonal, where nothing else determines the effort of a part
@@ -262,18 +263,18 @@ class _Point:
             self._slope = np.maximum(self._slope, SHUT / linear.unit)
         self.left = system.matrix @ z - system.f
         self.left[:edges] += drop
-        self._into = np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
-        self.left += self._into
+        self.left += np.bincount(flows.rows, flows.values * self.flow[flows.columns], len(z))
         self.worst = float(np.abs(self.left).max())
         sizes = np.abs(drop).max(initial=0.0), linear.unit * np.abs(self.flow).max(initial=0.0)
         self.scale = max(*sizes, np.abs(z[edges:]).max(), system.least)
 
     @property
-    def is_exact(self) -> bool:
-        """Whether each residual is rounding of the terms of its own equation, be there far larger efforts elsewhere."""
-        matrix, f = self._system.matrix, self._system.f
-        own = np.bincount(matrix.rows, np.abs(matrix.values * self.z[matrix.columns]), len(f))
-        return bool((np.abs(self.left) <= ROUNDED * (own + np.abs(f) + np.abs(self._into))).all())
+    def inexact(self) -> float:
+        """Largest residual over what rounding leaves of the terms of its equation, be efforts elsewhere far larger."""
+        (rows, columns, values), flows, f = self._system.matrix, self._system.flows, self._system.f
+        own = np.bincount(rows, np.abs(values * self.z[columns]), len(f)) + np.abs(f)
+        own += np.bincount(flows.rows, np.abs(flows.values * self.flow[flows.columns]), len(f))
+        return float((np.abs(self.left) / (ROUNDED * own + NO_FLOW * self.scale)).max())
 
     def jacobian(self) -> Sparse:
         """Jacobian of the residuals: laws first, then balances."""
@@ -285,12 +286,13 @@ class _Point:
 def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:
     system = _System(laws, linear, leaking)
     edges, n = system.edges, len(linear.given)
-    here, limit, polished = _Point(system, start), None, 0
+    here, limit, least, vain = _Point(system, start), None, np.inf, 0
     for _ in range(STEPS):
         close = here.worst <= BEST_RESIDUAL * here.scale
-        if close and (here.is_exact or polished == POLISHED):
-            break
-        polished += close
+        if close:
+            least, vain = min(least, here.inexact), 0 if here.inexact < least else vain + 1
+            if least <= 1 or vain == VAIN:
+                break
         J = here.jacobian()
         if linear.B is None:
             step = _solved(J, edges, here.left)

@@ -34,7 +34,7 @@ from tline.words.wording import place
 
 SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equal
 LAST_DIGITS = 1e-14  # of the level: rounding of efforts that count from it
-MOST_DENSE = 300  # nodes
+MOST_DENSE = 99  # nodes, as of balances
 DROWNING = 1e9  # times the flow that efforts drive through lines: waves have no digits left for these efforts
 STUCK = 1e-9  # of the largest flow, or of that from held efforts and pumps into a line: limit of flows into leaks
 
