@@ -32,17 +32,18 @@ class Mutant(NamedTuple):
     wrong: str
 
 
-BACK = "if row == SAME_MAP:\n        network.step_row[g] = max(network.step_row[g] - 1, 0)\n    else:"
+MOVES = "if events.row[i] != SAME_MAP:"
+BACK = "if events.row[i] == SAME_MAP:\n            network.step_row[g] = max(network.step_row[g] - 1, 0)\n        else:"
 FILLING = "return y, 1.0, y, 1.0 / c[at + 2]"
 MUTANTS = (
-    Mutant("moves inside slabs are lost", "fronts/events.py", "if row != SAME_MAP:", "if row < SAME_MAP:"),
-    Mutant("a move is forgotten where a law kinks", "fronts/events.py", "if row != SAME_MAP:", BACK),
-    Mutant("moves happen in the next slab", "fronts/events.py", "<= begin + MERGE", "<= begin - 1.0"),
+    Mutant("moves inside slabs are lost", "fronts/gather.py", MOVES, MOVES.replace("!=", "<")),
+    Mutant("a move is forgotten where a law kinks", "fronts/gather.py", MOVES, BACK),
+    Mutant("moves happen in the next slab", "fronts/gather.py", "<= begin + MERGE", "<= begin - 1.0"),
     Mutant("flow of an orifice doubled", "laws/quadratic.py",
            "    return i, capacity**2", "    return 2.0 * i, capacity**2"),
     Mutant("an orifice lets flow pass one way", "laws/quadratic.py", "(one_way > 0.0 and d < 0.0)", "d < 0.0"),
-    Mutant("laws see the sample before", "laws/sampled.py", "v[i] - c[at], z", "v[max(i - 1, 0)] - c[at], z"),
-    Mutant("openings are of the sample before", "laws/sampled.py", "control[i], v[i]", "control[0], v[i]"),
+    Mutant("laws see the sample before", "laws/crossing.py", "v[i] - c[at], z", "v[max(i - 1, 0)] - c[at], z"),
+    Mutant("openings are of the sample before", "laws/crossing.py", "control[i], v[i]", "control[0], v[i]"),
     Mutant("relief valve without its band", "laws/relief.py", "if d - z * i >= high:", "if d >= least:"),
     Mutant("demand without a limit", "laws/outflow.py", "if d - z * control * c[at + 1] >= c[at + 2]:", "if False:"),
     Mutant("table continued flat", "laws/table.py", "return last - slope * (stop - d), slope",
@@ -53,15 +54,16 @@ MUTANTS = (
     Mutant("gas of half the volume", "stores/gas.py", "c[at + 2] * effort, ratio / c[at + 3]",
            "c[at + 2] * effort, 2.0 * ratio / c[at + 3]"),
     Mutant("wrong sign of a store", "stores/tank.py", FILLING, FILLING.replace("1.0, y", "1.0, -y")),
-    Mutant("a circuit forgets its state", "load.py", "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total",
+    Mutant("a circuit forgets its state", "blocks.py", "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total",
            "states[np.uint64(x + i)] = 0.5 * total"),
-    Mutant("a rest of a delay is left out", "delay.py", "row[k] += now * history[j, k + 1] + then * history[j, k]",
-           "row[k] += now * history[j, k + 1] + then * history[j, k + 1]"),
+    Mutant("a rest of a delay is left out", "blocks.py",
+           "row[k] += now * history[s - 1, k + 1] + then * history[s - 1, k]",
+           "row[k] += now * history[s - 1, k + 1] + then * history[s - 1, k + 1]"),
     Mutant("fronts of sources are skipped", "fronts/gather.py",
            "if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):", "if False:"),
     Mutant("travelling fronts are skipped", "fronts/gather.py", "if strength > 0.0 and -MERGE / 2",
            "if strength < 0.0 and -MERGE / 2"),
-    Mutant("a wave comes back with half its effort", "scatter.py", "back = 2.0 * u[q", "back = 1.98 * u[q"),
+    Mutant("a wave comes back with half its effort", "blocks.py", "back = 2.0 * u[q", "back = 1.98 * u[q"),
     Mutant("a piece is restricted at the wrong place", "fronts/gather.py", "span[j, 1], edges[k], edges[k + 1]",
            "span[j, 1], edges[k] * 0.99, edges[k + 1]"),
 )  # fmt: skip

@@ -5,11 +5,10 @@ from energy import on_lines, silent
 
 from tline.scene.law import KINDS
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.description.circuit import equations
+from tline.solver.description.circuit import StateSpace, equations, reflection
+from tline.solver.description.elements import Branch
 from tline.solver.description.given import Scene
 from tline.solver.description.groups import Group
-from tline.solver.description.links import Branch
-from tline.solver.description.load_step import StateSpace, reflection
 from tline.solver.kernel.stores import gas, tank
 from tline.solver.loop.march import Stepper
 

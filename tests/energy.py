@@ -10,8 +10,8 @@ from tline.scene.load import Load, Parallel, Series
 from tline.scene.multiport import CoupledInductors
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
+from tline.solver.description.circuit import StateSpace, reflection
 from tline.solver.description.description import describe
-from tline.solver.description.load_step import StateSpace, reflection
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import resolution
 from tline.solver.loop.march import Stepper

@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from tline.solver.assembly.assemble import Assembly
+from tline.solver.description.circuit import load_step
 from tline.solver.description.excitation import sampled
-from tline.solver.description.load_step import load_step
 
 
 def states_of(assembly: Assembly, g: int, x: np.ndarray) -> np.ndarray:

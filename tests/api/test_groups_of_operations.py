@@ -12,7 +12,7 @@ import pytest
 
 import tline as tl
 from tline import InputError, operate
-from tline.solver.result.save import save_states
+from tline.solver.result.export import save_states
 from tline.surge.event import Event, each_of
 from tline.surge.tables import tables
 

@@ -9,7 +9,7 @@ import pytest
 
 import tline as tl
 from tline.errors import InputError, LeftOutWarning
-from tline.solver.result.save import save_envelope
+from tline.solver.result.export import save_envelope
 from tline.surge.operation import operate
 from tline.units import to_si
 

@@ -11,8 +11,7 @@ from random_kinks import random_kinks
 from random_scenes import random_scene
 
 from tline import InputError, Scene, simulate, sweep
-from tline.solver.result.dense_output import extremes
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import extremes, inside
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 SEEDS = st.integers(0, 10_000)

@@ -8,7 +8,7 @@ from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import assemble
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.ledger.recorder import stored
+from tline.solver.ledger.ledger import stored
 from tline.solver.loop.march import Kernel
 
 SLABS, PART, ROUNDED = 600, 7, 1e-15  # of the energy in a slab

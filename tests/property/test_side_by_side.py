@@ -10,8 +10,7 @@ from tline import Scene, sweep
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.many.batches import run as run_copies
-from tline.solver.many.copies import copies_of
-from tline.solver.many.period import front_places, slab_edges
+from tline.solver.many.copies import copies_of, front_places, slab_edges
 from tline.solver.run import run
 
 ROUNDING = 7e-11  # of 36 slabs; the sum of modes at s = 9 rounds to 2e-12 in each

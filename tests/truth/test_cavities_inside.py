@@ -12,7 +12,7 @@ from tline import Scene, simulate
 from tline.scene.file import read_scene
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
 from tline.solver.run import run
 
 Z0, DELAY, HEAD, FLOW = 2e7, 0.4, 3e5, 0.03

@@ -8,7 +8,7 @@ import pytest
 from one_line import one_line
 
 from tline import Result, Scene, simulate
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
 
 Z0, DELAY, LENGTH, R, G, NEAR, FAR, RISE = 50.0, 5e-9, 1.0, 30.0, 4e-3, 20.0, 150.0, 3e-9
 

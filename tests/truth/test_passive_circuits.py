@@ -6,7 +6,7 @@ import pytest
 
 from passivity import RationalFunction, Status
 from tline.scene.scene import Scene
-from tline.solver.description.active import active_parts, laws_not_through_the_origin
+from tline.solver.description.elements import active_parts, laws_not_through_the_origin
 from tline.solver.description.passive import passive_circuits
 
 Z0 = 60  # of 50 and 70 ohm the median

@@ -7,8 +7,8 @@ import pytest
 
 from tline import Scene, sweep
 from tline.compiled.structure import pack
-from tline.solver.kernel.peaks import extremes, find_extremes
-from tline.solver.many.period import slab_edges
+from tline.solver.kernel.finished import extremes, find_extremes
+from tline.solver.many.copies import slab_edges
 from tline.solver.radau import basis
 from tline.study.reference import Solution
 

@@ -9,7 +9,7 @@ from tline.solver.convolution.rays import arrivals
 from tline.solver.convolution.run import Convolved
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
 from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.ladder import Budget, Search
 from tline.study.reference.lossy import lossy_response

@@ -11,7 +11,7 @@ from tline.pictures.path import route
 from tline.scene.line import Cable
 from tline.scene.plausible import plausibility_notes
 from tline.solver.description.description import describe
-from tline.solver.stability.zeros import Characteristic
+from tline.solver.stability.growth import Characteristic
 from tline.study.reference.network import ReferenceNetwork
 
 PAIR = {"nodes1": ["a1", "a2"], "nodes2": ["b1", "b2"]}

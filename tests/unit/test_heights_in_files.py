@@ -11,7 +11,7 @@ from tline import Result, Scene, plot, simulate, sweep
 from tline.cli.report import as_table, judgement, summary
 from tline.pictures import plot_space_time, route
 from tline.pictures.sweep import plot_sweep
-from tline.solver.result.save import save_csv, save_envelope, save_npz
+from tline.solver.result.export import save_csv, save_envelope, save_npz
 
 pytestmark = pytest.mark.filterwarnings("ignore::tline.solver.simulate.UnresolvedWarning")
 

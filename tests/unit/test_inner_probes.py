@@ -7,7 +7,7 @@ from one_line import one_line
 from tline import Scene, plot, simulate
 from tline.cli.report import as_table, summary
 from tline.frequency.response import respond
-from tline.solver.result.save import save_csv, save_npz
+from tline.solver.result.export import save_csv, save_npz
 
 
 def result_of(*probes):

@@ -19,7 +19,7 @@ from tline.solver.description.description import describe
 from tline.solver.description.resolution import Resolution
 from tline.solver.kernel.arithmetic import LOOKS, TINY, after
 from tline.solver.kernel.network import Blocks
-from tline.solver.ledger.recorder import Recorder
+from tline.solver.ledger.ledger import Recorder
 from tline.solver.loop.march import advance
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.envelope import Extremes

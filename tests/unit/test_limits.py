@@ -5,7 +5,7 @@ import pytest
 from tline import InputError, Scene, simulate
 from tline.scene.heights import weight_at
 from tline.solver.description.description import describe
-from tline.solver.result.surge import beyond_limits
+from tline.solver.result.notes import beyond_limits
 
 PIPE = {"nodes": ["a", "b"], "length": "300 m", "diameter": "200 mm", "wave_speed": 1200, "density": 1000}
 

@@ -9,7 +9,7 @@ from tline import Scene
 from tline.scene import Capacitor, Impedance, Inductor, Parallel, Resistor, Series, Source
 from tline.scene.heights import taken_as_zero
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Ports, Transformer
-from tline.solver.description.active import active_impedances
+from tline.solver.description.elements import active_impedances
 
 R, L, C, BETWEEN = 50.0, 2e-9, 3e-12, ("a", "b")
 

@@ -28,8 +28,7 @@ from tline.loss import (
 )
 from tline.loss.line import Losses
 from tline.scene.file import read_scene
-from tline.solver.description.circuits import Fit, circuits_of
-from tline.solver.description.lines import Line
+from tline.solver.description.lines import Fit, Line, circuits_of
 from tline.study.reference.lossy import lossy_response
 
 WATER = {"density": 998.0, "viscosity": 1e-3, "radius": 0.011}

@@ -10,12 +10,12 @@ from tline import InputError, Scene, SceneError, simulate
 from tline.frequency import resonances, respond
 from tline.loss import Foster
 from tline.solver.assembly.assemble import assemble
-from tline.solver.description.circuits import one_step
 from tline.solver.description.description import describe
+from tline.solver.description.lines import one_step
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.description.slab import cell_of
+from tline.solver.kernel.blocks import NEAR
 from tline.solver.kernel.diamonds.cells import pass_cells
-from tline.solver.kernel.scatter import NEAR
 from tline.solver.loop.march import Kernel
 from tline.solver.radau import basis
 

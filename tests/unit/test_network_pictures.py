@@ -17,7 +17,7 @@ from tline.pictures.layout import course, layout
 from tline.pictures.path import extremes_along
 from tline.scene.file import read_scene, scene_from
 from tline.scene.heights import GRAVITY
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
 
 TOWN = Path(__file__).parents[2] / "scenes" / "town.toml"
 METRE = 1000 * GRAVITY  # Pa of a metre of head in the town

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from passivity import PoleResidueModel
-from tline.solver.description.load_step import reflection_of_poles
+from tline.solver.description.circuit import reflection_of_poles
 from tline.solver.radau import MAX_ORDER, basis, gauss
 
 ORDERS = range(1, MAX_ORDER + 1)

@@ -12,8 +12,8 @@ from one_line import one_line
 from tline import InputError, Result, Scene, simulate
 from tline.atomic import check_writable, replacing
 from tline.scene.file import scene_from
-from tline.solver.result import save
-from tline.solver.result.save import save_csv, save_npz
+from tline.solver.result import export
+from tline.solver.result.export import save_csv, save_npz
 
 FAR = 'far, "open"\u00e9'  # a name that a careless table would break
 
@@ -76,7 +76,7 @@ def test_csv_does_not_depend_on_how_many_rows_are_written_at_a_time(
     pulse: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     save_csv(pulse, tmp_path / "one.csv")
-    monkeypatch.setattr(save, "ROWS", 7)
+    monkeypatch.setattr(export, "ROWS", 7)
     save_csv(pulse, tmp_path / "many.csv")
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "many.csv").read_bytes()
     assert len(rows(tmp_path / "many.csv")) == len(pulse.t) + 1

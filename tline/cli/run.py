@@ -49,14 +49,14 @@ def writers(
     result: "Result", way: "Route | None" = None, times: "NDArray | None" = None
 ) -> dict[str, Callable[[str], Any]]:
     """Writers for each kind of file, with tables at some instants, s, or else at slab ends."""
-    from tline.solver.result import save
+    from tline.solver.result import export
 
     return {
-        "csv": lambda file: save.save_csv(result, file, times),
-        "npz": lambda file: save.save_npz(result, file, times),
-        "envelope": lambda file: save.save_envelope(result, file),
-        "states": lambda file: save.save_states(result, file),
-        "ledger_csv": lambda file: save.save_ledger(result, file),
+        "csv": lambda file: export.save_csv(result, file, times),
+        "npz": lambda file: export.save_npz(result, file, times),
+        "envelope": lambda file: export.save_envelope(result, file),
+        "states": lambda file: export.save_states(result, file),
+        "ledger_csv": lambda file: export.save_ledger(result, file),
         "plot": drawn("tline.pictures.traces:plot", result, t=times),
         "profile": drawn("tline.pictures.profile:plot_profile", result, way),
         "map": drawn("tline.pictures.map:plot_map", result),

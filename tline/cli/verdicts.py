@@ -282,10 +282,9 @@ def scene(file: str, asked: Asked) -> Output:
     from tline.interchange.any_file import read as read_any
     from tline.scene.rational import Impedance
     from tline.scene.touchstone import Touchstone
-    from tline.solver.description.active import active_impedances, controlled_sources, laws_not_through_the_origin
     from tline.solver.description.description import describe
-    from tline.solver.description.passive import passive_circuits
-    from tline.solver.description.power import taken_power
+    from tline.solver.description.elements import active_impedances, controlled_sources, laws_not_through_the_origin
+    from tline.solver.description.passive import passive_circuits, taken_power
     from tline.solver.stability.growth import growth_sentence
 
     asked.refuse("scenes", "sector", "supply", "kind", "parameters", "z0", "delay", "within", "error", "nearest")

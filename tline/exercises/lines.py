@@ -53,7 +53,7 @@ def cable() -> Found:
 def snapshots(medium: str) -> tuple[Any, ...]:
     """Places [m], and for each snapshot its time [s] and both waves, relative to the largest effort sent."""
     import tline as tl
-    from tline.solver.result.interior import inside
+    from tline.solver.result.dense_output import inside
 
     line = HydraulicLine(**PIPE) if medium == "hydraulic" else ElectricalLine(**CABLE)
     delay = LENGTH / (line.wave_speed or 0.0)

@@ -7,4 +7,4 @@ from tline.frequency.ports import scattering_parameters as scattering_parameters
 from tline.frequency.response import ProbeResponse as ProbeResponse
 from tline.frequency.response import Response as Response
 from tline.frequency.response import respond as respond
-from tline.solver.description.power import taken_power as taken_power
+from tline.solver.description.passive import taken_power as taken_power

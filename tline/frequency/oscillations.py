@@ -10,8 +10,7 @@ from tline.scene.file import as_scene
 from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.stability.growth import right_of_all
-from tline.solver.stability.zeros import MOST_SAMPLES, Box, Characteristic, UncountableError, zeros
+from tline.solver.stability.growth import MOST_SAMPLES, Box, Characteristic, UncountableError, right_of_all, zeros
 
 DEEP = 3.0  # decay exp(-DEEP) in the shortest delay; faster decay is not an oscillation
 LOWEST = 1e-9  # relative to the highest frequency; slower is not an oscillation

@@ -10,7 +10,7 @@ from tline.pictures.path import Leg, Route
 from tline.scene.heights import weight_at, words
 from tline.scene.medium import readable
 from tline.scene.scene import Scene
-from tline.solver.result.surge import VACUUM
+from tline.solver.result.notes import VACUUM
 from tline.units import engineering, handy
 
 

@@ -23,9 +23,9 @@ from tline.scene.held import held_nodes
 from tline.scene.load import linked_pairs
 from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
+from tline.solver.result.notes import VACUUM
 from tline.solver.result.result import Result
-from tline.solver.result.surge import VACUUM
 from tline.style import FAINT, HALO, INK, add_bar, cells_of, short, styled, write_name
 
 STRETCHES = 12  # of each line

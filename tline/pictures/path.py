@@ -15,7 +15,7 @@ from tline.scene.load import linked_pairs
 from tline.scene.medium import readable
 from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
-from tline.solver.result.interior import Inside, InStretches, inside
+from tline.solver.result.dense_output import Inside, InStretches, inside
 from tline.solver.result.result import Result
 from tline.units import handy
 from tline.words.wording import nearest

@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 from tline.compiled.structure import Packed, pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import assemble, rewritten
-from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import layout_of
+from tline.solver.assembly.workspace import Tally
+from tline.solver.description.circuit import load_step
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import places_of, sampled
 from tline.solver.description.groups import Group, poles_of
-from tline.solver.description.load_step import load_step
 from tline.solver.description.nodes import weights_of
 from tline.solver.description.resolution import resolution, short_lines
 from tline.solver.description.slab import breaks_of, common_parts, relative_work
-from tline.solver.kernel.difference import BLOCK, Compared, find_difference
+from tline.solver.kernel.finished import BLOCK, Compared, find_difference
 from tline.solver.loop.march import March, Signals, Stepper, concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import chebyshev
@@ -32,8 +32,7 @@ from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.merged import probed
 from tline.solver.result.result import Result
 from tline.solver.run import Again, given_out, line_record, run, with_ledger
-from tline.solver.tolerance.compare import BETWEEN, as_computed, compare, relative
-from tline.solver.tolerance.difference import at_same_places
+from tline.solver.tolerance.compare import BETWEEN, as_computed, at_same_places, compare, relative
 
 NOTHING = np.empty(0)
 LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, the difference falls slowly
@@ -53,7 +52,7 @@ class OneOrder:
         self.assembly = assemble(description, set(description.probed), chosen)
         self.record = np.empty((self.assembly.kept, 2, self.slabs.number * order))
         stepper = Stepper(self.assembly, self.slabs.number, self.record)
-        stepper.compile()
+        stepper.kernel.load()
         self.kernel, self.signals = stepper.kernel, stepper.signals
         self.excitation = self.signals.sampled(0, self.slabs.number).copy()
         self.initial = self.assembly.state.load.copy()

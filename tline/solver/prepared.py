@@ -1,6 +1,6 @@
 """A scene for repeated runs with other values: parts that these do not touch are read and found once."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 from math import inf, log2
 from pathlib import Path
@@ -11,10 +11,10 @@ from tline.scene.file import as_scene
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.plan import Pair, planned
-from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
+from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
-from tline.solver.tolerance.ladder import Start
+from tline.solver.tolerance.ladder import Budget, Search, Start
 
 SLOWER = 4  # times that a step may leave more of a difference with other values
 CLEARLY = 4  # times that a grid may be worse with other values, unless unknown kinks make it so
@@ -34,10 +34,9 @@ class Prepared:
         Where searches for order and slab begin, by tolerance.
     """
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: Scene, starts: Mapping[float, Start] | None = None, fixed: bool = False):
         self.scene, self.description = scene, describe(scene)
-        self.starts: dict[float, Start] = {}
-        self._fixed = False
+        self.starts, self._fixed = dict(starts or {}), fixed
         self._plans: dict[float, Pair | None] = {}
         self._repeated: set[float] = set()  # tolerances of several searches
         self._lock = Lock()  # of plans, which write in place
@@ -48,7 +47,7 @@ class Prepared:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self.scene, self.starts, self._fixed)
+        return Prepared, (self.scene, self.starts, self._fixed)
 
     def run(
         self,
@@ -87,16 +86,9 @@ class Prepared:
         how = bool(envelope or ledger or active or progress or [*record])
         if values and wanted and not how and (result := self._planned(description, wanted)):
             return result
-        result = simulated(
-            description,
-            tol=wanted,
-            record=record,
-            envelope=envelope,
-            ledger=ledger,
-            active=active,
-            progress=progress,
-            start=None if wanted is None else self.starts.get(wanted),
-        )
+        start = None if wanted is None else self.starts.get(wanted)
+        each = description, wanted or 0.0, [*record], progress, Budget(shown=progress)
+        result = simulated(Search(*each, envelope=envelope, ledger=ledger, active=active, start=start))
         if wanted is not None and result.accuracy is not None and not self._fixed:
             self._learn(wanted, result.accuracy)
         return result
@@ -116,8 +108,11 @@ class Prepared:
 
     def _learn(self, tol: float, accuracy: Accuracy) -> None:
         """Remember the grid that a search ended with, and how fast it converged, if that was by the order alone."""
-        attempts = accuracy.attempts
-        if not accuracy.met or any(attempt.sections for attempt in attempts) or not _is_ladder(attempts):
+        attempts, is_ladder = [*accuracy.attempts], len(accuracy.attempts) > 1
+        for a, b in pairwise(attempts):  # each has a higher order than the one before, or a half or quarter of its slab
+            same = (b.order, b.slab) == (a.order, a.slab)
+            is_ladder &= not same and b.order >= a.order and a.slab / b.slab in (1.0, 2.0, 4.0)
+        if not accuracy.met or any(attempt.sections for attempt in attempts) or not is_ladder:
             self.starts.pop(tol, None)
             return
         known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]
@@ -132,20 +127,6 @@ class Prepared:
             left = min(SLOWER * (told[-1] / told[-2]) ** (1 / max(order - attempts[-3].order, 1)), SLOWEST)
         spare = known is not None and told and told[-1] <= ROOM * tol * left and not halved
         self.starts[tol] = Start(order - 1 if spare else order, left, halved, told[-1] if told and not spare else inf)
-
-
-def _is_ladder(attempts: Sequence[Attempt]) -> bool:
-    """Whether each run had a higher order than the one before, or a half or a quarter of its slab, or both."""
-    return len(attempts) > 1 and all(
-        (b.order, b.slab) != (a.order, a.slab) and b.order >= a.order and a.slab / b.slab in (1.0, 2.0, 4.0)
-        for a, b in pairwise(attempts)
-    )
-
-
-def _restored(scene: Scene, starts: Mapping[float, Start], fixed: bool) -> Prepared:
-    prepared = Prepared(scene).fix(starts)
-    prepared._fixed = fixed
-    return prepared
 
 
 def prepare(scene: Scene | str | Path | Mapping[str, Any]) -> Prepared:

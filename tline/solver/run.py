@@ -18,8 +18,7 @@ from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
-from tline.solver.ledger.ledger import Ledger
-from tline.solver.ledger.recorder import Recorder
+from tline.solver.ledger.ledger import Ledger, Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.accuracy import Accuracy
@@ -188,16 +187,11 @@ class Again(NamedTuple):
         """The result of the same description, with arrays of its own."""
         return run(description, self.chosen, record, progress=progress, slabs=self.slabs, kinks=self.kinks)
 
-    @property
-    def is_cheap(self) -> bool:
-        """Whether it may be done without being asked for."""
-        return self.work <= LARGEST_LEDGER
-
 
 def with_ledger(result: Result, ledger: bool | None) -> Result:
     """A result whose energies are accounted for: now, never, or (None) once they are read, if that is cheap."""
     again = result.accounts
-    if isinstance(again, Again) and (ledger is False or (ledger is None and not again.is_cheap)):
+    if isinstance(again, Again) and (ledger is False or (ledger is None and again.work > LARGEST_LEDGER)):
         again = None
     accounts = result.ledger if ledger else again
     return result if accounts is result.accounts else replace(result, accounts=accounts)
@@ -236,51 +230,49 @@ def at_node(name: str) -> str:
 
 def _slams(assembly: Assembly) -> dict[str, float]:
     """Largest velocity with which liquid has flowed back through check valves whose discs have inertia, m/s."""
-    elements = [element for group in assembly.groups for element in group.elements]
     found = {}
-    for element, at in zip(elements, assembly.network.laws.governor_state, strict=True):
+    for element, at in zip(assembly.elements, assembly.network.laws.governor_state, strict=True):
         if element.governor is not None and element.governor.area and assembly.state.load[at + 2] < 0:
             found[element.where] = float(-assembly.state.load[at + 2] / element.governor.area)
     return found
 
 
-def _alone(assembly: Assembly, row: int, waves: NDArray, done: March, before: float, level: float = 0.0) -> Wave:
-    return Wave.of_row(waves, done.pieces, row, 0, before + level, level, assembly.basis, assembly.resolution.h)
+def _wave(
+    assembly: Assembly, waves: NDArray, done: March, row: int, before: float, level: float = 0.0, side: int = 0
+) -> Wave:
+    return Wave.of_row(waves, done.pieces, row, side, before + level, level, assembly.basis, assembly.resolution.h)
 
 
 def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
     """The effort at a node where no line ends, as on a line that carries no flow."""
-    level = assembly.nodes[node].height.level
-    u = _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node]), level)
+    before, level = float(assembly.efforts[node]), assembly.nodes[node].height.level
+    u = _wave(assembly, waves, done, assembly.recorded_nodes[node], before, level)
     return LineRecord(1.0, 0.0, u, u, u, u, smears, raw=done.raw or bool(assembly.resolution.sections))
 
 
 def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
-    row = assembly.recorded_laws[where]
-    wave = _alone(assembly, row, waves, done, float(waves[row, 0, 0]))
-    elements = [element for group in assembly.groups for element in group.elements]
-    element = [each.where for each in elements].index(where)
-    placed = elements[element]
+    row, rows = assembly.recorded_laws[where], assembly.recorded_nodes
+    e, placed = next((e, one) for e, one in enumerate(assembly.elements) if one.where == where)
     here, there = (
-        _alone(assembly, assembly.recorded_nodes[node], waves, done, float(assembly.efforts[node])) if node else None
+        _wave(assembly, waves, done, rows[node], float(assembly.efforts[node])) if node else None
         for node in (placed.from_node, placed.to_node)
     )
-    laws, states = assembly.network.laws, waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]
-    at = max(laws.state_at[element], laws.governor_state[element])
+    laws, states = assembly.network.laws, np.empty((0, 0))
+    at = max(laws.state_at[e], laws.governor_state[e])
     if at >= 0:
-        before = assembly.loads_before[[at, at + max(laws.states[element], 1) - 1]]
-        states = np.hstack([before[:, None], states])
-    return ElementRecord(
-        wave, float(laws.source_impedance[element]), states if at >= 0 else np.empty((0, 0)), (here, there)
-    )
+        before = assembly.loads_before[[at, at + max(laws.states[e], 1) - 1]]
+        states = np.hstack([before[:, None], waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]])
+    wave = _wave(assembly, waves, done, row, float(waves[row, 0, 0]))
+    return ElementRecord(wave, float(laws.source_impedance[e]), states, (here, there))
 
 
 def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:
     """Return the record of a line; `smears` says whether fronts are missing."""
     row, line = assembly.recorded[name], assembly.grid.lines[name]
-    level, waves_at_ends = assembly.nodes[line.nodes[0]].height.level, []
-    for (end, side), before in zip(((0, 1), (0, 0), (1, 0), (1, 1)), assembly.start[name], strict=True):
-        given = waves, done.pieces, row + end, side, float(before) + level, level
-        waves_at_ends.append(Wave.of_row(*given, assembly.basis, assembly.resolution.h))
+    level, sides = assembly.nodes[line.nodes[0]].height.level, ((0, 1), (0, 0), (1, 0), (1, 1))
+    at_ends = [
+        _wave(assembly, waves, done, row + end, before, level, side)
+        for (end, side), before in zip(sides, assembly.start[name].tolist(), strict=True)
+    ]
     raw = done.raw or bool(assembly.resolution.sections)
-    return LineRecord(line.z0, line.delay, *waves_at_ends, smeared=smears, raw=raw)
+    return LineRecord(line.z0, line.delay, *at_ends, smeared=smears, raw=raw)

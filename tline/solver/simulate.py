@@ -21,7 +21,7 @@ from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.grids import Doublings, Rounded, compared
 from tline.solver.tolerance.ladder import Budget, Search, inside_slabs, refined
-from tline.solver.tolerance.search import Orders, Start, within
+from tline.solver.tolerance.search import Orders, within
 from tline.solver.witness.witness import Witness
 
 TOL = 1e-6  # default, if nothing is asked or fixed
@@ -118,35 +118,15 @@ def simulate(
     >>> bool(abs(result.probes["far"].at(12.34e-9).u) <= 2), result.accuracy.worst <= 1e-9  # at any instant
     (True, True)
     """
-    return simulated(
-        describe(as_scene(scene)),
-        tol=tol,
-        record=record,
-        envelope=envelope,
-        ledger=ledger,
-        active=active,
-        progress=progress,
-        budget=Budget(None if seconds is None else as_seconds(seconds), progress),
-    )
+    description, budget = describe(as_scene(scene)), Budget(None if seconds is None else as_seconds(seconds), progress)
+    each = description, asked(description.scene, tol) or 0.0, [*record], progress, budget
+    return simulated(Search(*each, envelope=envelope, ledger=ledger, active=active))
 
 
-def simulated(
-    description: Description,
-    *,
-    tol: float | None = None,
-    record: Iterable[str] = (),
-    envelope: bool = False,
-    ledger: bool | None = None,
-    active: bool = False,
-    progress: bool = False,
-    start: Start | None = None,
-    budget: Budget | None = None,
-) -> Result:
-    """Simulate a described scene as `simulate` does; `start` is the grid found by a run with other values."""
-    with user_mistakes(description.scene):
-        each = description, asked(description.scene, tol) or 0.0, [*record], progress, budget or Budget(shown=progress)
-        search = Search(*each, envelope=envelope, ledger=ledger, active=active, start=start)
-        result = _of_parts(search) if description.stretches else _searched(search)
+def simulated(search: Search) -> Result:
+    """Simulate a described scene as `simulate` does."""
+    with user_mistakes(search.description.scene):
+        result = _of_parts(search) if search.description.stretches else _searched(search)
     for note in result.unresolved:
         warnings.warn(note, UnresolvedWarning, stacklevel=3)
     return result
@@ -186,7 +166,10 @@ def _searched(search: Search) -> Result:
     if not tol or (scene.solver.slab and (scene.solver.order or scene.solver.rounded or description.dispersive)):
         asked_for = description, resolution(description), search.record
         result = run(*asked_for, envelope=search.envelope, ledger=bool(ledger), progress=search.progress)
-        result = replace(result, accuracy=_by_hand(result, tol) if tol else None)
+        if tol:
+            found = replace(judged(result), tol=tol)
+            limit = inside_slabs(found) or ("" if found.worst <= tol else "order and slab are fixed by hand")
+            result = replace(result, accuracy=replace(found, limit=limit))
     elif scene.solver.rounded:
         result = refined(Rounded(search))
     else:
@@ -222,11 +205,6 @@ def judged(result: Result) -> Accuracy:
     """How accurate a run fixed by hand is: its difference to one of the next order, or on half the slab with losses.
 
     Where a load may be too fast for both, a further step shows whether their difference is due to that.
-
-    Parameters
-    ----------
-    result : Result
-        Of a run without a tolerance.
     """
     whole = describe(result.scene)
     description = whole.parted()
@@ -256,12 +234,6 @@ def judged(result: Result) -> Accuracy:
             by = 1.0
     found = found.times(caution(found) * by)
     return replace(found, attempts=(Attempt.of(result, found.worst), *map(Attempt.of, runs)))
-
-
-def _by_hand(result: Result, tol: float) -> Accuracy:
-    found = replace(judged(result), tol=tol)
-    limit = inside_slabs(found) or ("" if found.worst <= tol else "order and slab are fixed by hand")
-    return replace(found, limit=limit)
 
 
 def asked(scene: Scene, tol: float | None) -> float | None:

@@ -16,8 +16,8 @@ from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.result.result import Result
-from tline.solver.simulate import UnresolvedWarning, as_seconds, simulated
-from tline.solver.tolerance.ladder import Budget
+from tline.solver.simulate import UnresolvedWarning, as_seconds, asked, simulated
+from tline.solver.tolerance.ladder import Budget, Search
 from tline.surge.band import Band, band_of
 from tline.surge.columns import ROUGHLY, Columns, separated, surely
 from tline.surge.control import acting, read_control, triggered
@@ -361,7 +361,9 @@ def run(scene: Scene, record: Iterable[str], progress: bool, budget: Budget) -> 
     """Simulate with an envelope; unresolved features are among the notes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
-        return simulated(describe(scene), record=record, envelope=True, ledger=False, progress=progress, budget=budget)
+        description = describe(scene)
+        tol = asked(scene, None) or 0.0
+        return simulated(Search(description, tol, [*record], progress, budget, envelope=True, ledger=False))
 
 
 def carried_out(

@@ -13,7 +13,7 @@ import numpy as np
 from tline.atomic import replacing, suffix_of, write_table
 from tline.errors import import_extra
 from tline.scene.line import Pipe
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
 from tline.solver.result.result import Result
 from tline.surge.thrust import thrusts
 from tline.surge.worst import extremes

@@ -11,7 +11,7 @@ from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.line import Pipe
 from tline.scene.scene import Scene
-from tline.solver.result.interior import inside
+from tline.solver.result.dense_output import inside
 from tline.solver.result.result import Result
 
 

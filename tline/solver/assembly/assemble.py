@@ -204,7 +204,7 @@ def _network(
     for k, name in enumerate(grid.lines):
         if name in recorded[0]:
             record_row[2 * k : 2 * k + 2] = recorded[0][name], recorded[0][name] + 1
-    places = [element.where for group in layout.groups for element in group.elements]
+    places = [element.where for element in layout.elements]
     pairs = [order.shift(f) for f in grid.rests]
     laws = layout.laws._replace(**{name: getattr(layout.laws, name).copy() for name in OF_LAWS})
     return Network(
@@ -241,7 +241,7 @@ def _recorded(
     Nodes of these laws are among the nodes.
     """
     lines = {name: 2 * k for k, name in enumerate(name for name in layout.grid.lines if name in record)}
-    elements = [element for group in layout.groups for element in group.elements if element.where in laws]
+    elements = [element for element in layout.elements if element.where in laws]
     of_laws = {element.where: 2 * k for k, element in enumerate(elements, len(lines))}
     nodes = dict.fromkeys([*description.probed_nodes, *(node for element in elements for node in element.nodes)])
     return lines, of_laws, {node: k for k, node in enumerate(nodes, 2 * (len(lines) + len(of_laws)))}

@@ -9,7 +9,7 @@ polynomials of a slab: the transposed matrices do that, so energy is lost under 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from tline.compiled.structure import pack
 from tline.loss import Foster
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
-from tline.solver.description.circuits import Circuits, one_step
 from tline.solver.description.laws import tools_of
-from tline.solver.description.lines import Line, distinct
+from tline.solver.description.lines import Circuits, Line, distinct, one_step
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.diamonds.cells import CELL_ORDER
 from tline.solver.kernel.diamonds.full import PLACES, TERMS, lose_steadily, lost
@@ -37,21 +36,9 @@ STEP, WEAK = 1e-5, 8.0  # of the largest wave, and of what may be left out: jump
 KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
 
 
-class Triangle(NamedTuple):
-    """Matrices of the half diamond, as in `Diamonds`."""
-
-    sent: NDArray
-    seen: NDArray
-    inside: NDArray
-    values: NDArray
-    moments: NDArray
-    gained: NDArray
-    left: NDArray
-
-
 @lru_cache
-def triangle(s: int) -> Triangle:
-    """The half diamond of order s."""
+def triangle(s: int) -> tuple[NDArray, ...]:
+    """Matrices of the half diamond of order s, as in `Diamonds` from `sent` to `left`."""
     p, q, weights = _points(s + 3)
     rough = _graded(p, q, s) * np.sqrt(weights)[:, None]
     to_modes = np.linalg.inv(np.linalg.qr(rough)[1])
@@ -74,7 +61,7 @@ def triangle(s: int) -> Triangle:
     values, by_weight, c = modes(p, q), 1 / order.A[-1][:, None], order.c
     gained = np.stack([before(c, c), by_weight * seen.T])
     left = np.stack([behind(c, np.ones(s)), by_weight * sent.T])
-    return Triangle(*map(np.ascontiguousarray, (sent, seen, inside, values, values.T * weights, gained, left)))
+    return tuple(map(np.ascontiguousarray, (sent, seen, inside, values, values.T * weights, gained, left)))
 
 
 def _points(n: int) -> tuple[NDArray, NDArray, NDArray]:
@@ -227,15 +214,14 @@ def _tables(lines: list[Line]) -> tuple[NDArray, NDArray]:
             continue
         key = law.roughness if isinstance(law, Colebrook) else (law.exponent,)
         if key not in known:
-            kept.append(_power_table(law.exponent - 1) if isinstance(law, PowerLaw) else _of_colebrook(law.roughness))
+            if isinstance(law, PowerLaw):
+                kept.append(_power_table(law.exponent - 1))
+            else:
+                first, step, y = colebrook_table(law.roughness)
+                kept.append(np.concatenate([[first, step, len(y)], y]))
             known[key], n = n, n + len(kept[-1])
         at.append(known[key])
     return np.concatenate(kept), np.array(at, int)
-
-
-def _of_colebrook(roughness: float) -> NDArray:
-    first, step, y = colebrook_table(roughness)
-    return np.concatenate([[first, step, len(y)], y])
 
 
 @lru_cache

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.assembly.node_maps import GroupSystems, systems_of
-from tline.solver.description.circuits import Circuits, circuits_of, fit_of
 from tline.solver.description.description import Description
+from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Waveform, just_before
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of
-from tline.solver.description.lines import Line
+from tline.solver.description.lines import Circuits, Line, circuits_of, fit_of
 from tline.solver.description.nodes import NONE, Node, weights_of
 from tline.solver.description.resolution import Resolution, cell_in
 from tline.solver.description.slab import WHOLE
@@ -138,6 +138,11 @@ class Layout:
         """Lines that are not lumped."""
         return self.grid.lines
 
+    @property
+    def elements(self) -> list[PlacedLaw]:
+        """Elements with a law, group by group."""
+        return [element for group in self.groups for element in group.elements]
+
     @cached_property
     def arriving(self) -> NDArray:
         """Waves before t = 0 that arrive at line ends, b at end 1 and a at end 2, shape (2 L,)."""
@@ -231,7 +236,10 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
     excitations: list[Excitation] = [[*node.excitations] for node in nodes.values()]
     before = None
     if description.steady:
-        waves = _thevenin(u, z0[:, None] * y, junctions, weight, excitations)
+        arriving = (u + [-1, 1] * (z0[:, None] * y)).ravel()[junctions.ends]
+        at = np.repeat(np.arange(len(nodes)), np.diff(junctions.first))
+        from_sources = [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
+        waves = np.bincount(at, weight * arriving, len(nodes)) + from_sources  # Thévenin's just before t = 0
         before = dict(zip(nodes, waves.tolist(), strict=True)), effort, through
     systems = systems_of(groups, grid.h, before)
     driven = np.array([bool(parts) for parts in excitations])
@@ -256,14 +264,6 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
         ),
         loads_before=np.concatenate([systems.states, states_of(elements, effort, openings)]),
     )
-
-
-def _thevenin(u: NDArray, q: NDArray, junctions: Junctions, weight: NDArray, excitations: list[Excitation]) -> NDArray:
-    """Thévenin wave of each node just before t = 0."""
-    arriving = (u + [-1, 1] * q).ravel()
-    at = np.repeat(np.arange(len(excitations)), np.diff(junctions.first))
-    from_lines = np.bincount(at, weight * arriving[junctions.ends], len(excitations))
-    return from_lines + [sum(share * just_before(waveform) for waveform, share in parts) for parts in excitations]
 
 
 def _delays(lines: dict[str, Line], h: float) -> tuple[NDArray, NDArray, list[float]]:

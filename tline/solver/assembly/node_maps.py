@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.solver.description.circuit import StateSpace, load_step
 from tline.solver.description.groups import Group
-from tline.solver.description.load_step import StateSpace, load_step
 from tline.solver.kernel.fronts.structures import SAME_MAP
 from tline.solver.radau import Basis, Matrix, basis
 

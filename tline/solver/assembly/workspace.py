@@ -1,14 +1,35 @@
 """Workspaces of the kernel: made once, they cost no slab anything."""
 
+from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from tline.compiled.structure import pack
-from tline.solver.assembly.node_maps import SUBSTEPS
+from tline.solver.assembly.assemble import Assembly
+from tline.solver.assembly.node_maps import SUBSTEPS, Event, settling_step
+from tline.solver.description.excitation import Broken
+from tline.solver.description.laws import MOVING, tools_of
 from tline.solver.kernel.diamonds.cells import CELL_ORDER, PARTS
-from tline.solver.kernel.fronts.structures import Steps, Workspace
+from tline.solver.kernel.fronts.structures import (
+    CONTINUED,
+    DISSOLVED,
+    DROPPED,
+    LOST,
+    MERGED,
+    PEAK,
+    SCALE,
+    Events,
+    ExcitationRows,
+    Fronts,
+    Log,
+    PiecesUnderWay,
+    Sources,
+    Steps,
+    Systems,
+    Workspace,
+)  # fmt: skip
 from tline.solver.kernel.network import (
     CircuitWork,
     Crossing,
@@ -23,24 +44,16 @@ from tline.solver.kernel.network import (
 )
 
 SAMPLES = 512  # per tile
-GOVERNED = 3  # states of an opening that moves
 AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
-AT_POINTS = (
-    "v",
-    "control",
-    "flow",
-    "drive",
-    "y",
-    "slope",
-    "rate",
-    "first",
-    "safe",
-    "rest",
-    "coef",
-    "piece",
-    "kept",
-    "whole",
-)  # of a store
+ELSEWHERE = "constants", "states", "tools", "system", "integral", "constant", "division"
+AT_POINTS = [name for name in Store._fields if name not in ELSEWHERE]  # of a store
+MOST_PIECES = 16  # pieces of a slab
+AT_NODE, GRADED = 2 * MOST_PIECES, 8 * MOST_PIECES  # pieces of a slab on which a node works, and if cuts are graded
+NEAREST = 2e-11  # slabs from a front to the next cut, at least
+WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
+MEMORY = 2e8  # bytes for slabs in pieces
+LOGGED = 65_536  # pieces recorded between two looks
+LULL = 16  # slabs without a front that are worth a return to blocks
 
 
 def largest_group(network: Network) -> tuple[int, int, int]:
@@ -58,6 +71,10 @@ def work_for(network: Network, state: State) -> Work:
     nodes, states, elements = largest_group(network)
     tile, ports = max(SAMPLES // s, 1), nodes + elements
     crossing, store, circuit = _of_elements(laws, state, nodes, elements, tile) if elements else _without_elements()
+    points = elements * s if laws.governed.any() else 0  # of openings
+    each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
+    kept = np.zeros((elements, int(laws.states.max(initial=0))))
+    govern = GovernWork(np.empty(nodes * s), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
     return Work(
         tile=tile,
         position=np.zeros(len(network.ends), np.int64),
@@ -69,7 +86,7 @@ def work_for(network: Network, state: State) -> Work:
         crossing=crossing,
         store=store,
         circuit=circuit,
-        govern=_of_governors(laws, elements * s if laws.governed.any() else 0, nodes * s, states, elements),
+        govern=govern,
         map=np.empty((ports * s + states) ** 2 if elements and states else 0),
         diamonds=_of_diamonds(network, s, states, elements),
     )
@@ -91,16 +108,9 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
-    modes, kept = (
-        len(network.diamonds.moments),
-        states + (GOVERNED + int(network.laws.states.max(initial=0))) * elements,
-    )
+    modes, laws = len(network.diamonds.moments), network.laws
     return DiamondWork(
-        taken=np.empty((r, r)),
-        along=np.empty((r, r)),
-        base=np.empty((r, r)),
-        value=np.empty((r, r)),
-        slope=np.empty((r, r)),
+        **{name: np.empty((r, r)) for name in ("taken", "along", "base", "value", "slope")},
         weight=np.ones((r, r)),
         edges=np.empty((2, PARTS + 1)),
         parts=np.empty((4, PARTS, r)),
@@ -117,7 +127,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         modes=np.empty((ends, modes)),
         flow=np.empty(modes),
         sent=np.empty(s),
-        kept=np.empty(kept),
+        kept=np.empty(states + (MOVING + int(laws.states.max(initial=0))) * elements),
         width=np.ones(1),
         projected=np.zeros(ends, np.int64),
     )
@@ -127,17 +137,9 @@ def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int)
     """Workspace of laws and stores in groups of at most `nodes` nodes and `elements` elements."""
     s = state.before.shape[1]
     at_points = {name: np.empty(s) for name in AT_POINTS}
-    system, integral = np.zeros((s, s + 1)), np.empty(s + 1)
-    store = Store(
-        laws.constants,
-        state.load,
-        laws.tools,
-        system=system,
-        integral=integral,
-        constant=np.empty(1),
-        division=np.zeros(3, np.int64),
-        **at_points,
-    )
+    at_points |= {"integral": np.empty(s + 1), "constant": np.empty(1)}
+    known = laws.constants, state.load, laws.tools
+    store = Store(*known, **at_points, system=np.zeros((s, s + 1)), division=np.zeros(3, np.int64))
     circuit = CircuitWork(
         **{name: np.zeros(elements * s) for name in AT_LAWS},
         answer=np.zeros((elements * s, s)),
@@ -151,13 +153,6 @@ def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int)
         largest=np.zeros(1),
     )
     return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
-
-
-def _of_governors(laws: Laws, points: int, samples: int, states: int, elements: int) -> GovernWork:
-    """Workspace of openings at `points` points, in a group of these samples, states and elements."""
-    each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
-    kept = np.zeros((elements, int(laws.states.max(initial=0))))
-    return GovernWork(np.empty(samples), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
 
 
 @cache
@@ -207,3 +202,106 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
         pair_edges=np.zeros((2, given + 1)),
         pair=np.zeros((2, given, s)),
     )
+
+
+class Tally(NamedTuple):
+    """Counts of the fronts of a run, and the largest one dropped."""
+
+    most: int = 0  # slabs in several pieces under way at once, at most
+    merged: int = 0  # fronts that reached a node together with another one
+    dissolved: int = 0  # breakpoints taken away because the pieces beside them continue each other
+    dropped: int = 0  # breakpoints taken away because a slab had too many
+    lost: float = 0.0  # the largest of those, as a share of the largest wave
+
+
+def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -> Fronts:
+    """Data of the fronts of a run of n slabs with events inside slabs, in order of time.
+
+    A slab of a source has at most `parts` parts.
+    """
+    network, state, basis, h = assembly.network, assembly.state, assembly.basis, assembly.resolution.h
+    s, ends, slabs = basis.s, len(network.ends), state.waves.size // basis.s
+    most = 1 if assembly.description.crowded else int(min(max(WORK / (ends * n), 1), MOST_PIECES))
+    rows = int(min(slabs + ends, MEMORY / (8 * most * (s + 2))))
+    group = np.array([event.group for event in events], int)
+    order = np.argsort(group, kind="stable")
+    first = np.searchsorted(group[order], np.arange(len(network.group)))
+    at_node = GRADED if assembly.graded.any() else AT_NODE
+    places = max(LOGGED, 2 * assembly.rows * at_node)
+    delays = np.array([line.delay for line in assembly.lines.values()])
+    return Fronts(
+        LULL,
+        most,
+        at_node,
+        h,
+        int(assembly.follows_edges),
+        assembly.settle / h,
+        np.full(len(assembly.settle), -np.inf),
+        assembly.graded,
+        NEAREST,  # between those of slabs twice as wide, whose errors are others
+        max(CONTINUED, assembly.resolution.layers, assembly.resolution.same),
+        np.where(network.shift_row >= 0, delays / h - network.delay, 0.0),
+        tools_of(basis),
+        _packed(assembly),
+        Events(
+            first,
+            np.array([event.at for event in events])[order],
+            np.array([event.row for event in events], int)[order],
+            first[:-1].copy(),
+        ),
+        _excitation_rows(network),
+        PiecesUnderWay(
+            np.full(slabs, -1),
+            np.full(ends, -1),
+            np.empty((ends, s)),
+            np.zeros(ends),
+            np.empty(rows, int),
+            np.empty(rows),
+            np.empty((rows, most + 1)),
+            np.empty((rows, most)),
+            np.empty((rows, most, s)),
+            np.arange(rows),
+        ),
+        workspace_for(network, s, at_node, parts),
+        Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
+        np.zeros(9, int),
+        np.zeros(5),
+    )
+
+
+def _excitation_rows(network: Network) -> ExcitationRows:
+    laws, groups = network.laws, np.arange(len(network.group) - 1)
+    row = np.concatenate([network.excitation_row, laws.excitation_row])
+    group = np.concatenate([np.repeat(groups, np.diff(at)) for at in (network.group, laws.first)])[row >= 0]
+    order = np.argsort(group, kind="stable")
+    return ExcitationRows(np.searchsorted(group[order], np.arange(len(network.group))), row[row >= 0][order])
+
+
+def _packed(assembly: Assembly) -> Systems:
+    entries = [np.block([[system.A, system.b], [system.c, system.d]]).ravel() for system in assembly.systems.spaces]
+    maps = [np.empty(0)] * len(entries)
+    for r, time in zip(assembly.network.step_row, assembly.settle, strict=True):
+        if time > 0:
+            maps[r] = settling_step(assembly.systems.spaces[r], assembly.basis, time).ravel()
+    at, settling_at = (np.cumsum([0, *map(len, each)])[:-1] for each in (entries, maps))
+    values, settling = (np.concatenate([np.empty(0), *each]) for each in (entries, maps))
+    return Systems(at, values, settling_at, settling)
+
+
+def sources_of(broken: list[Broken], s: int) -> Sources:
+    """Slabs of all excitation rows, one after the other."""
+    first = np.cumsum([0, *(len(one.slab) for one in broken)])
+    begin = np.cumsum([0, *(count for one in broken for count in one.parts)])
+
+    no, none = np.empty(0, int), np.empty(0)
+    nothing = Broken(no, np.empty(0, bool), no, none, none, np.empty((0, s)))
+    slab, anew, _, start, stop, coef = map(np.concatenate, zip(nothing, *broken, strict=True))
+    return Sources(first, first[:-1].copy(), slab, anew, begin, start, stop, coef)
+
+
+def tally(fronts: Fronts) -> Tally:
+    """The counts of a run so far."""
+    counts, scale, lost = fronts.counts, fronts.sizes[SCALE], fronts.sizes[LOST]
+    share = float(lost) / float(scale) if scale else 0.0
+    most, merged, dissolved, dropped = (int(counts[k]) for k in (PEAK, MERGED, DISSOLVED, DROPPED))
+    return Tally(most, merged, dissolved, dropped, share)

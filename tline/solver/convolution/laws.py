@@ -30,8 +30,7 @@ from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.groups import Group, parts
-from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
-from tline.solver.description.switches import Moving
+from tline.solver.description.laws import Moving, laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
 from tline.solver.kernel.network import Laws, Network, Run, State, Units
 from tline.solver.kernel.units import law_addresses

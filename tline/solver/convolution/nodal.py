@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
+from tline.solver.description.elements import Branch
 from tline.solver.description.groups import Group
-from tline.solver.description.links import Branch
+from tline.solver.description.laws import switches_of
 from tline.solver.description.nodes import Node
-from tline.solver.description.switches import switches_of
 from tline.solver.stability.scattering import Scattering
 
 CHUNK = 1e6  # complex entries of matrices held at once

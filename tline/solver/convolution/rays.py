@@ -19,7 +19,7 @@ from tline.solver.convolution.nodal import LinearRest
 from tline.solver.description.bundle import Bundle
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
-from tline.solver.description.switches import switches_of
+from tline.solver.description.laws import switches_of
 
 MOST_RAYS = 100  # rays of one source
 SAME_ARRIVAL = 1e-9  # of the shortest delay; nearer arrivals, of rays by paths that are moved alike, are one

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.assembly.fronts import Tally
 from tline.solver.assembly.layout import Excitation
+from tline.solver.assembly.workspace import Tally
 from tline.solver.convolution.families import (
     MOST_FAMILIES,
     SAME_FAMILY,

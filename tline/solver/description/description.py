@@ -11,20 +11,17 @@ from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.law import NonLinear
 from tline.scene.multiport import Multiport
-from tline.scene.plausible import plausibility_notes
 from tline.scene.rational import RationalImpedance
 from tline.scene.refuse import refuse_coupled
 from tline.scene.stretches import expanded
 from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
-from tline.solver.description.active import active_parts, impedances
-from tline.solver.description.elements import PlacedLaw, elements_of
+from tline.solver.description.elements import Branch, PlacedLaw, active_parts, branches_of, elements_of, impedances
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
-from tline.solver.description.groups import Group, LumpedLine, filling_times, grouped, regrouped, time_scales
+from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped, time_scales
 from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
-from tline.solver.description.links import Branch, branches_of
 from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
 from tline.words.wording import place
 
@@ -74,7 +71,7 @@ class Description:
                 return None
             at.update([] if law else [new.at])
             laws |= {(part, keys[0]): new.law()} if law else {}
-        return None if self._composed else (at, laws)
+        return None if self.scene.composed or self.stretches else (at, laws)
 
     def fits(self, other: "Description") -> bool:
         """Whether it differs from another by its elements, and the impedances of its lines, alone."""
@@ -85,11 +82,6 @@ class Description:
         )
         lines = ({name: line._replace(z0=1.0) for name, line in each.lines.items()} for each in (self, other))
         return ours == theirs and next(lines) == next(lines)
-
-    @cached_property
-    def _composed(self) -> bool:
-        """Whether some elements are replaced by others."""
-        return bool(self.scene.composed or self.stretches)
 
     @cached_property
     def anew(self) -> dict[str, Node]:
@@ -204,10 +196,6 @@ class Description:
         """Shortest time scale of each curved waveform and dynamic load, and that of its oscillations, s."""
         return time_scales(self.waveforms, self.grouped()[0])
 
-    def filling_times(self, pressure: float) -> list[float]:
-        """Times in which vessels and tanks fill, s; none where cavities collapse, whose gas is part of their model."""
-        return [] if self.collapses else filling_times(self.elements, self.nodes, pressure)
-
     @property
     def starts(self) -> dict[str, float]:
         """Piezometric pressure or voltage that nodes are to start with where nothing else determines it."""
@@ -224,11 +212,6 @@ class Description:
     def surge_tanks(self) -> dict[str, SurgeTank]:
         """Tanks by place."""
         return {place("loads", name): load for name, load in self.scene.loads.items() if isinstance(load, SurgeTank)}
-
-    @property
-    def plausibility_notes(self) -> list[str]:
-        """Notes on valid but implausible values in the scene."""
-        return plausibility_notes(self.scene)
 
     @cached_property
     def stretches(self) -> dict[str, Stretches]:
@@ -317,31 +300,13 @@ def _elements(scene: Scene) -> list[dict[str, Any]]:
 
 
 def describe(scene: Scene) -> Description:
-    """Read a scene, once.
-
-    Examples
-    --------
-    >>> scene = Scene(
-    ...     medium="electrical", t_end="40 ns", probes={"far": {"at": "far"}},
-    ...     lines={"cable": {"nodes": ["near", "far"], "z0": "50 ohm", "delay": "5 ns"}},
-    ... )
-    >>> description = describe(scene)
-    >>> description.lines["cable"].delay, list(description.nodes)
-    (5e-09, ['near', 'far'])
-    """
+    """Read a scene, once."""
     known: Beside = vars(scene).get(BESIDE) or Beside()
     if known.description is not None and known.description.scene is scene and known.read == _elements(scene):
         return known.description
-    description = _described(scene)
-    if len(scene.lines) <= MOST_KEPT_LINES:
-        vars(scene)[BESIDE] = Beside(description)
-    return description
-
-
-def _described(scene: Scene) -> Description:
     ends = ends_of(scene.lines)
     names = [name for name, line in scene.lines.items() if isinstance(line, Coupled)]
-    return Description(
+    description = Description(
         scene=scene,
         medium=readable(scene),
         t_end=float(scene.t_end),
@@ -350,3 +315,6 @@ def _described(scene: Scene) -> Description:
         coupled=dict(zip(names, zip(ends[::2], ends[1::2], strict=True), strict=True)),
         heights=scene.heights,
     )
+    if len(scene.lines) <= MOST_KEPT_LINES:
+        vars(scene)[BESIDE] = Beside(description)
+    return description

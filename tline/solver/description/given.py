@@ -2,12 +2,15 @@
 
 from tline.scene.air_valve import AIR_VOLUME, AirValve
 from tline.scene.coupled import End
+from tline.scene.element import Between
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume, kinds_numbered
+from tline.scene.load import Matched, Reservoir, Resistor, Short
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
-from tline.scene.rational import Ratio
+from tline.scene.plausible import plausibility_notes
+from tline.scene.rational import Ratio, RationalImpedance
 from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.source import Source
@@ -15,38 +18,3 @@ from tline.scene.stretches import Stretches, stretches_of
 from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import GAS_VOLUME, AirVessel
-
-__all__ = [
-    "AIR_VOLUME",
-    "GAS_VOLUME",
-    "NO_HEIGHT",
-    "OPENING",
-    "AirValve",
-    "AirVessel",
-    "Bend",
-    "Constant",
-    "ElementLaw",
-    "End",
-    "Extent",
-    "Governor",
-    "Height",
-    "Interval",
-    "LawKind",
-    "LevelCrossing",
-    "Measure",
-    "Medium",
-    "Ports",
-    "Probe",
-    "Ratio",
-    "Scene",
-    "Shape",
-    "Signal",
-    "Source",
-    "Stretches",
-    "Switch",
-    "Touchstone",
-    "Volume",
-    "kinds_numbered",
-    "readable",
-    "stretches_of",
-]

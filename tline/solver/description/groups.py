@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.solver.description.circuit import Circuit, circuit, equations
-from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.circuit import Circuit, StateSpace, circuit, equations
+from tline.solver.description.elements import Branch, PlacedLaw, conductors, lc_sections, one_port
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import End
 from tline.solver.description.lines import Line
-from tline.solver.description.links import Branch, conductors, lc_sections, one_port
-from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
 

@@ -1,22 +1,27 @@
-"""Non-linear elements as arrays for the kernel."""
+"""Non-linear elements as arrays for the kernel; switches and valves that move at an instant, as laws."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
 from tline.errors import InputError
+from tline.scene.switch import Switch
+from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.excitation import Shape, varies
-from tline.solver.description.given import kinds_numbered
+from tline.solver.description.excitation import Shape, just_before, varies
+from tline.solver.description.given import ElementLaw, kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.kernel.network import Laws, Tools
 from tline.solver.radau import Basis, basis, gauss
+from tline.words.wording import place
 
 MOVING = 3  # states of an opening that moves
+SHORT = 1e-10  # of the impedance that a switch sees: the resistance of one that has none
+LINEAR = (0.0, 3.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0)  # constants of the table i = e
 
 
 @lru_cache
@@ -135,3 +140,39 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Map
         if element.governor is not None:
             states += [openings[element.where], 0.0, 0.0]
     return np.array(states, float)
+
+
+class Moving(NamedTuple):
+    """A conductance that jumps at an instant, as a waveform."""
+
+    before: float
+    after: float
+    instant: float
+
+    def breaks(self, t_end: float) -> NDArray:
+        """The instant, s."""
+        return np.array([self.instant]) if self.instant < t_end else np.empty(0)
+
+    def value(self, t: NDArray, inside: NDArray) -> NDArray:
+        """Conductance at t, of the piece that contains `inside`."""
+        return np.where(inside < self.instant, self.before, self.after) + 0.0 * t
+
+    def fastest(self) -> float:
+        """No time scale."""
+        return np.inf
+
+
+def switches_of(description: Description) -> Iterator[PlacedLaw]:
+    """Switches of a scene at nodes whose effort is not held."""
+    for at, one in description.scene.placed:
+        if not isinstance(one, Switch):
+            continue
+        ends = one.terminals
+        free = [node for node in ends if node is not None and description.nodes[node].held is None]
+        if free:
+            impedance = max(1 / description.nodes[node].total for node in free)
+            before, after = (1 / max(float(r), SHORT * impedance) for r in (one.before, one.after))
+            moving = Moving(before, after, float(one.time))
+            law = ElementLaw("table", LINEAR, moving)  # type: ignore[arg-type]
+            level = description.nodes[free[0]].above_level if ends[1] is None else 0.0
+            yield PlacedLaw(place(*at), law, *ends, above_level=level, control=just_before(moving))

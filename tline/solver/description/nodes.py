@@ -22,10 +22,10 @@ from tline.scene.rational import MOST_STATES, RationalImpedance
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
+from tline.solver.description.circuit import StateSpace, reflection, reflection_of_poles
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
 from tline.solver.description.lines import Line
-from tline.solver.description.load_step import StateSpace, reflection, reflection_of_poles
 from tline.words.wording import place
 
 SEA_LEVEL = Height()

@@ -4,11 +4,18 @@ Power into a circuit flows into its elements, so a circuit of passive elements i
 scattering matrix at the line ends is found exactly, from the numbers as typed. Elements whose passivity rests on more
 than these numbers, such as laws, switches and measured data, stay outside, with ports at their nodes: a rest that is
 passive is passive with them too.
+
+All the power that a scene absorbs is one function of s. With efforts and flows that grow as exp(s t), Re s > 0, the
+power of sources is the real part of Σ w Z, w = |i|² >= 0 for the flow i through each impedance Z, because nodes absorb
+nothing. A uniform line is two of them, z0 coth(Γ/2) for the even mode of its ends and z0 tanh(Γ/2) for the odd one.
+Parts without a formula (laws, losses that are not constant, multiports, circuits that are passive though an element is
+not) are names assumed to be positive real.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,16 +23,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from passivity.status import Decided, Status
+from tline.loss import ConstantLoss
 from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
 from tline.scene.multiport import Junction, Multiport
 from tline.scene.rational import RationalImpedance
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
+from tline.solver.description.elements import active_impedances, controlled_sources
 from tline.solver.description.given import Scene
 from tline.solver.description.groups import parts
 from tline.words.wording import place
 
 if TYPE_CHECKING:
     from passivity import RationalFunction, RationalMatrix
+    from passivity.calculus.given import Structure
+
 
 Matrix = Sequence[Sequence["RationalFunction"]]
 MOST_PORTS = 12  # as many as are decided
@@ -136,9 +147,8 @@ def passive_circuits(scene: Scene, active: set[str]) -> list[CircuitVerdict]:
         nodes = [name for name in names if part[number[name]] == k]
         if active.isdisjoint(where):
             if len(nodes) > 1:
-                found.append(
-                    CircuitVerdict(where, nodes, Status.PROVED, "all that stands there is passive, sources apart")
-                )
+                why = "all that stands there is passive, sources apart"
+                found.append(CircuitVerdict(where, nodes, Status.PROVED, why))
         elif len(within) > 1 or len(nodes) > 1:
             found.append(_decided(scene, nodes, within))
     return found
@@ -154,20 +164,17 @@ def _decided(scene: Scene, nodes: Sequence[str], elements: Sequence[ExactElement
     ends |= {node for element in outside for node in element.nodes}
     ports = [node for node in nodes if node in ends]
     z0 = Fraction(f"{median(line.parameters.z0 for line in scene.single_lines.values()):.0e}")
+    undecided = partial(CircuitVerdict, where, nodes, Status.UNDECIDED, ports=ports)
     if not 0 < len(ports) <= MOST_PORTS:
-        return CircuitVerdict(
-            where, nodes, Status.UNDECIDED, f"{len(ports)} ports; 1 to {MOST_PORTS} are decided", ports
-        )
+        return undecided(f"{len(ports)} ports; 1 to {MOST_PORTS} are decided")
     try:
         with budget(2 * VERDICT):
             matrix = _scattering(nodes, ports, [element for element in elements if element not in outside], z0)
             if matrix is None:
-                return CircuitVerdict(
-                    where, nodes, Status.UNDECIDED, "no scattering matrix follows from its elements", ports
-                )
+                return undecided("no scattering matrix follows from its elements")
             verdict = check_bounded_real(matrix)
     except UndecidedError as error:
-        return CircuitVerdict(where, nodes, Status.UNDECIDED, str(error), ports)
+        return undecided(str(error))
     status, why = verdict.status, verdict.why
     if outside and status is Status.REFUTED:
         without = " and ".join(element.where for element in outside)
@@ -232,3 +239,84 @@ def _solved(rows: "list[dict[int, RationalFunction]]", n: int) -> "Mapping[int, 
                         other[k] = more
         solved[pivot] = row
     return solved
+
+
+def taken_power(scene: Scene, circuits: Sequence[CircuitVerdict] | None = None) -> "Structure | CircuitVerdict":
+    """Power absorbed by a scene with zero sources, as a text in s, or the verdict on a circuit that is not passive.
+
+    Parameters
+    ----------
+    scene : Scene
+    circuits : sequence of CircuitVerdict, optional
+        All of its circuits, if they are known.
+
+    Returns
+    -------
+    Structure or CircuitVerdict
+        Arguments of `passivity.is_positive_real`: `text`, `assume` of the names in it, and the resulting `statement`.
+
+    Examples
+    --------
+    >>> import tline as tl
+    >>> tl.frequency.taken_power(tl.read("scenes/diode_clamp.toml")).statement
+    'the power that the scene takes up, a sum over its parts, is positive real, p0 the links.clamp'
+    """
+    from passivity import Status
+    from passivity.calculus.given import Structure
+
+    suspect = {*active_impedances(scene), *(place("links", name) for name in controlled_sources(scene))}
+    circuits = passive_circuits(scene, suspect) if circuits is None else circuits
+    for status in (Status.REFUTED, Status.UNDECIDED):
+        wrong = [circuit for circuit in circuits if circuit.status is status]
+        if wrong:
+            return wrong[0]
+    decided = {where for circuit in circuits if circuit.scattering is not None for where in circuit.elements}
+    names = [f"circuit of {', '.join(circuit.elements)}" for circuit in circuits if circuit.scattering is not None]
+    terms: list[str] = []
+    for where, text in _parts(scene):
+        if where in decided:
+            continue
+        if where in suspect:
+            return Structure(text, (), f"{where} is positive real")
+        if text:
+            terms.append(f"w{len(terms)}*{text}")
+        else:
+            names.append(where)
+    weights = [f"w{k} >= 0" for k in range(len(terms))]
+    opaque = [f"p{k}" for k in range(len(names))]
+    known = "".join(f", {name} the {where}" for name, where in zip(opaque, names, strict=True))
+    statement = f"the power that the scene takes up, a sum over its parts, is positive real{known}"
+    return Structure(
+        " + ".join([*terms, *opaque]) or "0", (*weights, *(f"{p} positive real" for p in opaque)), statement
+    )
+
+
+def _parts(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Place and impedance of each part, which is empty where there is no text; of each line two."""
+    for element in exact_elements(scene):
+        found = element.equations and one_port(*element.equations)
+        if not found:
+            yield element.where, ""
+        elif not (found[0].is_zero or found[1].is_zero):  # else there is no effort, or no flow
+            yield element.where, f"{found[0] / found[1]}"
+    for name, line in scene.lines.items():
+        if getattr(line, "mixing", False):
+            yield f"losses between conductors of {place('lines', name)}", ""
+    for name, line in scene.single_lines.items():
+        losses = line.losses
+        laws = (losses.exact.series, losses.exact.shunt) if losses else ()
+        if losses and losses.flow_law is not None:
+            yield f"friction in {place('lines', name)}", ""
+        if not all(isinstance(law, ConstantLoss) for law in laws):
+            yield place("lines", name), ""
+            continue
+        z0, half = _exact(line.parameters.z0), f"{_exact(line.parameters.delay or 0.0) / 2}*s"
+        if losses and any(law.loss for law in laws):
+            series, shunt = (f"({_exact(law.loss)} + {_exact(law.storage)}*s)" for law in laws)
+            z0, half = f"sqrt({series}/{shunt})", f"{_exact(losses.exact.length) / 2}*sqrt({series}*{shunt})"
+        yield place("lines", name), f"line({z0}, {half}, 0)"
+        yield place("lines", name), f"(1/line(1/({z0}), {half}, 0))"
+
+
+def _exact(x: float) -> Fraction:
+    return Fraction(repr(float(x)))

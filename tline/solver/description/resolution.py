@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
-from tline.solver.description.nodes import NONE, Node
+from tline.solver.description.nodes import NONE
 from tline.solver.description.slab import (
     ORDER,
     SLABS_PER_DELAY,
@@ -77,7 +77,10 @@ def resolution(
     by_hand = h is None and fixed.slab is not None
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0)
-    h = h or (_first_rounded(delays, t_end) if fixed.rounded else slab_of(description, delays, scales, settle))
+    if fixed.rounded and not h:  # a power of two times the shortest delay, cheap, and many
+        wanted, shortest = max(2 * len(delays) / FIRST_ROUNDED, 1 / MOST_FIRST) * t_end, min(delays.values())
+        h = min(shortest * 2.0 ** floor(log2(wanted / shortest)), t_end / LEAST_FIRST)
+    h = h or slab_of(description, delays, scales, settle)
     _check(t_end, delays, s, h, by_hand)
     cell = 0.0 if by_hand or (description.diamonds and s > 1) else cell_of(description, s, h)
     chosen = Resolution(s, h, sections=sections, settle=settle, cell=cell)
@@ -99,12 +102,6 @@ def cell_in(description: Description, chosen: Resolution) -> float:
     return 0.0 if in_diamonds else max(chosen.cell, chosen.h)
 
 
-def _first_rounded(delays: Mapping[str, float], t_end: float) -> float:
-    """The first slab of runs whose delays are rounded: a power of two times the shortest delay, cheap, and many."""
-    wanted, shortest = max(2 * len(delays) / FIRST_ROUNDED, 1 / MOST_FIRST) * t_end, min(delays.values())
-    return min(shortest * 2.0 ** floor(log2(wanted / shortest)), t_end / LEAST_FIRST)
-
-
 def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
     samples = 2 * s * sum(delays.values()) / h
     if h <= t_end * (1 + WHOLE) and samples <= LARGEST and t_end / h <= MOST_SLABS:
@@ -112,13 +109,9 @@ def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bo
     shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
     if samples > LARGEST:
         problem = f"slabs of {h:.3g} s put {samples:.2g} samples on the lines at once"
-        raise InputError(
-            "solver.slab" if by_hand else shortest,
-            f"{problem}, for {longest} takes {max(delays.values()):.3g} s",
-            f"at most {LARGEST:.0e}: a longer slab or a lower order"
-            if by_hand
-            else f"at most {LARGEST:.0e}: a longer shortest line or a lower order",
-        )
+        problem, longer = f"{problem}, for {longest} takes {max(delays.values()):.3g} s", "shortest line"
+        where, longer = ("solver.slab", "slab") if by_hand else (shortest, longer)
+        raise InputError(where, problem, f"at most {LARGEST:.0e}: a longer {longer} or a lower order")
     if h > t_end * (1 + WHOLE):
         at_least = f"at least a slab of {h:.3g} s"
         raise InputError("t_end", "the run ends within the first slab", at_least, f"{t_end:.3g} s")
@@ -156,23 +149,12 @@ def short_lines(description: Description, record: Iterable[str]) -> tuple[list[s
 
     Probed lines stay lines. So do lines at a node with a switch, a non-linear element, a measured
     load or an active resistance, and lines in which a front would ring on for longer than a part of a slab.
-
-    Examples
-    --------
-    >>> from tline.scene.scene import Scene
-    >>> from tline.solver.description.description import describe
-    >>> long, stub = ({"z0": 50, "delay": 1, "nodes": ["a", "b"]}, {"z0": 50, "delay": 1e-4, "nodes": ["b", "c"]})
-    >>> scene = Scene(
-    ...     medium="electrical", t_end=9, lines={"long": long, "stub": stub}, probes={"p": {"at": "a"}},
-    ...     loads={"r": {"at": "b", "kind": "resistor", "resistance": 50}},
-    ... )
-    >>> short_lines(describe(scene), [])[0]
-    ['stub']
     """
     delays = [line.delay for line in description.lines.values()]
     if min(delays) * SLABS_PER_DELAY >= SHORT * max(delays):
         return [], 0.0
-    barred = {name for name, node in description.nodes.items() if _barred(node)}
+    each = description.nodes.items()
+    barred = {name for name, node in each if node.switches or node.conductance < 0 or node.measured is not None}
     joints = [link.nodes for link in description.scene.links.values()] + [one.nodes for one in description.elements]
     barred |= {node for joint in joints for node in joint}
     barred |= {node for end in description.ends for node in (*end.conductors, *end.modal)}
@@ -184,10 +166,6 @@ def short_lines(description: Description, record: Iterable[str]) -> tuple[list[s
             return short, settle
         kept |= restless
     return [], 0.0
-
-
-def _barred(node: Node) -> bool:
-    return bool(node.switches) or node.conductance < 0 or node.measured is not None
 
 
 def _far_shorter(description: Description, kept: set[str]) -> list[str]:

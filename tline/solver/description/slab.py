@@ -128,7 +128,8 @@ def _slab_beside_losses(
     """Slab width beside lines with memory or leakage."""
     cheap, t_end, breaks = _affordable(description, delays, CHEAP), description.t_end, breaks_of(description)
     few = len(breaks) <= MOST_MARKS
-    fronts = [max(gap, t_end / SLABS_FOR_FRONTS) for gap in _gaps(description)]
+    gaps = [gap[gap > WHOLE * t_end] for gap in map(np.diff, description.breaks)]  # below rounding it is a jump
+    fronts = [max(float(gap.min()), t_end / SLABS_FOR_FRONTS) for gap in gaps if gap.size]
     wanted = max(min([resolved, *fronts]), least)
     marks = [t for t in breaks.tolist() if t > 0] if few else []
     parts = _dividing(delays, lossy, marks, wanted, cheap)
@@ -146,12 +147,6 @@ def _affordable(description: Description, delays: list[float], cheap: float) -> 
     return ORDER * max(stepping, kept)
 
 
-def _gaps(description: Description) -> list[float]:
-    """The shortest piece between two breaks of each waveform that has one, s; below rounding it is a jump."""
-    pieces = [np.diff(instants) for instants in description.breaks]
-    return [float(p.min()) for p in (p[p > WHOLE * description.t_end] for p in pieces) if p.size]
-
-
 def breaks_of(description: Description) -> NDArray:
     """Instants of the jumps, corners and switches of a run, s."""
     instants = np.concatenate([[*description.switched.values()], *description.breaks])
@@ -165,8 +160,7 @@ def _dividing(delays: list[float], lossy: list[float], marks: list[float], wante
     """
     shortest = min(delays)
     most = int(shortest / max(wanted / FINER, affordable)) or 1
-    choices = [[*delays, *marks], delays]
-    choices += [[shortest, *lossy, *marks], [shortest, *lossy]]
+    choices = [*delays, *marks], delays, [shortest, *lossy, *marks], [shortest, *lossy]
     return next(filter(None, (common_parts(tuple(times), shortest, most) for times in choices)), 0)
 
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.kernel.blocks import advance
+from tline.solver.kernel.blocks import advance, scatter_block
 from tline.solver.kernel.network import Network, Units
-from tline.solver.kernel.scatter import scatter_block
 
 KERNEL = "tline.solver.kernel"
 
@@ -35,7 +34,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
 
     diamonds = len(network.diamonds.line)
     whole = diamonds and network.diamonds.cell.any()  # cells that do not touch nodes
-    in_pieces = "cells_in_pieces.pass_cells_in_pieces" if whole else "pieces.pass_diamonds_in_pieces"
+    in_pieces = "pass_cells_in_pieces" if whole else "pass_diamonds_in_pieces"
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     return Units(
         advance=advance.address,
@@ -48,13 +47,13 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         law=law_addresses(kinds),
         diamonds=address("diamonds.cells.pass_cells" if whole else "diamonds.full.pass_diamonds", diamonds),
         halves=address("diamonds.half.pass_halves", diamonds and not whole),
-        diamonds_in_pieces=address(f"diamonds.{in_pieces}", fronts and diamonds),
+        diamonds_in_pieces=address(f"diamonds.pieces.{in_pieces}", fronts and diamonds),
         halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds and not whole),
         rectangle=address("diamonds.full.pass_rectangle", diamonds),
         remember=address("diamonds.cells.remember", len(network.diamonds.memory.sign)),
-        pieces=address("fronts.pieces.scatter_pieces", fronts),
-        arrive=address("fronts.pieces.arrive", fronts),
-        depart=address("fronts.pieces.depart", fronts),
+        pieces=address("fronts.advance.scatter_pieces", fronts),
+        arrive=address("fronts.advance.arrive", fronts),
+        depart=address("fronts.advance.depart", fronts),
         respond=address("fronts.respond.respond_by_map", fronts and (mapped & ~laws).any()),
         respond_with_laws=address("fronts.respond.respond_with_laws", fronts and (mapped & laws).any()),
     )

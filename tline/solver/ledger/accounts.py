@@ -7,7 +7,7 @@ one element has a port at a node, its flow is r; the flow of an element between 
 other as well; and so on. Elements whose flows cannot be separated in this way share an account.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +15,105 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import projected
-from tline.solver.description.given import Shape
+from tline.solver.description.given import (
+    Between,
+    Matched,
+    RationalImpedance,
+    Reservoir,
+    Resistor,
+    Shape,
+    Short,
+    Switch,
+)
 from tline.solver.description.groups import Group, parts
-from tline.solver.description.inventory import DISSIPATED, STORED, SUPPLIED, TAKEN, Conductor, Member, inventory_of
-from tline.solver.ledger.ledger import COLUMNS, GRAVITY, UNACCOUNTED
+from tline.solver.description.nodes import Node, lowered
 from tline.solver.radau import Basis, thin_product
+from tline.words.wording import place
+
+COLUMNS = ("supplied", "dissipated", "stored", "taken", "unaccounted")  # of a ledger
+GRAVITY = "gravity"  # account of outflow to the open air below the highest node
+SUPPLIED, DISSIPATED, STORED, TAKEN, UNACCOUNTED = range(5)  # the first four: what an element is expected to do
+
+
+class Member(NamedTuple):
+    """Element whose flow follows from that of the lines, or that prescribes the effort of a node."""
+
+    where: str
+    nodes: tuple[str, ...]
+    column: int
+    may_give: bool
+    through: bool = False  # whether the flow into one node leaves at the other
+    to_air: bool = True  # whether it leads from its nodes to the open air at their heights
+    series: float = 0.0  # resistance that the flow passes
+    beside: float = 0.0  # conductance beside the rest
+    conductance: float = 0.0  # of a resistor between two nodes
+
+
+class Conductor(NamedTuple):
+    """A resistor at a node, a switch that is never shut without one, or a source: with a resistance, or of flow."""
+
+    where: str
+    node: str
+    conductance: float
+    switch: Switch | None = None
+    effort: Shape | None = None  # behind the conductance, in place of the open air
+    flow: Shape | None = None  # beside it
+
+
+def inventory_of(description: Description, group: Group) -> tuple[list[Member], list[Conductor]]:
+    """Sort the elements at the nodes of a group; beside a prescribed effort only known conductances are included."""
+    found = [one for node in group.nodes for one in _at_node(node, description.steady)]
+    members = [one for one in found if isinstance(one, Member)]
+    between = {place(*at): element for at, element in description.scene.placed if isinstance(element, Between)}
+    for branch in group.branches:
+        nodes = tuple(group.nodes[p].name for p in branch.nodes)
+        may_give = description.steady or branch.where in description.active
+        members.append(_linear(branch.where, nodes, between.get(branch.where), may_give, branch.to_air))
+    for element in group.elements:  # a valve, pump, vessel, diode or table; beyond a valve may be a pressure
+        kind, back = element.kind, element.law.constants[0] if element.to_node is None else 0.0
+        column = SUPPLIED if kind.supplies else TAKEN if kind.returns or back else DISSIPATED
+        nodes, through = tuple(element.nodes), len(element.nodes) == 2
+        members.append(Member(element.where, nodes, column, column != DISSIPATED, through, to_air=not through))
+    return members, [one for one in found if isinstance(one, Conductor)]
+
+
+def _at_node(node: Node, steady: bool) -> Iterator[Member | Conductor]:
+    name = node.name
+    for where, source in node.sources.items():
+        if np.isinf(source.conductance):
+            yield Member(where, (name,), SUPPLIED, True, to_air=False)
+        elif source.is_effort:
+            yield Conductor(where, name, source.conductance, effort=lowered(source.value, node.height.level))
+        else:
+            yield Conductor(where, name, source.conductance, flow=source.value)
+    for where, load in node.loads.items():
+        match load:
+            case Resistor() if load.resistance > 0:
+                yield Conductor(where, name, float(1 / load.resistance))
+            case Switch() if load.before > 0 and load.after > 0:
+                yield Conductor(where, name, 0.0, load)
+            case Matched():
+                yield Conductor(where, name, node.lines + node.lumped)
+            case Short() | Resistor() | Switch():
+                yield Member(where, (name,), DISSIPATED, False)
+            case Reservoir():
+                yield Member(where, (name,), SUPPLIED, True, to_air=False)
+            case RationalImpedance() if node.held is None:
+                column = STORED if load.stores else TAKEN
+                yield Member(where, (name,), column, steady, series=load.series, beside=load.beside)
+
+
+def _linear(where: str, nodes: tuple[str, ...], link: Between | None, may_give: bool, to_air: bool) -> Member:
+    if link is None and where.startswith("sources."):
+        return Member(where, nodes[:2], SUPPLIED, True, through=True, to_air=False)
+    if not isinstance(link, RationalImpedance | Switch):
+        return Member(where, nodes, TAKEN, may_give, to_air=to_air)
+    if isinstance(link, Switch) or link.ratio.degree == 0:
+        r = 0.0 if isinstance(link, Switch) else link.ratio.at_zero()
+        conductance = 1 / r if r else 0.0
+        return Member(where, nodes, DISSIPATED, may_give, through=True, to_air=False, conductance=conductance)
+    column, series, beside = STORED if link.stores else TAKEN, link.series, link.beside
+    return Member(where, nodes, column, may_give, through=True, to_air=False, series=series, beside=beside)
 
 
 class Port(NamedTuple):
@@ -160,7 +254,9 @@ class Accounts(NamedTuple):
         found = np.zeros((len(self.where), len(COLUMNS), len(columns.slab)))
         u, rest = (w[self.heads] + o[self.heads]) / 2, _sums(self.gathers, w - o)
         for account, (node, one) in enumerate(self.conductors):
-            g, level = _conductance(one, columns), self.above_level[node]
+            g, level, switch = np.full(len(columns.slab), one.conductance), self.above_level[node], one.switch
+            if switch is not None:  # one that moves inside an interval moves at its nearest edge
+                g = np.where(columns.middle < switch.time, 1 / float(switch.before), 1 / float(switch.after))
             behind = level if one.effort is None else columns.values(one.effort)
             drop = behind - u[node]
             rest[node] += g[:, None] * drop
@@ -187,14 +283,6 @@ class Accounts(NamedTuple):
                 found[account, DISSIPATED] += burnt
                 found[account, STORED] -= burnt
         return integral((w - o) * (w + o)) * self.admittance[:, None] / 4, found
-
-
-def _conductance(conductor: Conductor, columns: Columns) -> NDArray:
-    """Conductance in each interval, shape (m,); a switch that moves inside one moves at its nearest edge."""
-    switch = conductor.switch
-    if switch is None:
-        return np.full(len(columns.slab), conductor.conductance)
-    return np.where(columns.middle < switch.time, 1 / float(switch.before), 1 / float(switch.after))
 
 
 def accounts_of(description: Description, group: Group, z0: NDArray, inner: Mapping[str, int]) -> Accounts:

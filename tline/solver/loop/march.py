@@ -17,10 +17,8 @@ from numpy.typing import NDArray
 from tline.compiled.structure import pack
 from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.fronts import LULL, Tally, fronts_of, sources_of, tally
 from tline.solver.assembly.layout import Excitation
-from tline.solver.assembly.node_maps import Event
-from tline.solver.assembly.workspace import renew, work_for
+from tline.solver.assembly.workspace import LULL, Tally, fronts_of, renew, sources_of, tally, work_for
 from tline.solver.description.excitation import (
     EDGE,
     Broken,
@@ -63,10 +61,6 @@ class Kernel:
         renew(self._work, network, state.before.shape[1])
         self._fronts = None if fronts is None else pack(fronts)
         return True
-
-    def rest(self) -> None:
-        """Release the arrays of the last run."""
-        self.run(*NOTHING)
 
     @cached_property
     def _advance_fronts(self) -> Any:
@@ -132,8 +126,6 @@ class Noted(NamedTuple):
 def concatenated(noted: list[Noted], s: int) -> Noted:
     """Concatenate recorded pieces."""
     nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
-    if not noted:
-        return nothing
     return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
 
 
@@ -164,16 +156,12 @@ def march(
     Returned are a record (recorded ends, 2, n * s) of arriving and leaving waves at the points of each slab, and a
     `March`.
     """
-    s = assembly.basis.s
-    windowed = bool(observers)
-    samples = LOOK if windowed else CHUNK
-    chunk = min(max(int(samples / (len(assembly.network.ends) * s)), 1), n)
-    rows = assembly.rows
-    kept = assembly.kept
+    s, windowed, rows, kept = assembly.basis.s, bool(observers), assembly.rows, assembly.kept
+    chunk = min(max(int((LOOK if windowed else CHUNK) / (len(assembly.network.ends) * s)), 1), n)
     record = np.empty((kept, 2, n * s))
     window = np.empty((rows, 2, chunk * s)) if windowed else record
     steps = Stepper(assembly, n, window, rows if windowed else kept)
-    steps.compile()
+    steps.kernel.load()
     with Progress(n, "slab", progress) as bar:
         started = time.thread_time()
         for low, high in pairwise([*range(0, n, chunk), n]):
@@ -190,7 +178,7 @@ def march(
                 steps.noted[seen:] = [pieces.of_rows(kept)]
             bar.update(high - low)
         seconds = time.thread_time() - started
-    steps.kernel.rest()
+    steps.kernel.run(*NOTHING)  # releases the arrays of this one
     return record, steps.run(seconds)
 
 
@@ -266,8 +254,11 @@ class Stepper:
         self.noting = noting  # rows of the record whose pieces are noted
         self.origin = 0  # slab at the record's first column; the kernel of fronts counts from it
         self.signals = assembly.signals = Signals(assembly, n, assembly.signals)
-        near = 0.5 if assembly.resolution.plain else EDGE
-        events = [event for event in _snapped(assembly.events, near) if event.at < n]
+        near, snapped = 0.5 if assembly.resolution.plain else EDGE, []
+        for each in assembly.events:
+            edge = float(round(each.at))
+            snapped.append(each._replace(at=edge) if abs(each.at - edge) <= near else each)
+        events = [event for event in snapped if event.at < n]
         self.at_edges = [] if assembly.follows_edges else [each for each in events if each.at % 1 == 0 and each.moves]
         inside = [each for each in events if assembly.follows_edges or each.at % 1 != 0]
         instants = np.concatenate([*self.signals.places, [each.at for each in inside]])
@@ -281,10 +272,6 @@ class Stepper:
         self.kernel = kept if kept and again else Kernel(assembly.network, assembly.state, self.fronts)
         assembly.kernel = self.kernel
         self.noted: list[Noted] = []
-
-    def compile(self) -> None:
-        """Compile the kernels that will be needed, or load them."""
-        self.kernel.load()
 
     def begin_record(self, slab: int) -> None:
         """Let the record's first column be that of a slab, from now on."""
@@ -345,23 +332,16 @@ class Stepper:
         return March(seconds, pieces, Tally() if self.fronts is None else tally(self.fronts), self.fronts)
 
 
-def _snapped(events: list[Event], near: float) -> list[Event]:
-    return [
-        each._replace(at=float(round(each.at))) if abs(each.at - round(each.at)) <= near else each for each in events
-    ]
-
-
 def _refuse(assembly: Assembly, node: int, span: tuple[float, float] | None = None) -> None:
     group = int(np.searchsorted(assembly.network.group, node, side="right")) - 1
+    error = None
     if group < len(assembly.groups) and assembly.groups[group].elements:
         where = " and ".join(element.where for element in assembly.groups[group].elements)
-        error = NoFlowError(
-            where, "no flow was found that fits the waves", "narrower slabs, or a line between elements"
-        )
-        error.span = span
-        raise error
-    if len(assembly.network.diamonds.line) and np.isfinite(assembly.state.waves).all():
+        cure = "narrower slabs, or a line between elements"
+        error = NoFlowError(where, "no flow was found that fits the waves", cure)
+    elif len(assembly.network.diamonds.line) and np.isfinite(assembly.state.waves).all():
         error = NoFlowError("lines", "friction too strong for the slabs", "narrower slabs")
+    if error:
         error.span = span
         raise error
     where = " and ".join(assembly.description.active) or "lines"

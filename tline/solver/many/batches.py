@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from tline.compiled.structure import Packed, pack
 from tline.errors import InputError
+from tline.solver.description.circuit import StateSpace, load_step
 from tline.solver.description.description import Description
 from tline.solver.description.given import Height, Shape
-from tline.solver.description.load_step import StateSpace, load_step
+from tline.solver.kernel.finished import extremes, find_extremes
 from tline.solver.kernel.network import Crossing
-from tline.solver.kernel.peaks import extremes, find_extremes
 from tline.solver.kernel.units import law_addresses
-from tline.solver.many.copies import Copies
-from tline.solver.many.kernel.advance import (
+from tline.solver.many.copies import Copies, driven_waves
+from tline.solver.many.kernel import (
     Apart,
     CopiesRun,
     LawsOfCopies,
@@ -24,8 +24,6 @@ from tline.solver.many.kernel.advance import (
     find_apart,
     find_values,
 )
-from tline.solver.many.nodes import Varying
-from tline.solver.many.period import driven_waves
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Samples
 from tline.solver.tolerance.compare import SILENT, SMALLEST_ESTIMATE
@@ -70,7 +68,12 @@ def run(
 
     If `judged`, they run at the next higher order as well, which is then the recorded one.
     """
-    where, orders = _line_ends(description), [basis(s), basis(s + 1)] if judged else [basis(s)]
+    lines, where, orders = list(description.lines), {}, [basis(s), basis(s + 1)] if judged else [basis(s)]
+    for name, probe in description.probes.items():
+        if probe.share not in (0.0, 1.0) or not probe.line:
+            problem = "inside a line" if probe.line else "sees a node's effort alone"
+            raise InputError(place("probes", name), problem, "a probe at the end of a line, for many runs")
+        where[name] = 2 * lines.index(probe.line) + int(probe.share)
     recorded, points, K = sorted({*where.values()}), orders[-1].s, len(edges) - 1
     most = max(ceil(description.t_end / copies.unit[rows].min() - 1e-9), 1) * K * points
     maps = len(copies.junctions) * K * (points + 2) ** 2
@@ -114,16 +117,6 @@ def _relative(apart: Floats, lowest: Floats, highest: Floats, height: Height) ->
         with np.errstate(divide="ignore", invalid="ignore"):
             worst = np.maximum(worst, np.where(heard, off / scale, 0.0))
     return worst
-
-
-def _line_ends(description: Description) -> dict[str, int]:
-    lines, ends = list(description.lines), {}
-    for name, probe in description.probes.items():
-        if probe.share not in (0.0, 1.0) or not probe.line:
-            problem = "inside a line" if probe.line else "sees a node's effort alone"
-            raise InputError(place("probes", name), problem, "a probe at the end of a line, for many runs")
-        ends[name] = 2 * lines.index(probe.line) + int(probe.share)
-    return ends
 
 
 def _seen(
@@ -202,7 +195,10 @@ class _OneOrder:
             "u": np.empty((most, B)),
             "out": np.empty((most, B)),
         }
-        shown = [[(_of(shape, rows), share[rows]) for shape, share in parts] for parts in shown]
+        shown = [
+            [(shape if isinstance(shape, Shape) else shape[rows], share[rows]) for shape, share in parts]
+            for parts in shown
+        ]
         self._drive = driven_waves(shown, order, unit, edges, n, t_end)
         self._weights = np.concatenate([j.weights[:, rows] for j in junctions]).transpose(1, 0, 2).copy()
         self._arriving = np.ascontiguousarray(copies.start[1][:, rows].transpose(1, 0, 2))
@@ -247,10 +243,6 @@ class _OneOrder:
         at = [begin + np.arange(len(rows)) * each.shape[1] for begin, each in zip(begins, constants, strict=False)]
         crossing = placed.crossing._replace(constants=np.concatenate([each.ravel() for each in constants]))
         return placed._replace(at=np.array(at), impedance=np.array([z[rows] for _, z in self._laws]), crossing=crossing)
-
-
-def _of(waveform: Varying, rows: NDArray) -> Varying:
-    return waveform if isinstance(waveform, Shape) else waveform[rows]
 
 
 def _rows(there: list[bool]) -> NDArray:

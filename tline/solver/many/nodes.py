@@ -15,10 +15,10 @@ from tline.scene.changed import changed, parts_of
 from tline.scene.law import NonLinear
 from tline.scene.load import Matched
 from tline.scene.rational import Parallel, Series
+from tline.solver.description.circuit import StateSpace
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Scene, Shape
-from tline.solver.description.load_step import StateSpace
 from tline.solver.description.nodes import UNIT, Node, lowered
 from tline.words.wording import place
 
@@ -134,11 +134,6 @@ def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -
     """L and C side by side, R being part of z.
 
     Impedances, H and F are positive, shape (copies,); states are u, and z times the inductor's flow.
-
-    Examples
-    --------
-    >>> parallel(np.array([50.0]), None, np.array([2e-3])).A.tolist()  # -1/(z C)
-    [[[-10.0]]]
     """
     zero, one = np.zeros_like(z), np.ones_like(z)
     back = zero if inductance is None else z / inductance
@@ -151,13 +146,7 @@ def parallel(z: Floats, inductance: Floats | None, capacitance: Floats | None) -
 
 
 def series(z: Floats, resistance: Floats | float, inductance: Floats | None, capacitance: Floats | None) -> StateSpace:
-    """R, L and C one after the other; states are z times the flow, and the capacitor's effort.
-
-    Examples
-    --------
-    >>> series(np.array([50.0]), 30.0, np.array([4.0]), None).A.tolist()  # -(R + z)/L
-    [[[-20.0]]]
-    """
+    """R, L and C one after the other; states are z times the flow, and the capacitor's effort."""
     zero, one, total = np.zeros_like(z), np.ones_like(z), resistance + z
     if inductance is None:
         assert capacitance is not None

@@ -14,8 +14,7 @@ from tline.scene.quantity import Role
 from tline.solver.description.description import Description
 from tline.solver.description.given import Shape
 from tline.solver.many.batches import ProbeOfCopies, run
-from tline.solver.many.copies import Copies, copies_of
-from tline.solver.many.period import breaks_of, front_places, slab_edges
+from tline.solver.many.copies import Copies, breaks_of, copies_of, front_places, slab_edges
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.tolerance.compare import BETWEEN, SMALLEST_ESTIMATE
 
@@ -59,7 +58,8 @@ def resolve(
     unit = copies.unit[rows]
     if any(junction.law is not None for junction in copies.junctions):
         choices = _choices(fronts[:, rows], _rates([], loads, rows) * unit, tol)
-        return min((_halved(apart, fronts, choices, s, tol) for s in BY_HALVES), key=lambda found: _cost(found, tol))
+        halved = (_halved(apart, fronts, choices, s, tol) for s in BY_HALVES)
+        return min(halved, key=lambda found: (found[2] > tol, len(found[0]) * found[1]))
     rates = _rates(description.waveforms.values(), loads, rows) * unit
     return _foreseen(apart, fronts, rates, rows, tol / CAUTION if copies.judged else tol)
 
@@ -101,11 +101,6 @@ def _halved(apart: Apart, fronts: Floats, choices: list[Choice], s: int, tol: fl
         edges = np.insert(edges, beyond + 1, (edges[beyond] + edges[beyond + 1]) / 2, axis=0)
         told = CAUTION * apart(edges, s)
     return edges, s, max(expected, float(told.max()))
-
-
-def _cost(found: Found, tol: float) -> tuple[bool, int]:
-    edges, s, estimate = found
-    return estimate > tol, len(edges) * s
 
 
 def _rates(waveforms: Iterable[Shape], loads: list[Floats], rows: NDArray) -> Complexes:

@@ -90,11 +90,12 @@ class Accuracy:
 
     def at_least(self, error: float) -> "Accuracy":
         """Raise smaller errors at any instant to `error`, except those of exact quantities."""
+
+        def raised(e: float) -> float:
+            return max(e, error) if e > EXACT else e
+
         inside, blurred = (
-            {
-                name: Estimate(*(max(e, error) if e > EXACT else e for e in (told.u, told.y)))
-                for name, told in each.items()
-            }
+            {name: Estimate(raised(told.u), raised(told.y)) for name, told in each.items()}
             for each in (self.inside, self.blurred)
         )
         return replace(self, inside=inside, blurred=blurred)

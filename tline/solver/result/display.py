@@ -22,17 +22,20 @@ SHOWN = 20  # probes
 class Display(Presentation):
     """Text and plots of a result; each method imports its plotting module."""
 
+    @property
+    def _result(self) -> Result:
+        return cast("Result", self)
+
     def text_lines(self) -> Iterator[str]:
         """Scene, order and slabs, error estimate, and extremes of each probe."""
-        yield from as_text(cast("Result", self)).splitlines()
+        yield from as_text(self._result).splitlines()
 
     def to_dict(self) -> dict[str, Any]:
         """Order, slabs, extremes and last value of each probe, measures and notes, in SI; see ``tline run --json``."""
         from tline.solver.result.dense_output import extremes
         from tline.solver.result.quantities import in_tables
 
-        result = cast("Result", self)
-        probes: dict[str, Any] = {}
+        result, probes = self._result, dict[str, Any]()
         for name, probe in result.probes.items():
             for each in in_tables(result.scene):
                 if each.seen_by(probe):
@@ -97,10 +100,9 @@ class Display(Presentation):
         """
         import tline as tl
 
-        result = cast("Result", self)
         if ax is None:
-            return tl.pictures.plot(result, probes, quantity)
-        return tl.pictures.draw_probes(ax, result, probes, quantity, label)
+            return tl.pictures.plot(self._result, probes, quantity)
+        return tl.pictures.draw_probes(ax, self._result, probes, quantity, label)
 
     def plot_waves(self, probe: str | None = None, *, line: str | None = None) -> Figure:
         """Draw the waves a = u + z0·y and b = u - z0·y: over time at a probe, or over time and place on a line.
@@ -114,34 +116,32 @@ class Display(Presentation):
         """
         import tline as tl
 
-        result = cast("Result", self)
-        return tl.pictures.plot_line_waves(result, line) if line else tl.pictures.plot_waves(result, probe)
+        pictures, result = tl.pictures, self._result
+        return pictures.plot_line_waves(result, line) if line else pictures.plot_waves(result, probe)
 
     def plot_space_time(self, *nodes: str) -> Figure:
         """Draw the effort over time and place, along a chain of lines or from node to node; see `record` of a run."""
         import tline as tl
 
-        result = cast("Result", self)
-        return tl.pictures.plot_space_time(result, tl.pictures.route(result.scene, *nodes))
+        return tl.pictures.plot_space_time(self._result, tl.pictures.route(self._result.scene, *nodes))
 
     def plot_profile(self, *nodes: str) -> Figure:
         """Draw the lowest and the highest effort along a path, with ground and limits; see `record` of a run."""
         import tline as tl
 
-        result = cast("Result", self)
-        return tl.pictures.plot_profile(result, tl.pictures.route(result.scene, *nodes))
+        return tl.pictures.plot_profile(self._result, tl.pictures.route(self._result.scene, *nodes))
 
     def plot_map(self) -> Figure:
         """Draw maps of the network, coloured by how far the effort rose and fell: of a run with ``envelope=True``."""
         import tline as tl
 
-        return tl.pictures.plot_map(cast("Result", self))
+        return tl.pictures.plot_map(self._result)
 
     def plot_lattice(self) -> Figure:
         """Draw the bounce diagram of a scene with one line."""
         import tline as tl
 
-        return tl.pictures.plot_lattice(cast("Result", self))
+        return tl.pictures.plot_lattice(self._result)
 
     def animate(self, *nodes: str) -> tl.pictures.Animation:
         """Animate the waves along a path, a to the right and b to the left, and the effort.
@@ -155,8 +155,7 @@ class Display(Presentation):
         """
         import tline as tl
 
-        result = cast("Result", self)
-        return tl.pictures.animated(result, tl.pictures.route(result.scene, *nodes))
+        return tl.pictures.animated(self._result, tl.pictures.route(self._result.scene, *nodes))
 
 
 def as_text(result: Result) -> str:

@@ -10,7 +10,7 @@ from tline.compiled.structure import pack
 from tline.errors import InputError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.given import Height
-from tline.solver.kernel.peaks import TIE, extremes, find_extremes
+from tline.solver.kernel.finished import TIE, extremes, find_extremes
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.loop.slabs import Slabs, cut_at_end
 from tline.solver.radau import basis

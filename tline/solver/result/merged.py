@@ -3,7 +3,7 @@
 A probe at one of several coupled conductors, or at a pair of them, records the sum of its modes.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from tline.solver.description.given import Scene, Stretches
 from tline.solver.description.lines import ProbePlace
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.loop.slabs import Slabs
-from tline.solver.result.envelope import COLUMNS, Envelope
+from tline.solver.result.envelope import COLUMNS
 from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.words.wording import place
 
@@ -44,8 +44,14 @@ def merged(result: Result, description: Description, doublings: int = 0) -> Resu
     for name, stretches in cut.items():
         records = tuple(result.lines[each] for each in stretches.lines if each in result.lines)
         if len(records) == len(stretches.lines):
-            lines[name] = _record(stretches, records)
-    places = {node for stretches in cut.values() for node in stretches.places}
+            first, last, delay = records[0], records[-1], sum(record.delay for record in records)
+            waves = first.a1, first.b1, last.a2, last.b2
+            lines[name] = CutRecord(first.z0, delay, *waves, first.smeared, stretches, records, raw=first.raw)
+    envelope, places = result.envelope, {node for stretches in cut.values() for node in stretches.places}
+    if envelope:
+        kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
+        columns = {name: getattr(envelope, name)[kept] for name in (*COLUMNS, "weight", "per_metre")}
+        envelope = replace(envelope, nodes=tuple(envelope.nodes[k] for k in kept), **columns)
     warned = tuple(
         f"{place('lines', name)}: its losses mix the modes: they stand at {each.places * 2**doublings} places between "
         "stretches without"
@@ -55,7 +61,7 @@ def merged(result: Result, description: Description, doublings: int = 0) -> Resu
         result,
         scene=description.scene,
         lines=lines,
-        envelope=result.envelope and _without(result.envelope, places),
+        envelope=envelope,
         accounts=_Summed(result, description.scene),
         parts=result,
         warned=warned,
@@ -68,13 +74,6 @@ def recorded(description: Description, names: Iterable[str]) -> list[str]:
     return [each for name in names for each in (cut[name].lines if name in cut else [name])]
 
 
-def _record(cut: Stretches, stretches: tuple[LineRecord, ...]) -> CutRecord:
-    first, last = stretches[0], stretches[-1]
-    delay = sum(stretch.delay for stretch in stretches)
-    waves = first.a1, first.b1, last.a2, last.b2
-    return CutRecord(first.z0, delay, *waves, first.smeared, cut, stretches, raw=first.raw)
-
-
 class _Summed(NamedTuple):
     """Ledger of an expanded scene, summed by the lines of the scene when it is first read."""
 
@@ -83,13 +82,6 @@ class _Summed(NamedTuple):
 
     def __call__(self) -> Ledger | None:
         return self.parts.ledger and _summed(self.parts.ledger, describe(self.scene))
-
-
-def _without(envelope: Envelope, places: set[str]) -> Envelope:
-    """Drop from an envelope the places inside lines."""
-    kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
-    columns = (getattr(envelope, name)[kept] for name in (*COLUMNS, "weight", "per_metre"))
-    return Envelope(tuple(envelope.nodes[k] for k in kept), *columns, alone=envelope.alone)
 
 
 def _summed(ledger: Ledger, description: Description) -> Ledger:
@@ -128,25 +120,16 @@ def record_of(probe: ProbePlace, records: Mapping[str, LineRecord]) -> LineRecor
     found = [records[line] for line in probe.lines]
 
     def wave(a: str, b: str, sign: float) -> Wave:
-        parts = [
-            part
-            for record, v, i in zip(found, voltage, sign * z0 * current, strict=True)
-            for part in (
-                (getattr(record, a), (v + i / record.z0) / 2),
-                (getattr(record, b), (v - i / record.z0) / 2),
-            )
-        ]
-        return _sum(parts)
+        parts: list[tuple[Wave, float]] = []
+        for record, v, i in zip(found, voltage, sign * z0 * current, strict=True):
+            parts += [(getattr(record, a), (v + i / record.z0) / 2), (getattr(record, b), (v - i / record.z0) / 2)]
+        first = parts[0][0]
+        values = sum((factor * wave.values for wave, factor in parts), np.zeros_like(first.values))
+        pieces = sum((factor * wave.pieces.values for wave, factor in parts), np.zeros_like(first.pieces.values))
+        before = sum(factor * wave.before for wave, factor in parts)
+        return Wave(values, before, first.basis, first.h, first.pieces._replace(values=pieces))
 
     delay = max(record.delay for record in found)
     smeared = any(record.smeared for record in found)
     waves = wave("a1", "b1", 1.0), wave("a1", "b1", -1.0), wave("a2", "b2", 1.0), wave("a2", "b2", -1.0)
     return LineRecord(z0, delay, *waves, smeared, raw=any(record.raw for record in found))
-
-
-def _sum(parts: Sequence[tuple[Wave, float]]) -> Wave:
-    (first, _), *_ = parts
-    values = sum((factor * wave.values for wave, factor in parts), np.zeros_like(first.values))
-    before = sum(factor * wave.before for wave, factor in parts)
-    pieces = sum((factor * wave.pieces.values for wave, factor in parts), np.zeros_like(first.pieces.values))
-    return Wave(values, before, first.basis, first.h, first.pieces._replace(values=pieces))

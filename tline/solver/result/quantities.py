@@ -64,7 +64,7 @@ class Quantity(NamedTuple):
 QUANTITIES = (
     Quantity("u", "", "effort", lambda seen: seen.u, lambda off: off.u, heights=False),
     Quantity(
-        "gauge_pressure", "gauge pressure", "effort", lambda seen: seen.gauge_pressure, lambda off: off.u, heights=True
+        "gauge_pressure", "gauge pressure", "effort", lambda at: at.gauge_pressure, lambda off: off.u, heights=True
     ),
     Quantity("head", "head", "m", lambda seen: seen.head, lambda off: off.u / off.per_metre, heights=True),
     Quantity("y", "", "flow", lambda seen: seen.y, lambda off: off.y, flows=True),

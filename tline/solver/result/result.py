@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
-from tline.solver.assembly.fronts import Tally
-from tline.solver.description.circuits import Circuits
+from tline.solver.assembly.workspace import Tally
 from tline.solver.description.given import NO_HEIGHT, Height, Medium, Scene, readable
+from tline.solver.description.lines import Circuits
 from tline.solver.description.resolution import Resolution
 from tline.solver.ledger.ledger import Ledger
 from tline.solver.loop.slabs import Slabs

@@ -116,17 +116,10 @@ def _beyond(result: Result, word: str, most: Mapping[str, float]) -> dict[str, t
     for trace in result.states if most else ():
         value = most.get(trace.where, inf)
         over = np.flatnonzero(trace.values >= value)
-        if trace.word == word and over.size:
-            found[trace.where] = _reached(trace, int(over[0]), float(value)), float(value)
+        if trace.word == word and over.size:  # the instant, by linear interpolation from the slab end before
+            last = slice(max(int(over[0]) - 1, 0), int(over[0]) + 1)
+            found[trace.where] = float(np.interp(value, trace.values[last], trace.t[last])), float(value)
     return found
-
-
-def _reached(trace: StateTrace, k: int, value: float) -> float:
-    """Instant, s, at which a trace reaches a value by slab end k, by linear interpolation from the end before."""
-    if k == 0:
-        return float(trace.t[0])
-    share = (value - trace.values[k - 1]) / (trace.values[k] - trace.values[k - 1])
-    return float(trace.t[k - 1] + share * (trace.t[k] - trace.t[k - 1]))
 
 
 def flow_of(element: PlacedLaw, record: ElementRecord) -> NDArray:
@@ -149,17 +142,7 @@ class Measured(NamedTuple):
 
 
 def measures_of(result: Result) -> dict[str, Measured]:
-    """Evaluate each measure of the scene, by name.
-
-    Examples
-    --------
-    >>> import tline as tl
-    >>> scene = tl.examples["open_line"].with_changes(
-    ...     measures={"swing": {"kind": "peak to peak", "probe": next(iter(tl.examples["open_line"].probes))}}
-    ... )
-    >>> tl.simulate(scene).measures["swing"].unit
-    'V'
-    """
+    """Evaluate each measure of the scene, by name."""
     effort = result.medium.units["effort"]
     return {name: _measured(measure, result.probes, effort) for name, measure in result.scene.measures.items()}
 

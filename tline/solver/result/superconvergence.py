@@ -26,7 +26,7 @@ from numpy.polynomial.legendre import legvander
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
-from tline.solver.kernel.neighbours import UNEQUAL, Joined, Shared, join, share
+from tline.solver.kernel.finished import UNEQUAL, Joined, Shared, join, share
 from tline.solver.radau import basis, gauss, thin_product
 
 if TYPE_CHECKING:
@@ -98,7 +98,10 @@ def _share(at: Joined, packed: Any) -> None:
     s, pairs, (row, word) = at.s, at.width.size - 1, at.waves.strides
     change, changes = np.zeros((2, at.start.size)), np.zeros(1, bool)
     windows = np.ndarray((2, pairs, 2 * s + 1), buffer=at.waves, strides=(row, s * word, word))
-    ratio, unequal = _unequal(at)
+    ratio = unequal = NONE  # of widths of neighbours; first cells of joined pairs of unequal width
+    if at.width.min() != at.width.max():
+        ratio = at.width[1:] / at.width[:-1]
+        unequal = np.flatnonzero(at.joined[1:] & (np.abs(ratio - 1.0) > SAME_WIDTH) & (ratio < UNEQUAL))
     for first in range(0, pairs, CHUNK):
         last = min(first + CHUNK, pairs)
         given = np.ascontiguousarray(windows[:, first:last])
@@ -113,14 +116,6 @@ def _share(at: Joined, packed: Any) -> None:
                 here = some - first
                 shared[:, here] = (given[:, here, None] @ _pair(s, known, ratio[some]))[:, :, 0]
         share(pack(Shared(packed, first, shared, change, changes)))
-
-
-def _unequal(at: Joined) -> tuple[NDArray, NDArray]:
-    """Ratios of the widths of neighbouring cells, and the first cells of joined pairs of unequal width."""
-    if at.width.min() == at.width.max():
-        return NONE, NONE
-    ratio = at.width[1:] / at.width[:-1]
-    return ratio, np.flatnonzero(at.joined[1:] & (np.abs(ratio - 1.0) > SAME_WIDTH) & (ratio < UNEQUAL))
 
 
 def _moments(s: int, known: bool) -> tuple[int, int]:

@@ -20,10 +20,10 @@ from tline.errors import InputError
 from tline.loss import LossyLine
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
+from tline.solver.description.elements import Branch
 from tline.solver.description.given import Touchstone
 from tline.solver.description.groups import Group
 from tline.solver.description.lines import Line
-from tline.solver.description.links import Branch
 from tline.solver.description.nodes import Node
 from tline.words.wording import place
 

@@ -152,7 +152,7 @@ class EdgeLaws(NamedTuple):
     from_node: NDArray  # (edges,) part from which the flow counts, -1 for the reference
     to_node: NDArray  # (edges,) part to which it counts
     impedance: NDArray  # (edges,) r, of the size of drop/flow, > 0
-    solved: Callable[[NDArray], tuple[NDArray, NDArray, NDArray, NDArray]]  # a -> drop, flow, and their slopes over a
+    solved: Callable[[NDArray], tuple[NDArray, ...]]  # a -> drop, flow, and their slopes over a
 
 
 class Linear(NamedTuple):

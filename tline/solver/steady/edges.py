@@ -8,32 +8,40 @@ Of its resistance r and conductance g per metre such a line of length l makes a 
 G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that depends on the flow adds its fall to R's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.errors import InputError
 from tline.loss.flow_law import side_by_side
 from tline.solver.description.description import Description
-from tline.solver.description.elements import PlacedLaw
+from tline.solver.description.elements import PlacedLaw, resistive
 from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, opened, units_of_laws
 from tline.solver.description.lines import Line, distinct
-from tline.solver.description.links import resistive
 from tline.solver.kernel.network import Crossing, Laws
-from tline.solver.kernel.network import Laws as Elements
 from tline.solver.kernel.units import law_addresses
 from tline.solver.steady.balance import EdgeLaws
 from tline.solver.steady.pockets import held_drops
 from tline.words.wording import place
 
+if TYPE_CHECKING:
+    from tline.solver.steady.steady_state import Before
+
+
 NOTHING = 1e-11  # of the largest flow: smaller flows are rounding or leakage
 NONE = np.empty(0)
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
+REGULATOR, DISC = 0.3, 1.0  # start of the search
+SHUT = 1e-7  # a smaller opening is shut
+STEPS, LONGEST = 60, 1.5  # of Newton's method, for the logarithm of an opening
+DIFFERENCE = 1e-6  # of the logarithm, for slopes
+SETTLED, ROUNDED = 1e-13, 1e-8  # of a step; below the second one it need not become shorter
 
 
 class Flows:
@@ -43,7 +51,7 @@ class Flows:
         self._v, self._flow, self._slope = np.empty((3, len(laws.kind)))
         if not len(laws.kind):
             return
-        from tline.solver.kernel.laws.through import Through, through
+        from tline.solver.kernel.laws.passing import Through, through
 
         crossing, law = Crossing(laws.constants, *np.empty((4, 1))), law_addresses(units_of_laws(laws))
         values = law, laws.at, laws.control, self._v, laws.source_impedance, self._flow, self._slope, crossing
@@ -57,7 +65,7 @@ class Flows:
         return self._flow.copy(), self._slope.copy()
 
 
-Slopes = tuple[NDArray, NDArray, NDArray, NDArray]
+Slopes = tuple[NDArray, ...]  # drops and flows, and those of both over a
 
 
 def pi(line: Line) -> tuple[float, float]:
@@ -134,9 +142,7 @@ class Edges:
         self.falls = Falls(lines)
         self.elements = _standing(description)
         self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
-        pairs = [line.nodes for line in lines.values()] + [
-            (element.from_node, element.to_node) for element in self.elements
-        ]
+        pairs = [line.nodes for line in lines.values()] + [(e.from_node, e.to_node) for e in self.elements]
         ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
         self.from_node, self.to_node = np.array(ends, int).reshape(-1, 2).T
         nodes = description.nodes
@@ -162,29 +168,13 @@ class Edges:
         found.elements, found.constants, found.packed = elements, constants, opened(packed, elements, openings)
         return found
 
-    @property
-    def count(self) -> int:
-        """Lines and elements."""
-        return len(self.where)
-
-    def out_of_nodes(self, flow: NDArray, n: int) -> NDArray:
-        """Flow out of each of n nodes into the edges."""
-        out = np.zeros(n + 1)
-        np.add.at(out, self.from_node, flow)
-        np.add.at(out, self.to_node, -flow)
-        return out[:-1]
-
     def laws(self, part: NDArray, largest: float) -> EdgeLaws:
         """Return the laws between the parts of the nodes, for efforts up to the largest."""
         ends = np.append(part, -1)
         self.packed = self.packed._replace(source_impedance=_steep(self.packed, largest))
         self._flows = Flows(self.packed)
-        return EdgeLaws(
-            ends[self.from_node],
-            ends[self.to_node],
-            np.concatenate([self.falls.z0, self.packed.source_impedance]),
-            self.solved,
-        )
+        impedance = np.concatenate([self.falls.z0, self.packed.source_impedance])
+        return EdgeLaws(ends[self.from_node], ends[self.to_node], impedance, self.solved)
 
     def holding(
         self, part: NDArray, flow: NDArray, scale: float
@@ -195,21 +185,15 @@ class Edges:
         passing = (low == high) | (np.abs(flow) > NOTHING * scale)
         return (ends[self.from_node], ends[self.to_node]), passing, (low, high)
 
-    def solved(self, a: NDArray) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    def solved(self, a: NDArray) -> Slopes:
         """Drops and flows, and their slopes over the efforts a behind the impedances."""
-        count = len(self.falls.z0)
-        fall, y, steep, dy = self.falls.solved(a[:count])
+        count, z = len(self.falls.z0), self.packed.source_impedance
         flow, slope = self._flows(a[count:])
-        source_impedance = self.packed.source_impedance
-        return (
-            np.concatenate([fall, a[count:] - source_impedance * flow]),
-            np.concatenate([y, flow]),
-            np.concatenate([steep, 1 - source_impedance * slope]),
-            np.concatenate([dy, slope]),
-        )
+        of_elements = a[count:] - z * flow, flow, 1 - z * slope, slope
+        return tuple(map(np.concatenate, zip(self.falls.solved(a[:count]), of_elements, strict=True)))
 
 
-def _steep(elements: Elements, largest: float) -> NDArray:
+def _steep(elements: Laws, largest: float) -> NDArray:
     """Impedance of each element: that of its nodes, or drop over flow of one so tight that its root is a jump."""
     source_impedance = elements.source_impedance.copy()
     for e, kind in enumerate(kinds_numbered(elements.kind.tolist())):
@@ -222,10 +206,89 @@ def _steep(elements: Elements, largest: float) -> NDArray:
 
 def _standing(description: Description) -> list[PlacedLaw]:
     """Elements without a state, and resistive ones, which pass a steady flow in proportion to the effort."""
-    return [_running(element) for element in description.elements if not element.kind.fills] + resistive(
-        description.scene, description.nodes
+    own = [element for element in description.elements if not element.kind.fills]
+    running = [one._replace(law=one.law._replace(kind=one.kind.steady or one.law.kind)) for one in own]
+    return [*running, *resistive(description.scene, description.nodes)]
+
+
+def openings_at_rest(elements: Sequence[PlacedLaw]) -> dict[str, float]:
+    """Openings where all is at rest: those given, or else wide open regulators and shut discs."""
+    found = {}
+    for element in elements:
+        if element.governor is not None:
+            usual = 0.0 if element.governor.inertia else 1.0
+            found[element.where] = usual if element.governor.start is None else element.governor.start
+    return found
+
+
+def still(elements: Sequence[PlacedLaw], solve: "Callable[[dict[str, float]], Before]") -> "Before":
+    """Steady state in which openings do not move, or are at an end to which they are driven.
+
+    `solve` gives the steady state under openings by place.
+    """
+    moving = [element for element in elements if element.governor is not None]
+    given = {e.where: e.governor.start for e in moving if e.governor and e.governor.start is not None}
+    openings = {e.where: REGULATOR if e.governor and not e.governor.inertia else DISC for e in moving} | given
+    free = [e for e in moving if e.where not in given]
+    before = solve(openings)
+    if not free:
+        return before
+    low, last, worst = np.log(SHUT), np.inf, free[0]
+    y = np.log([openings[e.where] for e in free])
+
+    def at(y: NDArray) -> "tuple[Before, NDArray]":
+        now = np.where(y > low, np.exp(y), 0.0).tolist()
+        found = solve(openings | dict(zip([e.where for e in free], now, strict=True)))
+        return found, np.array([_drive(e, found) for e in free])
+
+    for _ in range(STEPS):
+        before, drive = at(y)
+        held = ((y >= 0.0) & (drive >= 0.0)) | ((y <= low) & (drive <= 0.0))
+        moved = np.flatnonzero(~held)
+        if not moved.size:
+            return before
+        worst = free[int(np.argmax(np.abs(drive) * ~held))]
+        slopes = np.empty((len(free), len(moved)))
+        for k, j in enumerate(moved):
+            beside = y.copy()
+            beside[j] -= DIFFERENCE
+            slopes[:, k] = (drive - at(beside)[1]) / DIFFERENCE
+        step = np.clip(np.linalg.lstsq(slopes[moved], drive[moved])[0], -LONGEST, LONGEST)
+        size = float(np.abs(step).max())
+        if size <= SETTLED or (size <= ROUNDED and size >= last):
+            return before
+        y[moved] = np.clip(y[moved] - step, low, 0.0)
+        last = size
+    if (settled := _in_turn(at, y)) is not None:
+        return settled
+    raise InputError(worst.where, "no opening is found at which it keeps its value", "its opening, or start = 'rest'")
+
+
+def _in_turn(at: "Callable[[NDArray], tuple[Before, NDArray]]", y: NDArray) -> "Before | None":
+    """One opening after the other until none moves any more, or nothing; one that rises lowers its own drive."""
+    from scipy.optimize import brentq
+
+    low = np.log(SHUT)
+    for _ in range(STEPS):
+        begun = y.copy()
+        for k in range(y.size):
+
+            def drive(value: float, k: int = k) -> float:
+                y[k] = value
+                return at(y)[1][k]
+
+            y[k] = low if drive(low) <= 0.0 else 0.0 if drive(0.0) >= 0.0 else brentq(drive, low, 0.0, xtol=SETTLED)
+        if np.abs(y - begun).max() <= ROUNDED:
+            return at(y)[0]
+    return None
+
+
+def _drive(element: PlacedLaw, before: "Before") -> float:
+    governor, through = element.governor, before.through.get(element.where, 0.0)
+    assert governor is not None
+    seen = [before.effort.get(node or "", 0.0) for node in (element.from_node, element.to_node)]
+    each = zip((governor.here, governor.there, governor.through), (*seen, through), strict=True)
+    return (
+        sum(gain * (value - kept) for (gain, kept), value in each if gain)
+        - governor.own * before.openings[element.where]
     )
-
-
-def _running(element: PlacedLaw) -> PlacedLaw:
-    return element._replace(law=element.law._replace(kind=element.kind.steady or element.law.kind))

@@ -20,9 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.solver.description.description import Description
+from tline.solver.description.elements import Branch, admittance, capacitive, conductors, inductive
 from tline.solver.description.excitation import just_before
 from tline.solver.description.lines import distinct
-from tline.solver.description.links import Branch, admittance, capacitive, conductors, inductive
 from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place

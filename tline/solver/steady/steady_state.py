@@ -16,8 +16,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.groups import parts
 from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, EdgeLaws, Linear, balanced, symmetric
-from tline.solver.steady.edges import Edges
-from tline.solver.steady.openings import openings_at_rest, still
+from tline.solver.steady.edges import Edges, openings_at_rest, still
 from tline.solver.steady.pockets import settled
 from tline.solver.steady.ports import (
     AtNodes,
@@ -106,19 +105,15 @@ def _parted(description: Description) -> _Parts:
     """Parts of a description with the terms of their nodes; the joins stay when values change."""
     grids = description.grids
     if _Parts not in grids:
-        grids[_Parts] = _joined(description)
+        number = {name: k for k, name in enumerate(description.nodes)}
+        lines = lines_of(description, number)
+        joins = joins_of(description, number, lines)
+        grids[_Parts] = number, lines, joins, parts(joins.ends[:, 0], joins.ends[:, 1], len(number))
     number, lines, joins, part = grids[_Parts]
     parted = _Parts(description, number, lines, joins, part, at_nodes(description, number, lines))
     _check_held(description, part, parted.at.given)
     _check_between(description, part, number)
     return parted
-
-
-def _joined(description: Description) -> tuple[dict[str, int], Lines, Joins, NDArray]:
-    number = {name: k for k, name in enumerate(description.nodes)}
-    lines = lines_of(description, number)
-    joins = joins_of(description, number, lines)
-    return number, lines, joins, parts(joins.ends[:, 0], joins.ends[:, 1], len(number))
 
 
 def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
@@ -134,7 +129,10 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
     effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0), driving)[part]
     tie[np.unique(part, return_index=True)[1][np.isnan(given)]] = np.inf  # the potential's zero, anywhere
     first, second = joins.ends.T
-    flow_in = at.driven - at.conductance * effort - edges.out_of_nodes(found.flow, n)
+    into = np.zeros(n + 1)  # nodes from the edges, and the reference
+    np.add.at(into, edges.to_node, found.flow)
+    np.subtract.at(into, edges.from_node, found.flow)
+    flow_in = at.driven - at.conductance * effort + into[:-1]
     potential = _potential(first, second, 1 / joins.inertia, flow_in, tie)
     return effort, (potential[first] - potential[second]) / joins.inertia, found.flow, found.unknowns
 
@@ -176,21 +174,26 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
     """
     if not found.worst <= ACCEPTED_RESIDUAL:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
-        where = edges.where[k] if k < edges.count else "start"
+        where = edges.where[k] if k < len(edges.where) else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
     if driving > 0 and np.abs(found.flow).max(initial=0.0) > DROWNING * driving:
         problem = "no steady state: nothing limits the flow that an ideal effort drives through it"
         raise InputError(edges.where[int(np.abs(found.flow).argmax())], problem, "a resistance between")
     stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=driving))
     if stuck.size and driving > 0:
-        _refuse_flow(parted.description, parted.number, part, int(stuck[0]), float(found.leak[stuck[0]]))
+        description, names = parted.description, list(parted.number)
+        at = {name: part[parted.number[source.terminals[0]]] for name, source in description.scene.sources.items()}
+        where = f"node '{names[int(np.flatnonzero(part == stuck[0])[0])]}'"
+        where = next((place("sources", name) for name, k in at.items() if k == stuck[0]), where)
+        got = f"{float(found.leak[stuck[0]]):g} {description.medium.units['flow']}"
+        raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
 
 
 def _driving(parted: _Parts, edges: Edges) -> float:
     """The largest flow of sources, into a line at a held effort, or of a pump or of air at another height by itself."""
     held = np.nanmax(np.abs(parted.at.given), initial=0.0)
     into_line = held / parted.lines.z0.min()
-    by_itself = np.abs(edges.solved(np.zeros(edges.count))[1]).max(initial=into_line)
+    by_itself = np.abs(edges.solved(np.zeros(len(edges.where)))[1]).max(initial=into_line)
     return max(np.abs(parted.at.driven).max(), by_itself)
 
 
@@ -199,7 +202,9 @@ def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, know
     if known.all():
         return effort
     description, number, part = parted.description, parted.number, parted.part
-    start = _starts(description, number, part)
+    start = np.full(part.max() + 1, np.nan)
+    for name, given in description.starts.items():
+        start[part[number[name]]] = description.nodes[name].height.below(given)
     holding = edges.holding(part, found.flow, np.abs(found.flow).max(initial=driving))
     effort, opened = settled(effort, known, start, *holding)
     if opened.size:
@@ -208,24 +213,6 @@ def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, know
         unit = description.medium.units["effort"]
         raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
     return effort
-
-
-def _starts(description: Description, number: dict[str, int], part: NDArray) -> NDArray:
-    """Starts of parts, above the level, where nothing else determines the effort; else nan."""
-    start = np.full(part.max() + 1, np.nan)
-    for name, effort in description.starts.items():
-        start[part[number[name]]] = description.nodes[name].height.below(effort)
-    return start
-
-
-def _refuse_flow(description: Description, number: dict[str, int], part: NDArray, stuck: int, flow: float) -> None:
-    sources = description.scene.sources.items()
-    where = next(
-        (place("sources", name) for name, source in sources if part[number[source.terminals[0]]] == stuck),
-        f"node '{list(number)[int(np.flatnonzero(part == stuck)[0])]}'",
-    )
-    got = f"{flow:g} {description.medium.units['flow']}"
-    raise InputError(where, "no steady state: nothing takes the flow", "a load that does", got)
 
 
 def _least(values: NDArray, part: NDArray) -> NDArray:

@@ -17,8 +17,7 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy
 from tline.solver.result.result import ProbeResult, Result, Wave
 from tline.solver.run import accounts_of
-from tline.solver.tolerance.compare import BETWEEN, added, relative
-from tline.solver.tolerance.difference import Difference, on_slabs
+from tline.solver.tolerance.compare import BETWEEN, Difference, added, on_slabs, relative
 from tline.solver.tolerance.kinks import kinking
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
 from tline.words.wording import place

@@ -17,8 +17,7 @@ from tline.errors import InputError, NoFlowError
 from tline.solver.description.resolution import resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
 from tline.solver.result.result import ProbeResult, Result
-from tline.solver.tolerance.compare import added, relative
-from tline.solver.tolerance.difference import Difference
+from tline.solver.tolerance.compare import Difference, added, relative
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
 
 CAUTION = 2.0  # ratio of errors to differences: rounded delays err at random, and by half as much on half the slab
@@ -123,10 +122,8 @@ class Doublings(Grids):
         self.samples += sum(attempt.samples for attempt in own.attempts)
         share = min(found.worst / self.changed, SLOWEST) if self.changed > 0 else SLOWEST
         self.changed, left = found.worst, found.times(share / (1 - share), share / (1 - share))
-        estimates, inside, blurred = (
-            added(getattr(own, name), getattr(left, name)) for name in ("estimates", "inside", "blurred")
-        )
-        told = Accuracy(self.search.tol, estimates, inside, blurred)
+        estimates, inside = added(own.estimates, left.estimates), added(own.inside, left.inside)
+        told = Accuracy(self.search.tol, estimates, inside, added(own.blurred, left.blurred))
         return Step(replace(finer, unresolved=()) if told.met else finer, told, 1.0)
 
     def is_enough(self, ladder: Ladder) -> bool:

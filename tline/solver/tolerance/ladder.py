@@ -76,7 +76,11 @@ class Budget:
         growth = max([SAMPLES, *(fine.samples / rough.samples for rough, fine in pairwise(attempts[-2:]))])
         if self._shown and passed > DELAY:
             self._shown = False
-            sys.stderr.write(f"some {_expected(attempts, tol, takes, growth):.2g} s more are expected\n")
+            told = [attempt.estimate for attempt in attempts if attempt.estimate]
+            pace = min(told[-1] / told[-2], PACE) if len(told) > 1 and told[-1] > 0 else PACE
+            runs = max(ceil(log(tol / told[-1]) / log(pace)), 1) if told else 1
+            expected = takes * sum(growth**k for k in range(1, runs + 1))
+            sys.stderr.write(f"some {expected:.2g} s more are expected\n")
         if passed + max(growth, least) * takes <= self.seconds - kept:
             return ""
         if kept == inf:
@@ -87,13 +91,6 @@ class Budget:
 
 def _passed() -> float:
     return time.process_time() - compiling_seconds()
-
-
-def _expected(attempts: Sequence[Attempt], tol: float, last: float, growth: float) -> float:
-    told = [attempt.estimate for attempt in attempts if attempt.estimate]
-    pace = min(told[-1] / told[-2], PACE) if len(told) > 1 and told[-1] > 0 else PACE
-    runs = max(ceil(log(tol / told[-1]) / log(pace)), 1) if told else 1
-    return last * sum(growth**k for k in range(1, runs + 1))
 
 
 class Step(NamedTuple):

@@ -1,8 +1,11 @@
-"""Balances of flow at the nodes of a scene: the elements there, and the lines whose waves a balance needs."""
+"""Balances of flow at the nodes of a scene, from the equations of the elements there as a textbook writes them.
+
+Nothing here depends on slabs, waves, kinks, or the solver's treatment of laws in circuits: the scene is the only
+input that both share.
+"""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from math import inf
 from typing import Any, NamedTuple
 
@@ -10,11 +13,64 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.given import Shape, Source
-from tline.solver.witness.equations import Equation, equation_of
+from tline.solver.description.given import ElementLaw, Shape, Source, Volume
 
 MULTIPORTS = "transformer", "gyrator", "controlled source", "coupled inductors", "junction", "touchstone"
 MOST_NODES, MOST_ENDS = 6, 4  # nodes that are checked, and line ends at each of them
+Flow = Callable[[NDArray, NDArray], NDArray]  # at instants and efforts across
+
+
+class Impedance(NamedTuple):
+    """An element with den(D) e = num(D) i, D the derivative: coefficients, highest power first."""
+
+    numerator: tuple[float, ...]
+    denominator: tuple[float, ...]
+
+    @property
+    def degree(self) -> int:
+        """Larger degree of numerator and denominator."""
+        return max(map(len, self)) - 1
+
+
+Equation = Flow | Impedance | Volume
+
+
+def equation_of(element: Any) -> Equation | None:
+    """Return the equation of a load or link; None if it is unknown or its flow does not follow from its effort."""
+    kind, law = element.kind, getattr(element, "law", None)
+    if kind in ("open", "closed"):
+        return lambda t, e: 0.0 * e
+    if kind in ("switch", "valve"):
+        before, after, instant = float(element.before), float(element.after), float(element.time)
+        return (lambda t, e: e / np.where(t < instant, before, after)) if before and after else None
+    if kind in ("inductor", "capacitor", "series", "parallel", "impedance") and element.ratio.degree:
+        sides = element.ratio.numerator, element.ratio.denominator
+        large = max(abs(number) for side in sides for number in side) > 10**300
+        return None if large else Impedance(*(tuple(map(float, side)) for side in sides))
+    if kind in ("resistor", "inductor", "capacitor", "series", "parallel", "impedance"):
+        r = float(element.resistance) if kind == "resistor" else element.ratio.at_zero()
+        return (lambda t, e: e / r) if r else None
+    return None if law is None else _of_law(law())
+
+
+def over_time(shape: Shape | None, t: NDArray) -> NDArray | float:
+    """Value of an opening or scale at instants t; 1 without one."""
+    return 1.0 if shape is None else np.maximum(shape.value(t, t), 0.0)
+
+
+def _of_law(law: ElementLaw) -> Equation | None:
+    if law.governor is not None:
+        return None
+    found, beyond = law.of_kind.flow(law.constants), law.constants[0]
+    if found is None:
+        return law.of_kind.volume(law.constants)
+
+    def flow(t: NDArray, e: NDArray) -> NDArray:
+        across = -e if law.reverse else e
+        passed = over_time(law.factor, t) * found(across - beyond)
+        return -passed if law.reverse else passed
+
+    return flow
 
 
 class Term(NamedTuple):
@@ -108,13 +164,11 @@ def _drive(found: Mapping[str, Balance], source: Source, weights: Mapping[str, f
     for here, there, sign in ((plus, minus, 1.0), (minus, plus, -1.0)):
         if here is not None and here in found:
             weight = weights.get(here, 0.0) if there is None and not source.is_effort else 0.0
-            flow = partial(_drawn, value, conductance, sign * factor)
-            found[here].add(Term(flow, there, weight=weight))
 
+            def drawn(t: NDArray, e: NDArray, by: float = sign * factor) -> NDArray:
+                return e * conductance - by * value.value(t, t)
 
-def _drawn(value: Shape, conductance: float, factor: float, t: NDArray, e: NDArray) -> NDArray:
-    """Flow into a source."""
-    return e * conductance - factor * value.value(t, t)
+            found[here].add(Term(drawn, there, weight=weight))
 
 
 def watched(description: Description, lumped: Collection[str]) -> list[Balance]:

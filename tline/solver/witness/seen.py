@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
 from tline.solver.result.result import Result, Wave
-from tline.solver.witness.equations import Impedance, Volume
-from tline.solver.witness.nodes import Balance, Term
+from tline.solver.witness.nodes import Balance, Impedance, Term, Volume
 
 INSTANTS, WINDOWS = 64, 4  # random instants and windows, one in each of as many equal parts of the run
 SLABS = 100  # slabs in a window at most: the longer it is, the less an error of effort matters

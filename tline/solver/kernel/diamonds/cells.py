@@ -16,9 +16,9 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY, copy, times
+from tline.solver.kernel.blocks import FAR
 from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost
 from tline.solver.kernel.network import SQUARE, Run
-from tline.solver.kernel.scatter import FAR
 
 CELL_ORDER = 2  # at most: the friction of cells in place of half diamonds is of second order in any case
 PARTS = 8  # of a wave in a cell, between jumps; beyond that jumps are projected

@@ -13,9 +13,9 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import exchange_part, times
+from tline.solver.kernel.blocks import begin, gather, load, note, note_effort, scatter
 from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
 from tline.solver.kernel.network import Run
-from tline.solver.kernel.scatter import begin, gather, load, note, note_effort, scatter
 
 BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
 
@@ -117,16 +117,17 @@ def leave(diamonds, sent, work, k):
 
 
 @function
-def makes_energy(diamonds, coming, arrived, sent, work, k):
-    """Whether a half diamond would give more energy than it gets."""
-    s, modes, wide, gain, size = sent.size, work.modes[k], work.width[0], 0.0, 0.0
-    for i in range(s):
-        total = 0.0
+def makes_energy(job, run, e, k, here, wave_at):
+    """Whether a half diamond at end e, the k-th of its group, would give more energy than it gets."""
+    diamonds, work, gain, size = run.network.diamonds, run.work.diamonds, 0.0, 0.0
+    sent, modes = work.sent, work.modes[k]
+    for i in range(sent.size):
+        total, wave, coming = 0.0, wave_at(job, run, e, k, here, i), work.coming[k, i]
         for j in range(modes.size):
             total += diamonds.left[0, i, j] * modes[j]
-        out, weight = sent[i] - wide * total, diamonds.weight[i]
-        gain += weight * (arrived[i] * arrived[i] - coming[i] * coming[i] + out * out - sent[i] * sent[i])
-        size += weight * (arrived[i] * arrived[i] + sent[i] * sent[i])
+        out, weight = sent[i] - work.width[0] * total, diamonds.weight[i]
+        gain += weight * (wave * wave - coming * coming + out * out - sent[i] * sent[i])
+        size += weight * (wave * wave + sent[i] * sent[i])
     return gain > BALANCED * size
 
 
@@ -160,7 +161,13 @@ def prepare(run, g):
 
 
 @function
-def respond(run, g, here, column, n):
+def arrived(job, run, e, k, here, j):
+    """The wave that arrives at end e, the k-th of its group, at point j."""
+    return run.state.waves[run.work.position[e] + j]
+
+
+@function
+def respond(job, run, g, here, column, n):
     """Find efforts of a group's nodes under the arriving waves."""
     network, u, waves, diamonds = run.network, run.work.u, run.state.waves, run.network.diamonds
     low = network.first[network.group[g]]
@@ -180,27 +187,27 @@ def respond(run, g, here, column, n):
 
 
 @function
-def settle(run, g, here, column, n):
+def settle(job, run, g, here, column, n, answer, wave_at):
     """Find friction in the half diamonds at a group, with the waves that it sends. Returns whether that ended.
 
-    Friction begins as in the last slab.
+    Friction begins as in the last slab, or piece. `answer` finds the efforts, `wave_at` arriving waves.
     """
-    network, waves, diamonds, u = run.network, run.state.waves, run.network.diamonds, run.work.u
-    work, position, last, one = run.work.diamonds, run.work.position, 1e300, run.network.group[g]
+    network, diamonds, u = run.network, run.network.diamonds, run.work.u
+    work, last, one = run.work.diamonds, 1e300, run.network.group[g]
     for turn in range(ROUNDS):
         keep_states(run, g, work.kept, turn > 0)
-        respond(run, g, here, column, n)
+        answer(job, run, g, here, column, n)
         change, size = 0.0, 0.0
         for node in range(one, network.group[g + 1]):
             q = (node - one) * n
             for i in range(network.first[node], network.first[node + 1]):
-                e = network.ends[i]
-                row, o = diamonds.row[e >> 1], position[e]
+                e, k = network.ends[i], i - network.first[one]
+                row = diamonds.row[e >> 1]
                 if row >= 0:
                     for j in range(n):
-                        work.sent[j] = 2.0 * u[q + j] - waves[o + j]
-                        size = max(size, abs(work.sent[j]), abs(waves[o + j]))
-                    k = i - network.first[one]
+                        wave = wave_at(job, run, e, k, here, j)
+                        work.sent[j] = 2.0 * u[q + j] - wave
+                        size = max(size, abs(work.sent[j]), abs(wave))
                     change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
@@ -211,20 +218,25 @@ def settle(run, g, here, column, n):
 
 
 @function
-def check_energy(run, g, n):
-    """Mark half diamonds for projection where the leaving waves make energy. Returns whether there is any."""
-    network, waves, diamonds, u = run.network, run.state.waves, run.network.diamonds, run.work.u
-    work, one, found = run.work.diamonds, run.network.group[g], False
+def settle_without_gain(job, run, g, here, column, n, answer, wave_at):
+    """Settle, and again with projections where the leaving waves would make energy. Returns whether that ended."""
+    network, diamonds, u, made = run.network, run.network.diamonds, run.work.u, False
+    work, one = run.work.diamonds, run.network.group[g]
+    if not settle(job, run, g, here, column, n, answer, wave_at):
+        return False
     for node in range(one, network.group[g + 1]):
         q = (node - one) * n
         for i in range(network.first[node], network.first[node + 1]):
-            k, o = i - network.first[one], run.work.position[network.ends[i]]
-            if diamonds.row[network.ends[i] >> 1] >= 0 and work.projected[k] == 0:
+            e, k = network.ends[i], i - network.first[one]
+            if diamonds.row[e >> 1] >= 0 and work.projected[k] == 0:
                 for j in range(n):
-                    work.sent[j] = 2.0 * u[q + j] - waves[o + j]
-                if makes_energy(diamonds, work.coming[k], waves[o : o + n], work.sent, work, k):
-                    work.projected[k], found = 1, True
-    return found
+                    work.sent[j] = 2.0 * u[q + j] - wave_at(job, run, e, k, here, j)
+                if makes_energy(job, run, e, k, here, wave_at):
+                    work.projected[k], made = 1, True
+    if not made:
+        return True
+    keep_states(run, g, work.kept, True)
+    return settle(job, run, g, here, column, n, answer, wave_at)
 
 
 @unit
@@ -239,10 +251,7 @@ def pass_halves(run: Run, g: int, here: int, column: int) -> int:
     low = network.first[one]
     work.width[0] = 1.0
     prepare(run, g)
-    found = settle(run, g, here, column, n)
-    if found and check_energy(run, g, n):
-        keep_states(run, g, work.kept, True)
-        found = settle(run, g, here, column, n)
+    found = settle_without_gain(run, run, g, here, column, n, respond, arrived)
     for node in range(one, after):
         q = np.uint64((node - one) * n)
         for i in range(network.first[node], network.first[node + 1]):

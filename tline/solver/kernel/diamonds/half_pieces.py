@@ -3,13 +3,12 @@
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.diamonds.full import ROUNDS, meet_apart
-from tline.solver.kernel.diamonds.half import arrive, begin_half, has_ended, keep_states, leave, lose_half, makes_energy
+from tline.solver.kernel.diamonds.full import meet_apart
+from tline.solver.kernel.diamonds.half import arrive, begin_half, leave, settle_without_gain
 from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
-from tline.solver.kernel.fronts.advance import happen_until
-from tline.solver.kernel.fronts.respond import respond_piece
-from tline.solver.kernel.fronts.settle import rejoin
-from tline.solver.kernel.fronts.structures import BEGIN, END, FEWER, FrontRun
+from tline.solver.kernel.fronts.gather import happen_until
+from tline.solver.kernel.fronts.respond import rejoin_all, respond_piece
+from tline.solver.kernel.fronts.structures import BEGIN, END, FrontRun
 
 
 @function
@@ -29,57 +28,27 @@ def begin_piece(job, g, piece):
 
 
 @function
-def settle_piece(job, g, piece, m):
-    """Find friction in the half diamonds of a piece, with the waves of the group. Returns whether that ended."""
-    run, fronts = job.run, job.fronts
-    network, diamonds, u, work = run.network, run.network.diamonds, run.work.u, run.work.diamonds
-    s, one, last, halves = fronts.tools.c.size, network.group[g], 1e300, run.state.halves
-    arrived, low, zero = fronts.work.arrived, network.first[network.group[g]], np.int64(0)
-    for turn in range(ROUNDS):
-        keep_states(run, g, work.kept, turn > 0)
-        for node in range(one, network.group[g + 1]):
-            q = (node - one) * s
-            for j in range(s):
-                u[q + j] = fronts.work.u[node - one, piece, j]
-            for i in range(network.first[node], network.first[node + 1]):
-                e, k = network.ends[i], i - low
-                if diamonds.row[e >> 1] >= 0:
-                    arrive(diamonds, halves, e, work.coming, work, k, arrived[k, piece], zero)
-                    for j in range(s):
-                        u[q + j] += network.weight[i] * (arrived[k, piece, j] - work.coming[k, j])
-        respond_piece(job, g, piece, m)
-        change, size = 0.0, 0.0
-        for node in range(one, network.group[g + 1]):
-            q = (node - one) * s
-            for i in range(network.first[node], network.first[node + 1]):
-                e, k = network.ends[i], i - low
-                row = diamonds.row[e >> 1]
-                if row >= 0:
-                    for j in range(s):
-                        work.sent[j] = 2.0 * u[q + j] - arrived[k, piece, j]
-                        fronts.work.left[k, piece, j] = work.sent[j]
-                        size = max(size, abs(work.sent[j]), abs(arrived[k, piece, j]))
-                    change = max(change, lose_half(diamonds, row, halves, e, work.sent, work, k, turn, size))
-        if not np.isfinite(size):
-            return False
-        if has_ended(diamonds, change, last, turn, size):
-            return True
-        last = change
-    return False
+def arrived_in_piece(job, run, e, k, piece, j):
+    """The wave that arrives at end e, the k-th of its group, at point j of a piece."""
+    return job.fronts.work.arrived[k, piece, j]
 
 
 @function
-def check_piece(job, g, piece):
-    """Mark half diamonds for projection where the leaving waves make energy. Returns whether there is any."""
-    run, network, work, found = job.run, job.run.network, job.run.work.diamonds, False
-    arrived, left, low = job.fronts.work.arrived, job.fronts.work.left, network.first[network.group[g]]
-    for i in range(low, network.first[network.group[g + 1]]):
-        k = i - low
-        if network.diamonds.row[network.ends[i] >> 1] >= 0 and work.projected[k] == 0:
-            given = work.coming[k], arrived[k, piece], left[k, piece]
-            if makes_energy(run.network.diamonds, given[0], given[1], given[2], work, k):
-                work.projected[k], found = 1, True
-    return found
+def respond_in_piece(job, run, g, piece, m, s):
+    """Find efforts of a group's nodes under the waves that arrive in a piece."""
+    fronts, network, u, work = job.fronts, run.network, run.work.u, run.work.diamonds
+    one, low, arrived = network.group[g], network.first[network.group[g]], fronts.work.arrived
+    for node in range(one, network.group[g + 1]):
+        q = (node - one) * s
+        for j in range(s):
+            u[q + j] = fronts.work.u[node - one, piece, j]
+        for i in range(network.first[node], network.first[node + 1]):
+            e, k = network.ends[i], i - low
+            if network.diamonds.row[e >> 1] >= 0:
+                arrive(network.diamonds, run.state.halves, e, work.coming, work, k, arrived[k, piece], np.int64(0))
+                for j in range(s):
+                    u[q + j] += network.weight[i] * (arrived[k, piece, j] - work.coming[k, j])
+    respond_piece(job, g, piece, m)
 
 
 @function
@@ -95,6 +64,8 @@ def pass_later(job, g, piece, m):
             if row < 0:
                 continue
             left, wide = fronts.work.left[k, piece], edges[piece + 1] - edges[piece]
+            for j in range(s):
+                left[j] = 2.0 * fronts.work.u[node - network.group[g], piece, j] - fronts.work.arrived[k, piece, j]
             leave(diamonds, left, work, k)
             for after in range(piece + 1, m):
                 later, high = fronts.work.arrived[k, after], edges[after + 1] - edges[after]
@@ -136,20 +107,14 @@ def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
     run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
     edges, one, s = work.edges, network.group[g], fronts.tools.c.size
     m = invoke(run.units.arrive, (job, np.int64(g), slab, k))
-    fewer = fronts.counts[FEWER]
-    low, high = network.first[one], network.first[network.group[g + 1]]
-    for i in range(low, high):
+    for i in range(network.first[one], network.first[network.group[g + 1]]):
         e = network.ends[i]
         if network.diamonds.row[e >> 1] >= 0 and fronts.rest[e >> 1] > 0.0:
             cut_tail(job, e)
     for piece in range(m):
         happen_until(network, fronts.events, fronts.counts, g, slab + edges[piece])
         begin_piece(job, g, piece)
-        found = settle_piece(job, g, piece, m)
-        if found and check_piece(job, g, piece):
-            keep_states(run, g, run.work.diamonds.kept, True)
-            found = settle_piece(job, g, piece, m)
-        if not found:
+        if not settle_without_gain(job, run, g, piece, m, s, respond_in_piece, arrived_in_piece):
             fronts.sizes[BEGIN], fronts.sizes[END] = edges[piece], edges[piece + 1]
             return 0
         for p in range(network.group[g + 1] - one):
@@ -157,15 +122,7 @@ def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
                 work.u[p, piece, i] = run.work.u[p * s + i]
         if not pass_later(job, g, piece, m):
             return 0
-    if 0 < fewer < m:
-        for p in range(network.group[g + 1] - one):
-            rejoin(fronts, work.u[p], m, fewer)
-        for i in range(low, high):
-            rejoin(fronts, work.arrived[i - low], m, fewer)
-            rejoin(fronts, work.left[i - low], m, fewer)
-        m = fewer
-        for i in range(edges.size):
-            edges[i] = work.outer[i]
+    m = rejoin_all(job, g, m)
     if invoke(run.units.depart, (job, np.int64(g), slab, m)) == 0:
         return 0
     return 1 if pass_tails(job, g) else 0

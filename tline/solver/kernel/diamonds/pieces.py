@@ -1,16 +1,20 @@
-"""Diamonds of slabs in pieces: each piece of the one meets each of the other in a rectangle."""
+"""Diamonds and cells of slabs in pieces: each piece of the one meets each of the other in a rectangle.
+
+In cells of friction pieces are parts of a wave like whole slabs.
+"""
 
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import clear, copy, project, times
-from tline.solver.kernel.diamonds.full import meet_apart
-from tline.solver.kernel.fronts.merge import release
+from tline.solver.kernel.arithmetic import clear, copy, project, series, times
+from tline.solver.kernel.diamonds.cells import PARTS, as_one, find_change, pass_line, put_back, take_wave
+from tline.solver.kernel.diamonds.full import flushed, meet_apart
+from tline.solver.kernel.fronts.gather import release
 from tline.solver.kernel.fronts.structures import MERGE, FrontRun
 
 
 @function
-def take_up(fronts, row, wave, side):
+def take_pair(fronts, row, wave, side):
     """Hold a slab by values at the points of its pieces, as needed for friction. Returns the number of pieces."""
     pieces, edges, values = fronts.pieces, fronts.work.pair_edges[side], fronts.work.pair[side]
     if row < 0:
@@ -25,7 +29,7 @@ def take_up(fronts, row, wave, side):
 
 
 @function
-def put_back(fronts, row, wave, side):
+def put_pair(fronts, row, wave, side):
     """Write back the pieces that friction has changed."""
     pieces, values = fronts.pieces, fronts.work.pair[side]
     if row < 0:
@@ -40,13 +44,13 @@ def meet_in_pieces(job, line, row_a, a, row_b, b, wide, high):
     """Advance a slab of a past one of b, or parts of slabs `wide` and `high`, in pieces or not, as `meet` does."""
     fronts, done = job.fronts, True
     pair, edges = fronts.work.pair, fronts.work.pair_edges
-    n, m, zero = take_up(fronts, row_a, a, 0), take_up(fronts, row_b, b, 1), np.int64(0)
+    n, m, zero = take_pair(fronts, row_a, a, 0), take_pair(fronts, row_b, b, 1), np.int64(0)
     for i in range(n):
         for j in range(m):
             x, y = wide * (edges[0, i + 1] - edges[0, i]), high * (edges[1, j + 1] - edges[1, j])
             done &= meet_apart(job.run, line, pair[0, i], zero, pair[1, j], zero, x, y)
-    put_back(fronts, row_a, a, 0)
-    put_back(fronts, row_b, b, 1)
+    put_pair(fronts, row_a, a, 0)
+    put_pair(fronts, row_b, b, 1)
     return done
 
 
@@ -99,4 +103,127 @@ def pass_diamonds_in_pieces(job: FrontRun, count: int) -> int:
                     done = meet_in_pieces(job, row, in_a, waves[a : a + s], in_b, waves[b : b + s], 1.0, 1.0)
                 if not done:
                     return line
+    return -1
+
+
+@function
+def pieces_of(job, o):
+    """Row of the pieces of the slab at a place of the buffers, or -1, and their number."""
+    pieces = job.fronts.pieces
+    row = pieces.of_slab[o // job.fronts.tools.c.size]
+    return row, pieces.number[row] if row >= 0 else 1
+
+
+@function
+def piece(job, o, row, j):
+    """Beginning and end of a piece in its slab, with its coefficients in the workspace."""
+    pieces, coef = job.fronts.pieces, job.fronts.work.part
+    if row < 0:
+        times(job.fronts.tools.to_legendre, job.run.state.waves, o, coef)
+        return 0.0, 1.0
+    copy(pieces.coef[row, j], coef)
+    return pieces.start[row, j], pieces.start[row, j + 1]
+
+
+@function
+def divide_pieces(job, k, o, at, ring, side):
+    """Find the jumps between the pieces of a cell of k slabs. Returns the number of parts."""
+    diamonds, edges, coef = job.run.network.diamonds, job.run.work.diamonds.edges[side], job.fronts.work.part
+    s, size, n, last = coef.size, 0.0, 1, 0.0
+    for i in range(k):
+        p = o + (at + i) % ring * s
+        row, number = pieces_of(job, p)
+        for j in range(number):
+            piece(job, p, row, j)
+            size = max(size, abs(series(coef, 1.0)))
+    edges[0] = 0.0
+    for i in range(k):
+        p = o + (at + i) % ring * s
+        row, number = pieces_of(job, p)
+        for j in range(number):
+            start, _ = piece(job, p, row, j)
+            if i + j > 0 and n < PARTS and abs(series(coef, -1.0) - last) > diamonds.jump * size:
+                edges[n] = i + start
+                n += 1
+            last = series(coef, 1.0)
+    edges[n] = k
+    return n
+
+
+@function
+def take_up_pieces(job, k, o, at, ring, side, n):
+    """Project the pieces of a cell on one polynomial in each of n parts."""
+    work, tools, coef = job.run.work.diamonds, job.fronts.tools, job.fronts.work.part
+    for part in range(n):
+        clear(work.parts[side + 2, part])
+    part = 0
+    for i in range(k):
+        p = o + (at + i) % ring * coef.size
+        row, number = pieces_of(job, p)
+        for j in range(number):
+            start, stop = piece(job, p, row, j)
+            while part < n - 1 and work.edges[side, part + 1] <= i + start:
+                part += 1
+            low, high = work.edges[side, part], work.edges[side, part + 1]
+            project(coef, i + start, i + stop, low, high, tools.gauss, work.parts[side + 2, part])
+    for part in range(n):
+        times(job.run.network.diamonds.tools.to_points, work.parts[side + 2, part], 0, work.parts[side, part])
+
+
+@function
+def put_back_pieces(job, k, o, at, ring, side, n):
+    """Add the changes to the pieces of a cell."""
+    pieces, waves, work, tools = job.fronts.pieces, job.run.state.waves, job.run.work.diamonds, job.fronts.tools
+    coef, more, i, s = job.fronts.work.part, job.fronts.work.whole, 0, job.fronts.work.whole.size
+    for part in range(n):
+        find_change(job.run, side, part)
+        low, high = work.edges[side, part], work.edges[side, part + 1]
+        i = int(low)
+        while i < high:
+            p = o + (at + i) % ring * s
+            row, number = pieces_of(job, p)
+            for j in range(number):
+                start, stop = piece(job, p, row, j)
+                if low <= i + start < high:
+                    clear(more)
+                    project(work.a, low, high, i + start, i + stop, tools.gauss, more)
+                    for x in range(s):
+                        coef[x] = work.rest[0] * coef[x] + more[x]
+                    if row >= 0:
+                        for x in range(s):
+                            pieces.coef[row, j, x] = flushed(coef[x])
+                    else:
+                        times(tools.to_points, coef, 0, more)
+                        for x in range(s):
+                            waves[p + x] = flushed(more[x])
+            i += 1
+
+
+@function
+def take_wave_in_pieces(job, row, o, at, ring, side, whole):
+    """Divide and project a wave in a cell. Returns whether slabs of it are in pieces, and the number of parts."""
+    k, s = job.run.network.diamonds.cell[row], job.fronts.tools.c.size
+    for i in range(k):
+        if job.fronts.pieces.of_slab[o // s + (at + i) % ring] >= 0:
+            n = as_one(job.run, row, side) if whole else divide_pieces(job, k, o, at, ring, side)
+            take_up_pieces(job, k, o, at, ring, side, n)
+            return True, n
+    return take_wave(job.run, row, o, at, ring, side, whole)
+
+
+@function
+def put_wave_in_pieces(job, row, o, at, ring, side, in_pieces, n):
+    """Add the changes to a wave in a cell."""
+    if in_pieces:
+        put_back_pieces(job, job.run.network.diamonds.cell[row], o, at, ring, side, n)
+    else:
+        put_back(job.run, row, o, at, ring, side, n)
+
+
+@unit
+def pass_cells_in_pieces(job: FrontRun, count: int) -> int:
+    """Advance all lines with losses as `pass_cells` does, where some slabs are in pieces."""
+    for row in range(job.run.network.diamonds.line.size):
+        if not pass_line(job, job.run, row, count, take_wave_in_pieces, put_wave_in_pieces):
+            return job.run.network.diamonds.line[row]
     return -1

@@ -1,9 +1,12 @@
-"""Efforts from the Thévenin waves at a group with laws, by the unit that the group needs."""
+"""Efforts from the Thévenin waves at a group with laws, by the unit that the group needs; flows of laws each alone."""
+
+from typing import NamedTuple
 
 import numpy as np
 
+from tline.compiled.structure import Floats, Integers
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.network import Run
+from tline.solver.kernel.network import Crossing, Run
 
 
 @function
@@ -63,4 +66,28 @@ def pass_block(run: Run, g: int, here: int, n: int, column: int) -> int:
     control(run, g, here, n)
     pass_laws(run, g, n, run.network.laws.step, np.int64(0))
     note_laws(run, g, n, column + here)
+    return 0
+
+
+class Through(NamedTuple):
+    """E elements, each behind an effort v and an impedance z; flow and slope are the results."""
+
+    law: Integers  # (E,) addresses of their units
+    at: Integers  # (E,) places of their constants
+    control: Floats  # (E,)
+    v: Floats
+    z: Floats
+    flow: Floats
+    slope: Floats
+    crossing: Crossing
+
+
+@unit
+def through(elements: Through) -> int:
+    """Flow through each element without a state, and its slope."""
+    crossing, law, at, z = elements.crossing, elements.law, elements.at, elements.z
+    for e in range(law.size):
+        crossing.v[0], crossing.control[0] = elements.v[e], elements.control[e]
+        invoke(law[e], (crossing, at[e], np.int64(1), z[e]))
+        elements.flow[e], elements.slope[e] = crossing.flow[0], crossing.slope[0]
     return 0

@@ -10,7 +10,7 @@ from tline.solver.kernel.arithmetic import STEPS, ULPS
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import DIVIDED, MISSES, Store
 from tline.solver.kernel.stores.fill import fill
-from tline.solver.kernel.stores.tank import PARTS, in_parts
+from tline.solver.kernel.stores.tank import PARTS, entering, in_parts
 
 MISSED = 1e-3  # share of a gas's volume that a step may lose
 FARTHEST = 2.0  # change of ln V in a step of Newton's method
@@ -40,13 +40,6 @@ def stored(c, at, y):
     """X, dX/dy, effort, and dX/dt over the flow."""
     effort, x, ratio = expanded(y, c[at + 4])
     return x, -ratio * np.exp(y), c[at + 2] * effort, ratio / c[at + 3]
-
-
-@function
-def entering(c, at, y, share, d, z):
-    """Flow through the orifice, and dX/dt."""
-    i = rooted(d, z, c[at + 1], 0.0)[0]
-    return i, share * i
 
 
 @function

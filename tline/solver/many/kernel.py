@@ -1,6 +1,7 @@
 """Copies of a network advanced abreast: lines carry waves, nodes scatter them, as in the kernel of single runs.
 
-Values of waves at given instants, and differences of two orders.
+Copies are the last axis of all arrays, so that loops over them vectorise; those over the few points of a slab would
+not. Slabs of a period differ, periods are alike.
 """
 
 from typing import NamedTuple
@@ -18,8 +19,8 @@ from tline.compiled.structure import (
 )
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.finished import fill, powers
 from tline.solver.kernel.network import Crossing
-from tline.solver.kernel.peaks import fill, powers
 
 AT_SLAB_END = 1e-9  # of a period; an instant this near to a slab's end is its end
 NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
