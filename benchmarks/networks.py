@@ -131,9 +131,8 @@ def of_wntr(names: list[str]) -> None:
     still, events = [], []
     for name in names:
         f = apart("benchmarks.networks", "shipped", name, limit=1200)
-        drift = "< 1e-12" if f["drift"] == 0 else f"{f['drift']:.0e}"
         figures = f"{f['read']:.2g}", f"{f['build']:.2g}", f"{f['off']:.1g}", f"{f['hold']:.3g}", f"{f['steps']:.3g}"
-        still.append((name, f"{f['pipes']:,}", *figures, drift))
+        still.append((name, f"{f['pipes']:,}", *figures, f"{f['drift']:.0e}"))
         events.append((name, *(f.get(key, "no pump") for key in ("closure", "trip", "leak"))))
         print(*still[-1], *events[-1], sep=" | ", file=sys.stderr)
     head = "<network|pipes|read, s|build, s|off, mm|hold, s|steps, s|moved"
