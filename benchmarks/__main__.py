@@ -11,7 +11,6 @@ PAGES = (
     "networks",
     "circuits",
     "channels",
-    "eyes",
     "passivity",
     "systems",
     "friction",

@@ -10,6 +10,7 @@ import resource
 import runpy
 import sys
 import time
+from math import log
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -23,8 +24,8 @@ from tline.solver.simulate import simulate
 from tline.surge.event import Event
 from tline.surge.operate import operated
 
-SIDES = (23, 71, 225, 708)
-PIPES = [2 * side * (side - 1) for side in SIDES]  # 1e3 to 1e6
+SIDES = (8, 23, 71, 225, 708)
+PIPES = [2 * side * (side - 1) for side in SIDES]  # 1e2 to 1e6
 REPEATED, QUICK_SECONDS = 10_000, 5.0  # pipes up to which, and seconds below which, a run is repeated
 MEGABYTE = 1e6 if sys.platform == "darwin" else 1e3  # in units of ru_maxrss
 NAMES = ("Net1", "Net2", "Net3", "ky4", "ky10")
@@ -35,7 +36,7 @@ def street_grid(side: int, friction: bool) -> dict[str, float]:
     """Seconds of the processor to build and to run a town, and the most memory of this process, MB."""
     grid = runpy.run_path(str(ROOT / "scenes" / "street_grid.py"))["grid"]
     simulate(Scene(**grid(8, friction=friction)), ledger=False)
-    tables = grid(side, friction=friction)
+    tables = grid(side, friction=friction) | {"t_end": "2 s"}
     scene, read = timed(lambda: Scene(**tables), 1)
     result, simulated = timed(lambda: simulate(scene, ledger=False), 1)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / MEGABYTE
@@ -48,19 +49,20 @@ def streets(most: int) -> None:
         raise SystemExit(f"the smallest town has {PIPES[0]:,} pipes")
     rows = []
     for friction in (False, True):
-        smallest = 0.0
+        before: tuple[float, ...] = ()
         for side, pipes in zip(SIDES, PIPES, strict=True):
             if pipes > 1.1 * most:
                 continue
             asked = ("benchmarks.networks", "street", side, int(friction))
             runs = [apart(*asked, limit=3600) for _ in range(RUNS if pipes <= REPEATED else 1)]
             read, simulated, steps, memory = (median(run[key] for run in runs) for key in runs[0])
-            each = (read + simulated) / pipes
-            smallest = smallest or each
-            figures = f"{read:.3g}", f"{simulated:.3g}", f"{steps:.2g}", f"{memory / 1e3:.2g}", f"{each / smallest:.1f}"
-            rows.append((f"{pipes:,}", "Darcy" if friction else "none", *figures))
+            whole = read + simulated
+            slope = f"{log(whole / before[1]) / log(pipes / before[0]):.2f}" if before else ""
+            before = pipes, whole
+            figures = f"{read:.3g}", f"{simulated:.3g}", f"{steps:.2g}", f"{memory / 1e3:.2g}"
+            rows.append((f"{pipes:,}", "Darcy" if friction else "none", *figures, slope))
             print(*rows[-1], sep=" | ", file=sys.stderr)
-    head = "pipes|<friction|read, s|simulate, s|steps, s|memory, GB|a pipe over a pipe of the smallest"
+    head = "pipes|<friction|read, s|simulate, s|steps, s|memory, GB|slope"
     write("benchmarks/pages/networks.md", table(head, rows), "streets")
 
 
@@ -129,9 +131,8 @@ def of_wntr(names: list[str]) -> None:
     still, events = [], []
     for name in names:
         f = apart("benchmarks.networks", "shipped", name, limit=1200)
-        drift = "< 1e-12" if f["drift"] == 0 else f"{f['drift']:.0e}"
         figures = f"{f['read']:.2g}", f"{f['build']:.2g}", f"{f['off']:.1g}", f"{f['hold']:.3g}", f"{f['steps']:.3g}"
-        still.append((name, f"{f['pipes']:,}", *figures, drift))
+        still.append((name, f"{f['pipes']:,}", *figures, f"{f['drift']:.0e}"))
         events.append((name, *(f.get(key, "no pump") for key in ("closure", "trip", "leak"))))
         print(*still[-1], *events[-1], sep=" | ", file=sys.stderr)
     head = "<network|pipes|read, s|build, s|off, mm|hold, s|steps, s|moved"

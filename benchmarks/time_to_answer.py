@@ -8,7 +8,7 @@ import shutil
 import sys
 import tempfile
 from functools import partial
-from itertools import cycle, takewhile
+from itertools import cycle
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -17,7 +17,7 @@ from benchmarks.harness import ROOT, RUNS, apart, in_turn, spent, table, timed, 
 
 CABLE, VALVE = "scenes/cable_rc.toml", "scenes/valve_closure.toml"
 TOL, LONG = 1e-6, 20.0  # CPU seconds beyond which one run of a compilation is enough
-AGAIN, PIPE_ERROR = 9, 1e-3
+AGAIN = 9
 RTHYM = "from tline.study.programs import rthym; from tline.study.charts.scenes import chart_scene as scene;"
 RTHYM += "rthym.run(scene('friction').scene, 16)"
 ANSWER = "import sys; from tline.scene.file import read_scene; from tline.solver.simulate import simulate;"
@@ -83,25 +83,6 @@ def again() -> dict[str, str]:
     return {name: f"{1e3 * timed(call, AGAIN)[1]:.3g} ms" for name, call in calls.items()}
 
 
-def pipe() -> str:
-    """Least milliseconds of stepping for a true error below 1e-3, of slabs and of rthym-moc."""
-    from tline.study.charts.measure import FULL, ChartTable, Judge
-    from tline.study.charts.scenes import chart_scene
-    from tline.study.charts.work_precision import add, production
-    from tline.study.programs import rthym
-
-    scene = chart_scene("friction").scene
-    judge, chart = Judge(scene, FULL.instants), ChartTable("friction", scene.title)
-    chart.rows += takewhile(lambda row: row.kind == "ours", production(scene, judge, FULL._replace(longest=0.01)))
-    if rthym.incompatibility(scene) is None:
-        add(chart, "rthym-moc", "peer", partial(rthym.run, scene), judge, FULL)
-    good = [row for row in chart.rows if row.error_at_own <= PIPE_ERROR]
-    best = {kind: min(row.stepping for row in good if row.kind == kind) for kind in {row.kind for row in good}}
-    peer = best.get("peer")
-    beside = f"rthym-moc {1e3 * peer:.3g} ms, {peer / best['ours']:.1f} times as long" if peer else "rthym-moc absent"
-    return f"{1e3 * best['ours']:.3g} ms; {beside}"
-
-
 def main(names: list[str]) -> None:
     """Write the page."""
     page = "docs/time-to-answer.md"
@@ -114,15 +95,13 @@ def main(names: list[str]) -> None:
         f"`tline run {CABLE}`, cache filled, over `import numba`": f"{ratio:.2f}",
         **apart("benchmarks.time_to_answer", "again"),
     }
-    answers["the pipe of the friction chart to 1e-3, stepping"] = apart("benchmarks.time_to_answer", "pipe")
     write(page, table("<what the user waits for|now", answers.items()), "answers")
     write(page, told, "processes")
     write(page, table("<scene|CPU to compile, s", ((Path(n).stem, f"{s:.1f}") for n, s in cpu.items())), "compiled")
 
 
 if __name__ == "__main__":
-    inside = {"again": again, "pipe": pipe}
-    if sys.argv[1:2] and sys.argv[1] in inside:
-        print(json.dumps(inside[sys.argv[1]]()))
+    if sys.argv[1:] == ["again"]:
+        print(json.dumps(again()))
     else:
         main(sys.argv[1:])

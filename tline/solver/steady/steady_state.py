@@ -119,7 +119,7 @@ def _parted(description: Description) -> _Parts:
 def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
     """Efforts of nodes, and flows through joins and edges: first those between parts, then those inside."""
     at, joins, part, n = parted.at, parted.joins, parted.part, len(parted.part)
-    given, tie = _least(at.given, part), at.tie.copy()
+    given = _least(at.given, part)
     total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
     laws = edges.laws(part, np.nanmax(np.abs(given), initial=0.0))
     near = _near(parted.description, len(edges.where) + len(given))
@@ -127,6 +127,9 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
     driving = _driving(parted, edges)
     _check_found(parted, edges, found, part, driving)
     effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0), driving)[part]
+    if not len(joins.inertia):
+        return effort, np.zeros(0), found.flow, found.unknowns
+    tie = at.tie.copy()
     tie[np.unique(part, return_index=True)[1][np.isnan(given)]] = np.inf  # the potential's zero, anywhere
     first, second = joins.ends.T
     into = np.zeros(n + 1)  # nodes from the edges, and the reference
