@@ -51,7 +51,7 @@ class Flows:
         self._v, self._flow, self._slope = np.empty((3, len(laws.kind)))
         if not len(laws.kind):
             return
-        from tline.solver.kernel.laws.passing import Through, through
+        from tline.solver.kernel.laws.crossing import Through, through
 
         crossing, law = Crossing(laws.constants, *np.empty((4, 1))), law_addresses(units_of_laws(laws))
         values = law, laws.at, laws.control, self._v, laws.source_impedance, self._flow, self._slope, crossing
