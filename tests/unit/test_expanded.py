@@ -14,7 +14,7 @@ from tline.pictures.path import effort_along, extremes_along, start_effort
 from tline.scene.file import scene_from, scene_text
 from tline.scene.stretches import expanded
 from tline.solver.description.description import describe
-from tline.solver.many import many_runs
+from tline.solver.many.runs import many_runs
 from tline.solver.result.dense_output import inside
 from tline.solver.simulate import judged, simulate
 from tline.study.baseline import BASELINES

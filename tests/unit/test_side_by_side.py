@@ -6,7 +6,7 @@ import pytest
 from tline.errors import InputError
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.many import many_runs
+from tline.solver.many.runs import many_runs
 from tline.solver.result.dense_output import extremes
 from tline.solver.simulate import simulate
 from tline.sweeps import sweep

@@ -97,13 +97,6 @@ class OneOrder:
                 parts = [share * sampled(shape, order, h, 0, self.slabs.number) for shape, share in node.excitations]
                 self.excitation[network.excitation_row[k]] = np.sum(parts, axis=0).ravel()
 
-    def rest(self) -> None:
-        """Reset to the state before t = 0, from rest, of a scene without heights."""
-        state = self.assembly.state
-        for part in (state.waves, state.slot, state.side, state.before):
-            part.fill(0)
-        state.load[...] = self.initial
-
     def march(self) -> bool:
         """Advance to the end; whether all waves are finite."""
         return self.kernel.blocks(self.slabs.number, self.excitation, self.record, 0) < 0
@@ -232,7 +225,10 @@ class Plan(Pair):
         for one in self.orders:
             for g in {**self._written, **changed}:
                 one.write(g, changed.get(g, base[g]), self._written.get(g, base[g]), self._z0)
-            one.rest()
+            state = one.assembly.state  # before t = 0, from rest, of a scene without heights
+            for part in (state.waves, state.slot, state.side, state.before):
+                part.fill(0)
+            state.load[...] = one.initial
         self._written = changed
         return True
 

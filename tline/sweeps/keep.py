@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.solver.description.given import Scene
-from tline.solver.many import ManyRuns
+from tline.solver.many.runs import ManyRuns
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.quantities import QUANTITIES, in_sweeps
 from tline.solver.result.result import Result

@@ -14,9 +14,9 @@ from tline.errors import InputError
 from tline.scene.changed import changed
 from tline.scene.quantity import LARGEST, SMALLEST
 from tline.solver.description.given import Scene
-from tline.solver.many import ManyRuns, many_runs
 from tline.solver.many.copies import variable
 from tline.solver.many.nodes import within_element
+from tline.solver.many.runs import ManyRuns, many_runs
 from tline.solver.tolerance.ladder import Start
 from tline.sweeps.design import Design
 from tline.sweeps.executors import (

@@ -1,4 +1,4 @@
-"""Workspaces of the kernel: made once, they cost no slab anything."""
+"""Workspaces of the kernel, and what slabs in pieces need beside them: made once, they cost no slab anything."""
 
 from collections.abc import Sequence
 from functools import cache

@@ -12,7 +12,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
-from tline.solver.kernel.laws.passing import is_watched
+from tline.solver.kernel.laws.crossing import is_watched
 from tline.solver.kernel.network import Run
 
 FAR, NEAR = -1, -2  # groups of a block

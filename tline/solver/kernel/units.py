@@ -39,7 +39,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
     return Units(
         advance=advance.address,
         scatter=scatter_block.address,
-        laws=address("laws.passing.pass_block", laws.any()),
+        laws=address("laws.crossing.pass_block", laws.any()),
         delay=address("blocks.delay_rest", (network.shift_row >= 0).any()),
         crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),

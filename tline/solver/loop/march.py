@@ -126,6 +126,8 @@ class Noted(NamedTuple):
 def concatenated(noted: list[Noted], s: int) -> Noted:
     """Concatenate recorded pieces."""
     nothing = Noted(np.empty(0, int), np.empty(0, int), np.empty((0, 2)), np.empty((0, 2, s)))
+    if not noted:
+        return nothing
     return Noted(*(np.concatenate(parts) for parts in zip(nothing, *noted, strict=True)))
 
 

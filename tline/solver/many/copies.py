@@ -198,7 +198,7 @@ def _at_part(junctions: list[NodeOfCopies], count: int) -> tuple[Floats, Floats]
 
 def _through(law: LawOfCopies, v: Floats, z: Floats) -> Floats:
     """Flow out of a node through an element, behind an effort and an impedance."""
-    from tline.solver.kernel.laws.passing import Through, through
+    from tline.solver.kernel.laws.crossing import Through, through
 
     across = law.sign * (v - (0.0 if law.beyond is None else value_before(law.beyond)))
     control, flow, slope = np.empty((3, len(v)))

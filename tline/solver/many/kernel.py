@@ -67,8 +67,11 @@ def advance_copies(run: CopiesRun, n_periods: int) -> int:
     first, ends, u, record, s = run.first, run.ends, run.u, run.record, run.waves.shape[2]
     for end in range(ends.size):
         for slot in range(run.delay[end >> 1]):
-            for slab in range(run.waves.shape[1]):
-                fill_alike(run.waves[due(end, run.delay, run.offset, slot), slab], run.arriving[end])
+            waves = run.waves[due(end, run.delay, run.offset, slot)]
+            for slab in range(waves.shape[0]):
+                for j in range(s):
+                    for c in range(waves.shape[2]):
+                        waves[slab, j, c] = run.arriving[end, c]
     for period in range(n_periods):
         driven = min(period, run.drive.shape[1] - 1)
         for node in range(first.size - 1):
@@ -100,14 +103,6 @@ def clear(values, rows):
     for j in range(rows):
         for c in range(values.shape[1]):
             values[j, c] = 0.0
-
-
-@function
-def fill_alike(waves, arriving):
-    """Set all points to one value, for all copies."""
-    for j in range(waves.shape[0]):
-        for c in range(waves.shape[1]):
-            waves[j, c] = arriving[c]
 
 
 @function

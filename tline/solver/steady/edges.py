@@ -1,8 +1,7 @@
 """Edges between the lossless parts of a network in the steady state: lossy lines, and elements without a state.
 
-Flows through the elements of a network without a state, each behind an effort and its source impedance.
-
-Lossy lines in a steady flow: drops along them, leakage from them, and efforts and flows inside.
+Each element is behind an effort and its source impedance; openings that it moves by itself are those at which it does
+not. Lossy lines drop effort along them and leak.
 
 Of its resistance r and conductance g per metre such a line of length l makes a π: R = Zc sinh γl between its ends and
 G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that depends on the flow adds its fall to R's.
@@ -51,7 +50,7 @@ class Flows:
         self._v, self._flow, self._slope = np.empty((3, len(laws.kind)))
         if not len(laws.kind):
             return
-        from tline.solver.kernel.laws.passing import Through, through
+        from tline.solver.kernel.laws.crossing import Through, through
 
         crossing, law = Crossing(laws.constants, *np.empty((4, 1))), law_addresses(units_of_laws(laws))
         values = law, laws.at, laws.control, self._v, laws.source_impedance, self._flow, self._slope, crossing

@@ -124,10 +124,6 @@ class Convolutions(Grids):
             told = replace(told, inside=added(told.inside, rings), blurred=added(told.blurred, rings))
         return Step(finer, told, by)
 
-    def is_enough(self, ladder: Ladder) -> bool:
-        """Whether the tolerance is met."""
-        return ladder.told.met
-
     def limit(self, ladder: Ladder) -> str:
         """Reason against a finer run: slow convergence or too long a run; empty if none."""
         if self.scene.slow and ladder.last.slabs.number > MOST_WIDE:

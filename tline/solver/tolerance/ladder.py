@@ -165,9 +165,9 @@ class Grids(ABC):
         pair = ladder.last, finer, self.search.tol, ladder.differences, self.unknown
         return Step(finer, *compare(self.search.description, *pair))
 
-    @abstractmethod
     def is_enough(self, ladder: "Ladder") -> bool:
         """Whether the tolerance is met, as far as is known how fast runs converge."""
+        return ladder.told.met
 
     def limit(self, ladder: "Ladder") -> str:
         """Reason against a finer run, apart from the budget; empty if none."""

@@ -105,11 +105,6 @@ class Balance:
         self.known &= self.held is None
         self.held = effort
 
-    @property
-    def can_be_checked(self) -> bool:
-        """Whether all equations are known, with at most one element with memory."""
-        return self.known and 0 < len(self.ends) <= MOST_ENDS and len(self.stores) <= 1
-
 
 def balances_of(description: Description) -> dict[str, Balance]:
     """Return the balances of all nodes with line ends, by name."""
@@ -178,7 +173,8 @@ def watched(description: Description, lumped: Collection[str]) -> list[Balance]:
     """
     found = balances_of(description)
     probed = {node for name in description.probed for node in description.lines[name].nodes}
-    good = [one for one in found.values() if one.can_be_checked and _seen(one, found, lumped)]
+    good = [one for one in found.values() if one.known and 0 < len(one.ends) <= MOST_ENDS and len(one.stores) <= 1]
+    good = [one for one in good if _seen(one, found, lumped)]
 
     def first(one: Balance) -> tuple[bool, bool, int]:
         busy = len(one.flows) + len(one.stores)

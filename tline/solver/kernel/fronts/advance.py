@@ -19,7 +19,7 @@ from tline.solver.kernel.fronts.gather import (
 )
 from tline.solver.kernel.fronts.respond import rejoin_all, respond, settling
 from tline.solver.kernel.fronts.structures import ANEW, DONE, FEWER, LIVE, MERGE, NOTED, SCALE, FrontRun
-from tline.solver.kernel.laws.passing import note_states
+from tline.solver.kernel.laws.crossing import note_states
 
 
 @function

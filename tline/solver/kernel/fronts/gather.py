@@ -260,7 +260,12 @@ def fronts_at(run, fronts, sources, g, slab):
         place[n], size[n] = max(events.at[i] - slab, 0.0), CUT if events.row[i] == SAME_MAP else np.inf
         i, n = i + 1, n + 1
     for i in range(fronts.excitations.first[g], fronts.excitations.first[g + 1]):
-        n = fronts_of_source(sources, fronts.excitations.row[i], slab, place, size, n)
+        if drives_front(sources, fronts.excitations.row[i], slab):  # a source, or an element's opening
+            now = sources.due[fronts.excitations.row[i]]
+            for j in range(sources.begin[now], sources.begin[now + 1]):
+                if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):
+                    place[n], size[n] = sources.start[j], np.inf
+                    n += 1
     return cut_behind(fronts, g, slab, place, size, n) if fronts.graded[g] else n
 
 
@@ -276,18 +281,6 @@ def cut_behind(fronts, g, slab, place, size, n):
                 n += 1
             behind *= WIDER
         fronts.settled[g] = max(fronts.settled[g], slab + t + 1.0)
-    return n
-
-
-@function
-def fronts_of_source(sources, r, slab, place, size, n):
-    """Append the fronts of a source, or of an element's opening."""
-    if drives_front(sources, r, slab):
-        now = sources.due[r]
-        for j in range(sources.begin[now], sources.begin[now + 1]):
-            if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):
-                place[n], size[n] = sources.start[j], np.inf
-                n += 1
     return n
 
 

@@ -10,7 +10,7 @@ from tline.solver.kernel.arithmetic import copy, eliminate, eliminate_all, times
 from tline.solver.kernel.blocks import load
 from tline.solver.kernel.fronts.gather import happen_until, regrouped
 from tline.solver.kernel.fronts.structures import BEGIN, DROPPED, END, FEWER, MERGE, FrontRun
-from tline.solver.kernel.laws.passing import pass_laws
+from tline.solver.kernel.laws.crossing import pass_laws
 
 
 @function

@@ -1,13 +1,18 @@
-"""Efforts at a group's nodes with one element, from their Thévenin waves.
+"""Efforts at a group's nodes with laws, from their Thévenin waves, by the unit that the group needs.
 
-The element is connected to a Thévenin source: effort v behind the impedance z of its nodes. Its law, or store, is a
+One element is connected to a Thévenin source: effort v behind the impedance z of its nodes. Its law, or store, is a
 unit of its own, called once for all samples. A law with its flow as a function of the effort is solved as a root
 between two efforts.
 """
 
+from typing import NamedTuple
+
+import numpy as np
+
+from tline.compiled.structure import Floats, Integers
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import STEPS, ULPS
-from tline.solver.kernel.network import DIVIDED, MISSES, Run
+from tline.solver.kernel.network import DIVIDED, MISSES, Crossing, Run
 
 
 @unit
@@ -87,4 +92,80 @@ def sampled(law, crossing, at, n, z):
             flow[i], slope[i] = flow[i - 1], slope[i - 1]
             continue
         flow[i], slope[i] = law(c, at, control[i], v[i] - c[at], z)
+    return 0
+
+
+@function
+def pass_laws(run, g, n, h, own):
+    """Turn the waves of n samples into efforts; slabs, or pieces, are h wide, with an `own` map or not."""
+    if run.network.laws.governed[g]:
+        invoke(run.units.govern, (run, g, n, h, own))
+    elif run.network.load_at[g] >= 0:
+        invoke(run.units.circuit, (run, g, n, h, own))
+    else:
+        invoke(run.units.crossing, (run, g, n, h))
+
+
+@function
+def note_states(run, e, column):
+    """Keep the first state of an element, or its opening that moves by itself, and its last one; zeros without."""
+    laws, states, row = run.network.laws, run.state.load, run.network.laws.record_row[e]
+    at = laws.state_at[e] if laws.state_at[e] >= 0 else laws.governor_state[e]
+    run.record[row, 1, column] = states[at] if at >= 0 else 0.0
+    run.record[row + 1, 1, column] = states[at + max(laws.states[e], 1) - 1] if at >= 0 else 0.0
+
+
+@function
+def is_watched(laws, g):
+    """Whether the record keeps a state of a group, so that it is to be advanced slab by slab."""
+    for e in range(laws.first[g], laws.first[g + 1]):
+        if laws.record_row[e] >= 0 and max(laws.state_at[e], laws.governor_state[e]) >= 0:
+            return True
+    return False
+
+
+@unit
+def pass_block(run: Run, g: int, here: int, n: int, column: int) -> int:
+    """Turn the Thévenin waves of n samples of slabs into efforts, from sample `here` of the excitation on.
+
+    Waves into laws are recorded, and beside them the states in which these leave them.
+    """
+    laws, excitation, record, into, signal = (
+        run.network.laws, run.excitation, run.record, run.work.into, run.work.control,
+    )  # fmt: skip
+    first, last = laws.first[g], laws.first[g + 1]
+    for e in range(first, last):
+        row = laws.excitation_row[e]
+        for i in range(n):
+            signal[e - first, i] = excitation[row, here + i] if row >= 0 else laws.control[e]
+    pass_laws(run, g, n, laws.step, np.int64(0))
+    for e in range(first, last):
+        row = laws.record_row[e]
+        for i in range(n if row >= 0 else 0):
+            record[row, 0, column + here + i] = into[e - first, i]
+            note_states(run, e, column + here + i)
+    return 0
+
+
+class Through(NamedTuple):
+    """E elements, each behind an effort v and an impedance z; flow and slope are the results."""
+
+    law: Integers  # (E,) addresses of their units
+    at: Integers  # (E,) places of their constants
+    control: Floats  # (E,)
+    v: Floats
+    z: Floats
+    flow: Floats
+    slope: Floats
+    crossing: Crossing
+
+
+@unit
+def through(elements: Through) -> int:
+    """Flow through each element without a state, and its slope."""
+    crossing, law, at, z = elements.crossing, elements.law, elements.at, elements.z
+    for e in range(law.size):
+        crossing.v[0], crossing.control[0] = elements.v[e], elements.control[e]
+        invoke(law[e], (crossing, at[e], np.int64(1), z[e]))
+        elements.flow[e], elements.slope[e] = crossing.flow[0], crossing.slope[0]
     return 0
