@@ -66,6 +66,7 @@ def test_darcys_friction_is_of_second_order_whatever_the_slabs(order):
 
 
 T_END = 8.0
+WAVES = {"shape": "sine", "amplitude": AREA / 4, "frequency": 0.1, "offset": -AREA}
 
 
 def errors(scene, order: int, parts) -> np.ndarray:
@@ -80,10 +81,11 @@ def slope(parts, found) -> float:
     return -np.polyfit(np.log(parts), np.log(found), 1)[0]
 
 
+@pytest.mark.parametrize("flow", [at_once(0.0), WAVES], ids=["front", "smooth"])
 @pytest.mark.parametrize(("order", "declared"), [(2, 2), (3, 4), (4, 6)])
-def test_whole_slabs(order, declared):
+def test_whole_slabs(order, declared, flow):
     parts = [1, 2, 4] if order < 4 else [1, 2]
-    scene = shut(at_once(0.0), pipes(1.0, kind="darcy", factor=0.4), T_END)
+    scene = shut(flow, pipes(1.0, kind="darcy", factor=0.4), T_END)
     assert slope(parts, errors(scene, order, parts)) > declared - 0.1
 
 
@@ -98,7 +100,6 @@ def test_any_delays_and_fronts_at_any_instant(order):
 
 CELLS_T_END, SLAB = 8.0, 1 / 64
 WIDTHS = [1 / 2, 1 / 4, 1 / 8, 1 / 16]
-WAVES = {"shape": "sine", "amplitude": AREA / 4, "frequency": 0.1, "offset": -AREA}
 RAMP = {"shape": "ramp", "from": -AREA, "to": -AREA / 2, "at": 0, "duration": 4.0}
 FRICTION = {"kind": "darcy", "factor": 0.2}
 

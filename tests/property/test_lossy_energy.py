@@ -1,5 +1,6 @@
 """Losses never create energy, whatever their kind, order, slabs and delays: in cells, all along, by convolution."""
 
+from itertools import product
 from math import floor
 
 import numpy as np
@@ -183,17 +184,16 @@ def test_a_rest_gives_laws_no_more_than_it_took(name, s, slabs):
 
 
 PIPE = {"diameter": 0.5, "wave_speed": 1000, "density": 1000}
-DIAMOND_SLABS, DIAMOND_PART, ROUNDED = 500, 50, 1e-15  # of the energy in a slab
 
 
 def closed(strength: float, delays) -> Scene:
-    """A star of pipes, all ends but one shut; friction is that many times Joukowsky's rise at 1 m/s."""
+    """A star of pipes from a reservoir, other ends shut; friction is that many times Joukowsky's rise at 1 m/s."""
     friction = {"kind": "darcy", "factor": strength}
     lines = {
         f"pipe{k}": PIPE | {"nodes": ["joint", f"end{k}"], "length": 1000.0 * d, "friction": friction}
         for k, d in enumerate(delays)
     }
-    source = {"at": "end0", "kind": "pressure", "value": 0, "resistance": 1e5}
+    source = {"at": "end0", "kind": "pressure", "value": 0, "resistance": 0}
     return Scene(medium="hydraulic", t_end=1.0, lines=lines, sources={"s": source}, probes={"end": {"at": "end1"}})
 
 
@@ -208,19 +208,22 @@ def energy(assembly) -> float:
     return total
 
 
-@pytest.mark.parametrize("order", [1, 2, 3, 5, 8])
-@pytest.mark.parametrize("strength", [1e-6, 0.1, 10.0])
-@pytest.mark.parametrize("delays", [(1.0, 2.0, 3.0), (1.0, 1.3, 2**0.5)])
-def test_energy_only_falls(order, strength, delays):
+ANY, WHOLE = (1.0, 1.3, 2**0.5), (1.0, 2.0, 3.0)  # delays over the width of a slab
+SHORT = [*product([1, 2, 3, 5, 8], [1e-6, 0.1, 10.0], [WHOLE, ANY], [500]), *product([4, 6, 7], [10.0], [ANY], [500])]
+LONG = [(1, 10.0, WHOLE, 100_000), (2, 1e-6, ANY, 100_000)]
+
+
+@pytest.mark.parametrize(("order", "strength", "delays", "slabs"), SHORT + LONG)
+def test_energy_only_falls(order, strength, delays, slabs):
+    """From one part of the run to the next, by the energy at that time."""
     assembly = assemble(describe(closed(strength, delays)), set(), Resolution(order, 1.0, diamonds=True))
     rng, flow = np.random.default_rng(order), assembly.lines["pipe0"].z0 * np.pi * 0.25**2
     assembly.state.waves[:] = rng.normal(size=assembly.state.waves.shape) * flow
     assembly.state.before[:] = rng.normal(size=assembly.state.before.shape) * flow
-    kernel, seen = Kernel(assembly.network, assembly.state), [energy(assembly)]
-    for _ in range(DIAMOND_SLABS // DIAMOND_PART):
-        excitation = np.zeros((len(assembly.excitations), DIAMOND_PART * order))
-        assert kernel.blocks(DIAMOND_PART, excitation, np.zeros((2, 2, 0)), 0) < 0
-        seen.append(energy(assembly))
-    growth = np.diff(seen) / seen[0]
-    assert growth.max() < DIAMOND_PART * ROUNDED * len(assembly.lines)
-    assert seen[-1] < seen[0]
+    kernel, last, part = Kernel(assembly.network, assembly.state), energy(assembly), slabs // 10
+    for _ in range(10):
+        excitation = np.zeros((len(assembly.excitations), part * order))
+        assert kernel.blocks(part, excitation, np.zeros((2, 2, 0)), 0) < 0
+        now = energy(assembly)
+        assert now < last
+        last = now
