@@ -13,7 +13,8 @@ from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.assembly.node_maps import Event
-from tline.solver.convolution.run import Convolved, is_affordable, suits
+from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, suits
+from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
@@ -27,6 +28,7 @@ from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import ElementRecord, LineRecord, Result, Wave
 from tline.solver.result.states import watched
+from tline.words.wording import place
 
 LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
@@ -64,6 +66,7 @@ def run(
         description.refuse_coupled("an envelope")
     if not (ledger or laws or chosen.plain) and (found := _convolved(description, chosen, record, envelope)):
         return found
+    refuse_mixing(description)
     extent = Slabs.until(description.t_end, chosen.h, slabs)
     given = {"envelope": envelope, "ledger": ledger, "progress": progress, "laws": laws}
     while True:
@@ -71,6 +74,14 @@ def run(
             return _run(description, chosen, {*record, *description.probed}, extent, kinks, **given)
         except NoFlowError as error:
             kinks = _divided(kinks, error, extent.number, chosen.h)
+
+
+def refuse_mixing(description: Description) -> None:
+    """Refuse losses that mix modes, where a run is no convolution."""
+    if bundles := bundles_of(description):
+        problem = "its losses mix the modes, which are computed at once, by convolution"
+        expected = f"a tolerance of {CLOSEST:g} or more, no ledger, rounded delays or active elements"
+        raise InputError(place("lines", next(iter(bundles))), problem, expected)
 
 
 def _convolved(description: Description, chosen: Resolution, record: Iterable[str], envelope: bool) -> Result | None:

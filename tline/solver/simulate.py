@@ -16,10 +16,10 @@ from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import Accuracy, Attempt
 from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
-from tline.solver.run import Again, run, with_ledger
+from tline.solver.run import Again, refuse_mixing, run, with_ledger
 from tline.solver.tolerance.compare import caution, differences, magnified
 from tline.solver.tolerance.convolved import convolved
-from tline.solver.tolerance.grids import Doublings, Rounded, compared
+from tline.solver.tolerance.grids import Rounded, compared
 from tline.solver.tolerance.ladder import Budget, Search, inside_slabs, refined
 from tline.solver.tolerance.search import Orders, within
 from tline.solver.witness.witness import Witness
@@ -141,20 +141,10 @@ def as_seconds(given: float | str) -> float:
 
 
 def _of_parts(search: Search) -> Result:
-    """Run the parts in place of lines in stretches, unless modes that mix can be convolved as they are."""
-    description, scene = search.description, search.description.scene
-    if search.tol and description.mixing and all(each.mixing for each in description.stretches.values()):
-        refused = search.ledger or scene.solver.slab or user_elements(scene)
-        if not refused and (found := convolved(search)) is not None:
-            return found
-    search = search._replace(record=recorded(description, search.record), start=None)
-
-    def parted(doublings: int, tol: float) -> Result:
-        result = _searched(search._replace(description=description.parted(doublings), tol=tol))
-        return merged(result, description, doublings)
-
-    mixing = search.tol and description.mixing
-    return refined(Doublings(search, parted)) if mixing else parted(0, search.tol)
+    """Run the parts in place of lines in stretches."""
+    whole = search.description
+    parts = search._replace(description=whole.parted(), record=recorded(whole, search.record), start=None)
+    return merged(_searched(parts), whole)
 
 
 def _searched(search: Search) -> Result:
@@ -193,7 +183,10 @@ def _found(search: Search) -> Result:
     """Return the result of a search for order and slab, after a second look by other means."""
     witness = None if search.start else Witness(search.description, search.record)
     wider = search._replace(record=[*search.record, *(witness.lines if witness else ())])
-    result = convolved(wider) or (refined(Orders(wider)) if search.description.dispersive else within(wider))
+    result = convolved(wider)
+    if result is None:
+        refuse_mixing(search.description)
+        result = refined(Orders(wider)) if search.description.dispersive else within(wider)
     if witness is None:
         return result
     kept = {*search.record, *search.description.probed}
@@ -206,29 +199,28 @@ def judged(result: Result) -> Accuracy:
 
     Where a load may be too fast for both, a further step shows whether their difference is due to that.
     """
-    whole = describe(result.scene)
-    description = whole.parted()
+    description = describe(result.scene).parted()
     if result.resolution.rounded:
         both = [run(description, resolution(description, h=result.resolution.h / k), envelope=True) for k in (1, 2)]
         found = compared(None, *both)
         return replace(found, attempts=(Attempt.of(both[0], found.worst), Attempt.of(both[1])))
 
-    def step(coarse: Result, doublings: int, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
+    def step(coarse: Result, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
-        narrower = description.dispersive or whole.mixing
+        narrower = description.dispersive or description.mixing
         cell = coarse.resolution.cell / 2
         chosen = Resolution(s, h / 2, cell=cell) if narrower else Resolution(s + 1, h, layers=followed, cell=cell)
-        with user_mistakes(whole.scene):
-            fine = run(whole.parted(doublings) if whole.mixing else description, chosen)
+        with user_mistakes(result.scene):
+            fine = run(description, chosen)
         found = Accuracy(None, *differences(coarse, fine))
         if not fine.resolution.layers or followed == FOLLOWED[-1] or found.worst >= CLEAR * followed:
             return fine, found
-        return step(coarse, doublings, FOLLOWED[-1])
+        return step(coarse, FOLLOWED[-1])
 
-    finer, found = step(result, 1)
+    finer, found = step(result)
     runs, by = [finer], magnified(description, result, finer, [found.worst])
     if by > 1.0:
-        finest, left = step(finer, 2)
+        finest, left = step(finer)
         runs.append(finest)
         if magnified(description, finer, finest, [found.worst, left.worst]) == 1.0:
             by = 1.0

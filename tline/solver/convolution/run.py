@@ -41,6 +41,7 @@ from tline.solver.result.merged import probed
 from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
+CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
 SILENT = 1e-14  # relative to the sources: a smaller row of the record is rounding, and nothing has arrived
 LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
@@ -346,7 +347,7 @@ def _stays(description: Description) -> bool:
         return False
     moving = any(element.governor is not None or element.kind.breaks for element in description.elements)
     lifted = description.heights and not description.steady
-    return not (moving or lifted or description.active or (description.mixing and description.steady))
+    return not (moving or lifted or description.active)
 
 
 def is_affordable(scene: Convolved, s: int, h: float) -> bool:

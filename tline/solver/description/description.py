@@ -221,14 +221,11 @@ class Description:
     @property
     def mixing(self) -> bool:
         """Whether losses of coupled conductors mix their modes."""
-        return any(stretches.mixing for stretches in self.stretches.values())
+        return any(isinstance(line, Coupled) and line.mixing for line in self.scene.lines.values())
 
-    def parted(self, doublings: int = 0) -> "Description":
-        """Description of the scene expanded into stretches; itself if there are none.
-
-        Conductors whose losses mix the modes have twice as many stretches with each doubling.
-        """
-        return describe(expanded(self.scene, doublings)) if self.stretches else self
+    def parted(self) -> "Description":
+        """Description of the scene expanded into stretches; itself if there are none."""
+        return describe(expanded(self.scene)) if self.stretches else self
 
     @property
     def own(self) -> set[str]:

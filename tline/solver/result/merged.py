@@ -34,12 +34,10 @@ class CutRecord(LineRecord):
         return self.stretches[k].passing(part)
 
 
-def merged(result: Result, description: Description, doublings: int = 0) -> Result:
+def merged(result: Result, description: Description) -> Result:
     """Merge the result of an expanded scene into one of the scene described; `Result.parts` keeps the former."""
-    mixing = {name: stretches.mixing for name, stretches in description.stretches.items() if stretches.mixing}
-    cut = {name: stretches for name, stretches in description.stretches.items() if name not in mixing}
+    cut = description.stretches
     hidden = {each for stretches in cut.values() for each in stretches.lines}
-    hidden |= {each for each in result.lines if each.partition(", stretch ")[0] in mixing}
     lines = {name: record for name, record in result.lines.items() if name not in hidden}
     for name, stretches in cut.items():
         records = tuple(result.lines[each] for each in stretches.lines if each in result.lines)
@@ -52,11 +50,6 @@ def merged(result: Result, description: Description, doublings: int = 0) -> Resu
         kept = [k for k, node in enumerate(envelope.nodes) if node not in places]
         columns = {name: getattr(envelope, name)[kept] for name in (*COLUMNS, "weight", "per_metre")}
         envelope = replace(envelope, nodes=tuple(envelope.nodes[k] for k in kept), **columns)
-    warned = tuple(
-        f"{place('lines', name)}: its losses mix the modes: they stand at {each.places * 2**doublings} places between "
-        "stretches without"
-        for name, each in mixing.items()
-    )
     return replace(
         result,
         scene=description.scene,
@@ -64,7 +57,6 @@ def merged(result: Result, description: Description, doublings: int = 0) -> Resu
         envelope=envelope,
         accounts=_Summed(result, description.scene),
         parts=result,
-        warned=warned,
     )
 
 

@@ -19,8 +19,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
+from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
-from tline.solver.description.elements import Branch, admittance, capacitive, conductors, inductive
+from tline.solver.description.elements import Branch, Ports, admittance, capacitive, conductors, inductive
 from tline.solver.description.excitation import just_before
 from tline.solver.description.lines import distinct
 from tline.solver.steady.balance import Limit, Linear, Sparse
@@ -48,6 +49,7 @@ class Lines(NamedTuple):
     delay: NDArray
     leak: NDArray  # conductance at each end
     falls: NDArray  # whether effort falls along it
+    mixed: NDArray  # numbers of the lines of modes that losses mix
 
 
 class Joins(NamedTuple):
@@ -64,7 +66,8 @@ def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
     ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
     first, like = distinct(lines)
     z0, delay, leak, falls = np.array([(line.z0, line.delay, pi(line)[1], falling(line)) for line in first])[like].T
-    return Lines(ends, z0, delay, leak, falls > 0)
+    mixed = [bundle.lines for bundle in bundles_of(description).values()]
+    return Lines(ends, z0, delay, leak, falls > 0, np.concatenate([np.empty(0, int), *mixed]))
 
 
 def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) -> AtNodes:
@@ -98,6 +101,7 @@ def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) 
 def joins_of(description: Description, number: Mapping[str, int], lines: Lines) -> Joins:
     """Lines along which nothing falls, and links that are shorts to a steady flow."""
     shorts, lossless = inductive(description.scene), ~lines.falls
+    lossless[lines.mixed] = False
     pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
     inertia = np.concatenate([(lines.z0 * lines.delay)[lossless], [inertia for _, _, inertia in shorts]])
     names = [name for name, kept in zip(description.lines, lossless.tolist(), strict=True) if kept]
@@ -127,8 +131,12 @@ class _Equations:
                     slow = sign * other * capacity * self.unit * self.rate
                     self.add(self.first + row, self.first + column, slow=slow)
 
-    def branch(self, branch: Branch, nodes: NDArray, level: NDArray) -> None:
-        """Add a branch between nodes of such numbers and efforts without gauge pressure; its flows, then its states."""
+    def branch(self, branch: Branch, nodes: NDArray, level: NDArray, inertia: ArrayLike = ()) -> NDArray:
+        """Add a branch between nodes of such numbers and efforts without gauge pressure; its flows, then its states.
+
+        The first flows have inertias. Places of the flows among the unknowns behind nodes are returned.
+        """
+        inert, places = np.arange(np.size(inertia)), sum(map(len, self.known)) + np.arange(len(nodes))
         M, N, E, Q, P, R = branch.ports
         at, flows = self.first + nodes, len(self.names) + np.arange(len(nodes))
         states = len(self.names) + len(nodes) + np.arange(len(Q))
@@ -141,9 +149,11 @@ class _Equations:
                 self.add(rows[:, None], columns, part / scale / of)
             self.known.append(parts[0] @ level / scale[:, 0])
         self.add(states, states, slow=-self.rate / pace[:, 0])
+        self.add(flows[inert], flows[inert], slow=np.asarray(inertia) * self.rate / self.unit / size[inert, 0])
         self.add(at, flows, 1.0)
+        return places
 
-    def joins(self, joins: Joins) -> slice:
+    def joins(self, joins: Joins) -> NDArray:
         """Add lossless lines and inductors; places of their flows among the unknowns behind nodes."""
         flows = len(self.names) + np.arange(len(joins.inertia))
         for end, sign in zip(joins.ends.T, (1.0, -1.0), strict=True):
@@ -152,8 +162,7 @@ class _Equations:
         self.add(flows, flows, slow=-joins.inertia * self.rate / self.unit)
         self.names += [place("lines", name) for name in joins.names] + [""] * (len(flows) - len(joins.names))
         self.known.append(np.zeros(len(flows)))
-        known = sum(map(len, self.known))
-        return slice(known - len(flows), known)
+        return sum(map(len, self.known[:-1])) + np.arange(len(flows))
 
     def ties(self, nodes: NDArray, tie: NDArray, given: NDArray, names: Iterable[str]) -> None:
         """Add inductances between nodes and given efforts."""
@@ -177,7 +186,24 @@ def branches_with_ports(description: Description) -> list[Branch]:
     multiports = {place("links", name) for name in description.multiports}
     found = [branch for branch in description.branches if branch.where in multiports]
     ends = [Branch("", (*end.conductors, *end.modal), conductors(end.modes)) for end in description.ends]
-    return [*found, *ends]
+    return [*found, *ends, *_mixing(description)]
+
+
+def _mixing(description: Description) -> list[Branch]:
+    """Modes of coupled conductors that constant losses mix, from end to end, at s = 0."""
+    from scipy.linalg import expm
+
+    found = []
+    for name, bundle in bundles_of(description).items():
+        one, none = np.eye(len(bundle.z0)), np.zeros((len(bundle.z0),) * 2)
+        rate = np.block([[none, bundle.resistance], [bundle.conductance, none]])
+        (A, B), (C, D) = (np.hsplit(half, 2) for half in np.vsplit(expm(-bundle.length * rate), 2))
+        M, N = np.block([[-A, one], [-C, none]]), np.block([[-B, none], [-D, -one]])
+        states = np.zeros((0, len(M)))
+        ports = Ports(M, N, states.T, np.zeros((0, 0)), states, states)
+        near, far = (end.modal for end in description.coupled[name])
+        found.append(Branch(place("lines", name), (*near, *far), ports))
+    return found
 
 
 def ported(
@@ -186,14 +212,15 @@ def ported(
     at: AtNodes,
     joins: Joins,
     edges: list[str],
-    falls: NDArray,
+    lines: Lines,
     unit: float,
-) -> tuple[Linear, list[str], slice]:
+) -> tuple[Linear, list[str], NDArray]:
     """The equations; of the edges, which come first, with the inertia of the falling lines among them.
 
     The first edges are falling lines, with their delays. Returned are also the owners of each equation and unknown, and
-    the places of the joins' flows among the others.
+    the places of flows among the others: those of joins, then into both ends of modes that losses mix.
     """
+    falls = lines.delay[lines.falls]
     rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
     found = _Equations([*edges, *(f"node '{name}'" for name in number)], len(edges), unit, rate)
@@ -201,9 +228,13 @@ def ported(
     found.store(np.arange(len(nodes)), None, at.capacity)
     for (one, other), capacity in capacitive(description.scene):
         found.store(number[one], number[other], capacity)
+    mixed, bundles = [], bundles_of(description)
+    inertia = {place("lines", name): each.length * each.inductance for name, each in bundles.items()}
     for branch in branches_with_ports(description):
         here = [number[node] for node in branch.nodes]
-        found.branch(branch, np.array(here), np.array([branch.to_air * nodes[k].above_level for k in here]))
+        level = np.array([branch.to_air * nodes[k].above_level for k in here])
+        flows = found.branch(branch, np.array(here), level, inertia.get(branch.where, ()))
+        mixed += [flows] if branch.where in inertia else []
     inert = np.flatnonzero((at.tie > 0) & (at.tie < np.inf))
     flows = found.joins(joins)
     found.ties(inert, at.tie[inert], at.given[inert], [nodes[k].load_name for k in inert])
@@ -211,7 +242,7 @@ def ported(
     given[inert] = np.nan
     matrices = found.matrices(np.flatnonzero(~np.isnan(given)))
     linear = Linear(given, at.conductance, at.driven, unit, *matrices, np.concatenate(found.known))
-    return linear, found.names, flows
+    return linear, found.names, np.concatenate([flows, *mixed])
 
 
 def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Mapping[str, int]) -> None:

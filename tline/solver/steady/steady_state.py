@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.groups import parts
@@ -62,8 +63,6 @@ def steady_state(description: Description) -> tuple[dict[str, float], NDArray]:
 
 def above_level(description: Description) -> Before:
     """Efforts that count from the level, flows through elements, and openings that hold still, before t = 0."""
-    if description.mixing:
-        description.refuse_coupled("a steady state in stretches")
     if Before not in description.known:
         description.known[Before] = still(description.elements, lambda openings: _under(description, openings))
     return description.known[Before]
@@ -95,8 +94,14 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
     lossy = int(lines.falls.sum())
     along = np.empty(len(lines.z0))
-    along[lines.falls], along[~lines.falls] = flow[:lossy], y[: len(joins.names)]
+    joined = ~lines.falls
+    joined[lines.mixed] = False
+    along[lines.falls], along[joined] = flow[:lossy], y[: len(joins.names)]
     flows = along[:, None] + lines.leak[:, None] * effort[lines.ends] * [1.0, -1.0]
+    into = y[len(joins.inertia) :]
+    for one in bundles_of(description).values():
+        k = len(one.lines)
+        flows[one.lines], into = np.column_stack([into[:k], -into[k : 2 * k]]), into[2 * k :]
     through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
     return Before(dict(zip(number, effort.tolist(), strict=True)), flows, through, openings, unknowns)
 
@@ -153,7 +158,7 @@ def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray
     alone = np.arange(len(number))
     laws = edges.laws(alone, np.nanmax(np.abs(at.given), initial=0.0))
     unit = _unit(parted, laws)
-    linear, names, flows = ported(description, number, at, joins, edges.where, lines.delay[lines.falls], unit)
+    linear, names, flows = ported(description, number, at, joins, edges.where, lines, unit)
     found = balanced(laws, linear)
     check_limit(found.limit, names, joins, number)
     driving = _driving(parted, edges)

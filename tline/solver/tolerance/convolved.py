@@ -10,7 +10,7 @@ from tline.errors import InputError
 from tline.solver.convolution.families import SAME_FAMILY, leads
 from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.rays import arrivals
-from tline.solver.convolution.run import Convolved, is_affordable, is_slow, suits
+from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, is_slow, suits
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
@@ -23,7 +23,6 @@ from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, refined
 from tline.words.wording import place
 
 ORDER = 5
-CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
 ROUNDED = 1e-12  # slabs; the end of a slab is taken this far inside it
 LEAST_SHARE = 0.1  # smallest share of a difference that a step is assumed to leave
 MIXED_SHARE = 0.25  # the same of mixing conductors: wide slabs do not show the fronts that these smooth
@@ -87,7 +86,7 @@ class Convolutions(Grids):
         network, bundles = self.scene.network, self.scene.network.bundles.values()
         lossy = [*network.lossy, *(k for bundle in bundles for k in bundle.lines)]
         self.settle = BLURRED * network.second * float(network.delays[lossy].min()) if jumping else 0.0
-        self.alone = any(bundle.skin.any() for bundle in bundles)  # no other method computes these
+        self.alone = bool(bundles)  # no other method computes these
         self.share, self.off = SLOWEST, inf
 
     def first(self) -> Result:

@@ -4,10 +4,8 @@ This is the method of characteristics of textbooks, in the first order: no front
 many pipes costs little. Fronts arrive up to half a slab early or late at every pipe's end; the tolerance is therefore
 one of the highest and the lowest values, at all nodes and probes.
 
-Conductors whose losses mix the modes and that are no convolution: with twice as many places in each run.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -15,9 +13,9 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.resolution import resolution
-from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
+from tline.solver.result.accuracy import Accuracy, Estimate
 from tline.solver.result.result import ProbeResult, Result
-from tline.solver.tolerance.compare import Difference, added, relative
+from tline.solver.tolerance.compare import Difference, relative
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
 
 CAUTION = 2.0  # ratio of errors to differences: rounded delays err at random, and by half as much on half the slab
@@ -90,63 +88,3 @@ def _extremes(probe: ProbeResult) -> NDArray:
     seen = probe.at_slab_ends
     both = np.stack([seen.gauge_pressure, probe.record.z0 * seen.y], axis=1)
     return np.stack([both.min(axis=0), both.max(axis=0)])
-
-
-class Doublings(Grids):
-    """Twice as many places, and slabs as close as these are.
-
-    Places are of first order behind jumps, and nearly of second behind corners. Where each doubling leaves the share r
-    of the change before, the next ones leave r + r² + …; r counts as a half at most, and as that after the first.
-
-    `run` takes a number of doublings and the tolerance of its slabs.
-    """
-
-    def __init__(self, search: Search, run: Callable[[int, float], Result]):
-        super().__init__(search)
-        self.run, self.close, self.samples, self.changed = run, max(ROUGH, SHARE * search.tol), 0, 0.0
-
-    def first(self) -> Result:
-        """The run with the fewest places."""
-        return self.run(0, self.close)
-
-    def next(self, ladder: Ladder) -> Result:
-        """The run with twice as many."""
-        if ladder.compared:
-            self.close = max(min(self.close, CLOSER * self.changed), SHARE * self.search.tol)
-        return self.run(ladder.compared + 1, self.close)
-
-    def step(self, ladder: Ladder, finer: Result) -> Step:
-        """Add the error estimates of places and of slabs."""
-        own, found = finer.accuracy, _changes(ladder.last, finer)
-        assert own is not None
-        self.samples += sum(attempt.samples for attempt in own.attempts)
-        share = min(found.worst / self.changed, SLOWEST) if self.changed > 0 else SLOWEST
-        self.changed, left = found.worst, found.times(share / (1 - share), share / (1 - share))
-        estimates, inside = added(own.estimates, left.estimates), added(own.inside, left.inside)
-        told = Accuracy(self.search.tol, estimates, inside, added(own.blurred, left.blurred))
-        return Step(replace(finer, unresolved=()) if told.met else finer, told, 1.0)
-
-    def is_enough(self, ladder: Ladder) -> bool:
-        """Whether the tolerance is met, by slabs, too."""
-        return ladder.told.met and not self._own(ladder)
-
-    def limit(self, ladder: Ladder) -> str:
-        """Reason against more places: the limit of the slabs, or time; empty if none."""
-        if self._own(ladder) or GROWTH * self.samples <= MOST_SAMPLES:
-            return self._own(ladder)
-        problem = f"the losses mix the modes; {ladder.compared} doublings of the places where they stand leave"
-        return f"{problem} {self.changed:.1g}"
-
-    def _own(self, ladder: Ladder) -> str:
-        return ladder.last.accuracy.limit if ladder.last.accuracy else ""
-
-
-def _changes(coarse: Result, fine: Result) -> Accuracy:
-    n = min(max(INSTANTS, PER_SLAB * fine.slabs.number), MOST_INSTANTS)
-    t = (np.arange(n) + OFF) / (n + 1) * fine.slabs.end
-    found = {}
-    for name, probe in fine.probes.items():
-        one, other = (np.array([each.u, each.y]) for each in (coarse.probes[name].at(t), probe.at(t)))
-        off, most = abs(one - other).max(axis=1), abs(other).max(axis=1)
-        found[name] = Difference(off, off, off, most)
-    return Accuracy(None, *relative(found))

@@ -15,6 +15,7 @@ from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
+from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.result.result import Result, Wave
 from tline.solver.witness.nodes import Balance, Impedance, Term, Volume
@@ -197,9 +198,11 @@ def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
 
 def line_doubts(seen: Seen) -> Iterator[Doubt]:
     """Yield lossless lines whose arriving waves are not the delayed ones, in results and in computed polynomials."""
+    names = [*seen.description.lines]
+    mixed = {names[k] for bundle in bundles_of(seen.description).values() for k in bundle.lines}
     for name, record in seen.result.lines.items():
         line = seen.description.lines.get(name)
-        if line is None or line.losses is not None:
+        if line is None or line.losses is not None or name in mixed:
             continue
         computed = (record.a1, record.a2), (record.b2, record.b1)
         for side, (sent, arrived) in enumerate(computed):
