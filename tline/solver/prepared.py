@@ -24,14 +24,19 @@ ROOM = 0.2  # of the tolerance: where the order below should leave less, it is t
 class Prepared:
     """A scene made ready for runs with other values, also from several threads; made by `prepare`.
 
-    Attributes
+    Parameters
     ----------
     scene : Scene
         As it was given.
-    description : Description
-        Of that.
-    starts : dict of float to Start
+    starts : mapping of float to Start, optional
         Where searches for order and slab begin, by tolerance.
+    fixed : bool
+        Whether they begin there always.
+
+    Attributes
+    ----------
+    description : Description
+        Of the scene.
     """
 
     def __init__(self, scene: Scene, starts: Mapping[float, Start] | None = None, fixed: bool = False):

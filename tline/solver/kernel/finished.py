@@ -1,4 +1,4 @@
-"""What is found of finished waves: their extremes, differences of two runs, and polynomials that neighbours share."""
+"""Extremes of finished waves, differences of two runs, and polynomials that neighbours share."""
 
 from typing import NamedTuple
 
