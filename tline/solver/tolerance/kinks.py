@@ -116,7 +116,8 @@ def kinks_of(result: Result, kinked: Sequence[PlacedLaw], sharp: Sequence[Placed
             for level in (place._replace(layer=0.0), *_beside(place, into, control)):
                 values = into.values - level.constant - level.varying * control**level.power
                 t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
-                instants.append(t[swept(t) >= (WIDER - 1) * level.layer * np.maximum(_control(factor, t, t), SHUT) ** 2])
+                opened = np.maximum(_control(factor, t, t), SHUT)
+                instants.append(t[swept(t) >= (WIDER - 1) * level.layer * opened**2])
         all_ = np.unique(np.concatenate(instants))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
