@@ -9,9 +9,9 @@ from tline.compiled.unit import function
 from tline.solver.kernel.arithmetic import largest
 from tline.solver.kernel.laws.answers import ask, exchange_states, unbalance
 
-HALVINGS = 40  # for the part of a shift with which laws stay shut
+HALVINGS, LEAST = 40, 1e-6  # for the part of a shift with which laws stay shut; a smaller part is none
 ROUNDED = 1e-12  # of the largest wave: shifts and flows below are none
-OPEN, LIMITED, SHUT = 0, 1, 2  # laws around a pocket: one passes flow, one would after the whole shift, or none
+OPEN, JOINED, LIMITED, SHUT = 0, 1, 2, 3  # laws around it: one passes flow (and was asked), would if shifted, or none
 
 
 @function
@@ -33,10 +33,13 @@ def shut_after(run, g, q, h, e, i, across):
 
 @function
 def around(run, g, q, h, i, root, by, faint):
-    """Add to a pocket what open laws join to it, and tell what those around it do if it is shifted."""
+    """Add to a pocket what open laws join to it, and tell what those around it do if it is shifted.
+
+    Only where none around it passes flow are they asked.
+    """
     laws, work, low = run.network.laws, run.work.circuit, run.network.group[g]
-    state, grown = SHUT, True
-    while grown:
+    asking, asked = False, False
+    while True:
         state, grown = SHUT, False
         for e in range(laws.first[g], laws.first[g + 1]):
             one, other = laws.from_node[e], laws.to_node[e]
@@ -45,15 +48,18 @@ def around(run, g, q, h, i, root, by, faint):
                 continue
             beyond = other if here else one
             flows = abs(work.flow[(e - laws.first[g]) * q + i]) * laws.source_impedance[e] > faint
-            if not flows and shut_after(run, g, q, h, e, i, by if here else -by):
+            if flows == asking or (asking and shut_after(run, g, q, h, e, i, by if here else -by)):
                 continue
             if beyond >= 0 and laws.pocket[low + beyond]:
                 work.part[beyond], grown = root, True
             elif flows:
-                return OPEN
+                return JOINED if asked else OPEN
             else:
                 state = LIMITED
-    return state
+        if asking and not grown:
+            return state
+        asking = not grown
+        asked = asked or asking
 
 
 @function
@@ -69,16 +75,19 @@ def stays_shut(run, g, q, h, i, root, by):
 
 @function
 def allowed(run, g, q, h, i, root, by, faint):
-    """Part of a shift that leaves the laws around a pocket shut."""
+    """Part of a shift that leaves the laws around a pocket shut; -1 where one passes flow, and none was asked."""
     state = around(run, g, q, h, i, root, by, faint)
-    low, high = (1.0, 1.0) if state == SHUT else (0.0, 1.0 if state == LIMITED else 0.0)
+    if state != LIMITED:
+        return -1.0 if state == OPEN else 0.0 if state == JOINED else 1.0
+    if not stays_shut(run, g, q, h, i, root, LEAST * by):
+        return 0.0
+    low, high = LEAST, 1.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if low < middle < high:
-            if stays_shut(run, g, q, h, i, root, middle * by):
-                low = middle
-            else:
-                high = middle
+        if stays_shut(run, g, q, h, i, root, middle * by):
+            low = middle
+        else:
+            high = middle
     return low
 
 
@@ -98,20 +107,25 @@ def hold(run, g, q, h, step, at, k):
     first, m, width = laws.first[g], laws.first[g + 1] - laws.first[g], work.width[0]
     faint = ROUNDED * largest(row, (k + m) * q)
     for i in range(q):
+        moved = False
         for p in range(k):
             work.part[p] = -1
         for p in range(k):
-            by = work.held[low + p] - effort(run, step, at + (p * q + i) * width)
-            if not laws.pocket[low + p] or work.part[p] >= 0 or abs(by) <= faint:
+            if not laws.pocket[low + p]:
                 continue
-            work.part[p], asked = p, True
-            by *= allowed(run, g, q, h, i, p, by, faint)
+            now = effort(run, step, at + (p * q + i) * width)
+            by, work.held[low + p] = work.held[low + p] - now, now
+            if work.part[p] >= 0 or abs(by) <= faint:
+                continue
+            work.part[p] = p
+            share = allowed(run, g, q, h, i, p, by, faint)
+            asked, moved, by = asked or share >= 0.0, moved or share > 0.0, max(share, 0.0) * by
             for e in range(m if by != 0.0 else 0):
                 here = inside(work, laws.from_node[first + e], p)
                 if here != inside(work, laws.to_node[first + e], p):
                     work.aimed[e * q + i] += by if here else -by
                     row[(k + e) * q + i] = work.aimed[e * q + i]
-        for p in range(k):
+        for p in range(k if moved else 0):
             work.held[low + p] = effort(run, step, at + (p * q + i) * width)
     if asked:  # stores have moved
         unbalance(run, g, q, h, step, at, k, 0.0)
