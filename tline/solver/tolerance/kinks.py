@@ -53,7 +53,7 @@ class PiecewiseQuantity(NamedTuple):
 class Cuts:
     """Instants at which slabs of the next finer run are cut in pieces, at elements with laws.
 
-    `kinked` are elements whose laws kink, `sharp` those cut beside knees of smooth laws as well, `middles` middles
+    `kinked` are elements whose laws kink, `sharp` those cut beside kinks and knees as well, `middles` middles
     of pieces that were halved with their slabs, `places` the elements whose waves runs are to record; if `governed`,
     openings move by themselves.
     """
@@ -80,7 +80,7 @@ class Cuts:
         """Instants at which slabs of a run at the chosen resolution are cut: where laws kinked in the last one.
 
         Pieces are halved with their slabs if the order stays. From where a higher order did not help, and the search
-        is `stuck`, layers of smooth laws are cut as well.
+        is `stuck`, slabs are cut beside kinks and knees as well.
         """
         self.sharp = self.elements if stuck else self.sharp
         if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
@@ -99,9 +99,9 @@ def kinking(description: Description) -> list[PlacedLaw]:
 
 
 def kinks_of(result: Result, kinked: Sequence[PlacedLaw], sharp: Sequence[PlacedLaw] = ()) -> Kinks:
-    """Instants at which waves into elements, as a run recorded them, passed kinks of laws, and cuts beside these, s.
+    """Instants at which waves into elements, as a run recorded them, passed kinks of laws, s.
 
-    Of `sharp` ones also where they pass layers of laws without a kink.
+    Of `sharp` ones also those of cuts beside kinks and knees.
     """
     found = {}
     for element in sharp or kinked:
@@ -111,9 +111,10 @@ def kinks_of(result: Result, kinked: Sequence[PlacedLaw], sharp: Sequence[Placed
         points = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c
         control = _control(factor, points, (into.start + into.width / 2)[:, None])
         instants, swept = [np.empty(0)], _swept(into, result.resolution.h)
-        seen = element.constants, record.impedance
-        for place in chain(element.kind.bends(*seen), element.kind.knees(*seen) if sharp else ()):
-            for level in (place._replace(layer=0.0), *_beside(place, into, control)):
+        bends, knees = (find(element.constants, record.impedance) for find in (element.kind.bends, element.kind.knees))
+        for place in chain(bends, knees if sharp else ()):
+            beside = _beside(place, into, control) if sharp else ()
+            for level in (place._replace(layer=0.0), *beside):
                 values = into.values - level.constant - level.varying * control**level.power
                 t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
                 opened = np.maximum(_control(factor, t, t), SHUT)
