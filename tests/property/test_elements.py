@@ -273,3 +273,8 @@ def test_a_flow_that_nothing_takes_is_refused():
     links, loads = {"pump": PUMP | {"check_valve": True}}, {"sump": {"at": "sump", "kind": "short"}}
     with pytest.raises(InputError, match=r"sources\.s: no steady state: nothing takes the flow"):
         steady(SUCTION, links, loads, sources=source)
+
+
+@pytest.mark.parametrize("seed", [73, 78, 87])
+def test_a_scene_in_which_nothing_moves_is_computed(seed):
+    assert simulate(random_elements(seed), tol=1e-3).accuracy.met

@@ -139,13 +139,14 @@ class Seen:
         return np.sum([self.end(*at)[1] for at in one.ends], axis=0)
 
     def allowed(self, one: Balance) -> tuple[float, float]:
-        """Allowed errors of the effort at a node and of the flow out of the lines."""
+        """Allowed errors of the effort at a node and of the flow out of the lines; where nothing moves, of 1."""
         if one.name not in self._allowed:
             gauge = next((term.weight for term in (*one.flows, *one.stores) if term.weight), 0.0)
             flows = sum(float(np.abs(self.end(*at)[1]).max()) for at in one.ends)
             conducts = self.conducts(one)
-            size = max(float(np.abs(self.efforts(one) - gauge).max()), flows / conducts, FAINT * self.largest)
-            share, least = MARGIN * self.tol + NODE_ROUNDING, self._known.allowed(one) if self._known else (0.0, 0.0)
+            size = max(float(np.abs(self.efforts(one) - gauge).max()), flows / conducts, FAINT * self.largest or 1.0)
+            share = NODE_ROUNDING + (MARGIN * self.tol if self.largest else 0.0)
+            least = self._known.allowed(one) if self._known else (0.0, 0.0)
             effort, flow = share * size + 1e-15 * abs(gauge), share * (size * conducts + flows)
             self._allowed[one.name] = max(effort, least[0]), max(flow, least[1])
         return self._allowed[one.name]
