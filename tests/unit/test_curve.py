@@ -13,7 +13,8 @@ from tline.solver.convolution.families import summed
 from tline.solver.description.description import describe
 from tline.solver.radau import basis
 from tline.solver.result.dense_output import curve, search
-from tline.solver.result.result import Pieces, Result, Wave
+from tline.solver.result.result import Result
+from tline.solver.result.wave import Pieces, Wave
 from tline.solver.simulate import UnresolvedWarning, simulate
 from tline.solver.tolerance.kinks import Cuts
 

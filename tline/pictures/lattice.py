@@ -14,7 +14,8 @@ from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
 from tline.scene.scene import Scene
 from tline.scene.switch import Switch
 from tline.solver.result.dense_output import drawable
-from tline.solver.result.result import LineRecord, Result, Wave
+from tline.solver.result.result import Result
+from tline.solver.result.wave import LineRecord, Wave
 from tline.style import DOWN, FAINT, INK, UP, figure, styled
 from tline.units import handy
 

@@ -26,8 +26,9 @@ from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.envelope import Extremes
 from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
-from tline.solver.result.result import ElementRecord, LineRecord, Result, Wave
+from tline.solver.result.result import Result
 from tline.solver.result.states import watched
+from tline.solver.result.wave import ElementRecord, LineRecord, Wave
 from tline.words.wording import place
 
 LARGEST_RECORD = 4e8  # samples

@@ -21,8 +21,9 @@ from tline.scene.held import held_nodes
 from tline.scene.scene import Scene
 from tline.scene.vessel import MOST_PLACES, with_cavities
 from tline.solver.result.envelope import Envelope
-from tline.solver.result.result import LineRecord, Result
+from tline.solver.result.result import Result
 from tline.solver.result.states import StateTrace
+from tline.solver.result.wave import LineRecord
 from tline.solver.tolerance.grids import CAUTION
 from tline.solver.tolerance.ladder import Budget
 from tline.surge.worst import BOILS, CAVITIES, boils, class_of, extremes

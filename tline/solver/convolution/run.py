@@ -38,7 +38,8 @@ from tline.solver.radau import Basis, basis
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.merged import probed
-from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.wave import LineRecord, Wave
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13

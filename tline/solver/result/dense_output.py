@@ -22,7 +22,8 @@ from tline.solver.description.lines import circuits_of, fit_of
 from tline.solver.radau import Basis, thin_product
 from tline.solver.result.merged import CutRecord
 from tline.solver.result.quantities import Bounds, quantity
-from tline.solver.result.result import LineRecord, ProbeResult, Result, Samples, Wave
+from tline.solver.result.result import ProbeResult, Result, Samples
+from tline.solver.result.wave import LineRecord, Wave
 from tline.words.wording import place
 
 DENSE = 4000  # instants

@@ -15,7 +15,8 @@ from tline.solver.description.lines import ProbePlace
 from tline.solver.ledger.ledger import Entry, Ledger
 from tline.solver.loop.slabs import Slabs
 from tline.solver.result.envelope import COLUMNS
-from tline.solver.result.result import LineRecord, ProbeResult, Result, Wave
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.wave import LineRecord, Wave
 from tline.words.wording import place
 
 NOTHING = [0.0] * (len(Entry._fields) - 1)  # in all columns

@@ -32,7 +32,8 @@ from tline.solver.description.given import (
 )
 from tline.solver.radau import Basis
 from tline.solver.result.dense_output import edges_of, on, search, shown
-from tline.solver.result.result import ElementRecord, ProbeResult, Result
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.wave import ElementRecord
 from tline.words.wording import place
 
 MOST_SAMPLES = 2e7  # samples of states that a run keeps by default

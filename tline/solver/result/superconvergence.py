@@ -30,7 +30,7 @@ from tline.solver.kernel.finished import UNEQUAL, Joined, Shared, join, share
 from tline.solver.radau import basis, gauss, thin_product
 
 if TYPE_CHECKING:
-    from tline.solver.result.result import Wave
+    from tline.solver.result.wave import Wave
 
 SHARED = 8  # highest order whose polynomials are shared; beyond, the error is rounding
 SAME_WIDTH = 1e-12  # relative difference of widths that count as equal

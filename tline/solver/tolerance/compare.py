@@ -20,7 +20,8 @@ from tline.solver.kernel.finished import BLOCK, Compared, find_difference
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Matrix, basis, chebyshev, thin_product
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Estimate
-from tline.solver.result.result import ProbeResult, Result, Wave
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.wave import Wave
 
 SMALLEST_ESTIMATE = 2e-15  # relative to the amplitude; no estimate is smaller
 NOTHING = 1e-13  # relative to the largest amplitude of all probes; smaller amplitudes are rounding

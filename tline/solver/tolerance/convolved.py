@@ -15,7 +15,8 @@ from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
 from tline.solver.result.accuracy import SLOWEST, Accuracy
-from tline.solver.result.result import ProbeResult, Result, Wave
+from tline.solver.result.result import ProbeResult, Result
+from tline.solver.result.wave import Wave
 from tline.solver.run import accounts_of
 from tline.solver.tolerance.compare import BETWEEN, Difference, added, on_slabs, relative
 from tline.solver.tolerance.kinks import kinking

@@ -25,7 +25,8 @@ from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Bend, Shape
 from tline.solver.description.resolution import Resolution
 from tline.solver.radau import Basis, basis
-from tline.solver.result.result import Result, Wave
+from tline.solver.result.result import Result
+from tline.solver.result.wave import Wave
 from tline.solver.run import NO_KINKS, Kinks, at_node
 
 MOST_KINKS = 2000  # instants of an element; beyond, none is followed

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
-from tline.solver.result.result import Result, Wave
+from tline.solver.result.result import Result
+from tline.solver.result.wave import Wave
 from tline.solver.witness.nodes import Balance, Impedance, Term, Volume
 
 INSTANTS, WINDOWS = 64, 4  # random instants and windows, one in each of as many equal parts of the run
