@@ -361,9 +361,8 @@ def run(scene: Scene, record: Iterable[str], progress: bool, budget: Budget) -> 
     """Simulate with an envelope; unresolved features are among the notes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnresolvedWarning)
-        description = describe(scene)
-        tol = asked(scene, None) or 0.0
-        return simulated(Search(description, tol, [*record], progress, budget, envelope=True, ledger=False))
+        each = describe(scene), asked(scene, None) or 0.0, [*record], progress, budget
+        return simulated(Search(*each, envelope=True, ledger=False))
 
 
 def carried_out(
