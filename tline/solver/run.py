@@ -14,7 +14,6 @@ from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.assembly.node_maps import Event
 from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, suits
-from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
@@ -79,10 +78,10 @@ def run(
 
 def refuse_mixing(description: Description) -> None:
     """Refuse losses that mix modes, where a run is no convolution."""
-    if bundles := bundles_of(description):
+    for name in description.mixed:
         problem = "its losses mix the modes, which are computed at once, by convolution"
         expected = f"a tolerance of {CLOSEST:g} or more, no ledger, rounded delays or active elements"
-        raise InputError(place("lines", next(iter(bundles))), problem, expected)
+        raise InputError(place("lines", name), problem, expected)
 
 
 def _convolved(description: Description, chosen: Resolution, record: Iterable[str], envelope: bool) -> Result | None:
@@ -101,7 +100,7 @@ def _convolved(description: Description, chosen: Resolution, record: Iterable[st
 
 def accounts_of(description: Description) -> "Again | None":
     """A run in slabs in place of a convolution, to account for energies."""
-    if description.mixing:
+    if description.mixed:
         return None
     chosen = resolution(description)
     slabs = Slabs.until(description.t_end, chosen.h).number

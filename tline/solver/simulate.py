@@ -207,7 +207,7 @@ def judged(result: Result) -> Accuracy:
 
     def step(coarse: Result, followed: float = FOLLOWED[0]) -> tuple[Result, Accuracy]:
         s, h = coarse.resolution.s, coarse.resolution.h
-        narrower = description.dispersive or description.mixing
+        narrower = description.dispersive or description.mixed
         cell = coarse.resolution.cell / 2
         chosen = Resolution(s, h / 2, cell=cell) if narrower else Resolution(s + 1, h, layers=followed, cell=cell)
         with user_mistakes(result.scene):

@@ -328,7 +328,7 @@ class Convolved:
 
 def suits(description: Description) -> bool:
     """Whether lines lose linearly, not all of them in diamonds, and the rest but laws and switches is constant."""
-    return (description.dispersive or description.mixing) and _stays(description)
+    return bool(description.dispersive or description.mixed) and _stays(description)
 
 
 def is_slow(description: Description) -> bool:

@@ -6,12 +6,11 @@ is followed over s, and none is taken for another.
 """
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.scene.coupled import Coupled
 from tline.solver.description.description import Description
 
 SAME_DELAY = 1e-9  # of the longest; modes of delays so alike are not told apart
@@ -108,15 +107,14 @@ class Eigenmodes(NamedTuple):
 
 def bundles_of(description: Description) -> dict[str, Bundle]:
     """Coupled lines of a scene whose losses mix the modes, by name."""
-    numbers = {name: k for k, name in enumerate(description.lines)}
+    numbers = {name: k for k, name in enumerate(description.lines)} if description.mixed else {}
     return {
-        name: _bundle(line, [numbers[node.removesuffix(", end 1")] for node in description.coupled[name][0].modal])
-        for name, line in description.scene.lines.items()
-        if isinstance(line, Coupled) and line.mixing
+        name: _bundle(description.scene.lines[name], [numbers[each] for each in lines])
+        for name, lines in description.mixed.items()
     }
 
 
-def _bundle(line: Coupled, lines: list[int]) -> Bundle:
+def _bundle(line: Any, lines: list[int]) -> Bundle:
     modes, length = line.modes, float(line.length or 0.0)
     k = len(modes.z0)
     R, G, high = (

@@ -218,10 +218,15 @@ class Description:
         """Stretches that replace lines with cavities, or with losses and probes inside, in a run."""
         return stretches_of(self.scene)
 
-    @property
-    def mixing(self) -> bool:
-        """Whether losses of coupled conductors mix their modes."""
-        return any(isinstance(line, Coupled) and line.mixing for line in self.scene.lines.values())
+    @cached_property
+    def mixed(self) -> dict[str, list[str]]:
+        """Lines of the modes of each of the coupled conductors whose losses mix these."""
+        lines = ((name, self.scene.lines[name], near) for name, (near, _) in self.coupled.items())
+        return {
+            name: [node.removesuffix(", end 1") for node in near.modal]
+            for name, line, near in lines
+            if isinstance(line, Coupled) and line.mixing
+        }
 
     def parted(self) -> "Description":
         """Description of the scene expanded into stretches; itself if there are none."""

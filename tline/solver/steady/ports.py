@@ -49,7 +49,7 @@ class Lines(NamedTuple):
     delay: NDArray
     leak: NDArray  # conductance at each end
     falls: NDArray  # whether effort falls along it
-    mixed: NDArray  # numbers of the lines of modes that losses mix
+    joined: NDArray  # whether it does not, nor do losses mix its mode with others
 
 
 class Joins(NamedTuple):
@@ -66,8 +66,10 @@ def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
     ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
     first, like = distinct(lines)
     z0, delay, leak, falls = np.array([(line.z0, line.delay, pi(line)[1], falling(line)) for line in first])[like].T
-    mixed = [bundle.lines for bundle in bundles_of(description).values()]
-    return Lines(ends, z0, delay, leak, falls > 0, np.concatenate([np.empty(0, int), *mixed]))
+    joined = falls <= 0
+    for bundle in bundles_of(description).values():
+        joined[bundle.lines] = False
+    return Lines(ends, z0, delay, leak, falls > 0, joined)
 
 
 def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) -> AtNodes:
@@ -100,8 +102,7 @@ def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) 
 
 def joins_of(description: Description, number: Mapping[str, int], lines: Lines) -> Joins:
     """Lines along which nothing falls, and links that are shorts to a steady flow."""
-    shorts, lossless = inductive(description.scene), ~lines.falls
-    lossless[lines.mixed] = False
+    shorts, lossless = inductive(description.scene), lines.joined
     pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
     inertia = np.concatenate([(lines.z0 * lines.delay)[lossless], [inertia for _, _, inertia in shorts]])
     names = [name for name, kept in zip(description.lines, lossless.tolist(), strict=True) if kept]

@@ -94,9 +94,7 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
     lossy = int(lines.falls.sum())
     along = np.empty(len(lines.z0))
-    joined = ~lines.falls
-    joined[lines.mixed] = False
-    along[lines.falls], along[joined] = flow[:lossy], y[: len(joins.names)]
+    along[lines.falls], along[lines.joined] = flow[:lossy], y[: len(joins.names)]
     flows = along[:, None] + lines.leak[:, None] * effort[lines.ends] * [1.0, -1.0]
     into = y[len(joins.inertia) :]
     for one in bundles_of(description).values():

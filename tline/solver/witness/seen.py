@@ -9,13 +9,13 @@ window with its derivatives, and integrated by parts, its equation contains none
 
 from collections.abc import Iterator
 from functools import cache, cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.result.result import Result
 from tline.solver.result.wave import Wave
@@ -200,8 +200,7 @@ def balance_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
 
 def line_doubts(seen: Seen) -> Iterator[Doubt]:
     """Yield lossless lines whose arriving waves are not the delayed ones, in results and in computed polynomials."""
-    names = [*seen.description.lines]
-    mixed = {names[k] for bundle in bundles_of(seen.description).values() for k in bundle.lines}
+    mixed = {*chain(*seen.description.mixed.values())}
     for name, record in seen.result.lines.items():
         line = seen.description.lines.get(name)
         if line is None or line.losses is not None or name in mixed:
