@@ -246,10 +246,13 @@ def test_an_air_vessel_is_its_differential_equation(loss):
     assert np.ptp(probe.u) > 0.05 * HEAD
 
 
-@pytest.mark.parametrize("check_valve", [False, True])
-def test_a_pump_that_trips_is_its_differential_equation(check_valve):
-    """It lifts from one tank through a pipe to another; its rotor's equation integrated round trip by round trip."""
-    inertia, turns, point, lift = 0.5, 24.0, (0.02, HEAD + 2e5), 2e5
+@pytest.mark.parametrize(("check_valve", "lift"), [(False, 2e5), (True, 2e5), (False, 8e5)])
+def test_a_pump_that_trips_is_its_differential_equation(check_valve, lift):
+    """It lifts from one tank through a pipe to another; its rotor's equation integrated round trip by round trip.
+
+    The highest tank presses liquid back through it from the start, which turns it faster than at its rated speed.
+    """
+    inertia, turns, point = 0.5, 24.0, (0.02, HEAD + 2e5)
     h0, bend = 4 / 3 * point[1], point[1] / 3 / point[0] ** 2
     energy = inertia * (2 * np.pi * turns) ** 2
     pump = {
@@ -257,7 +260,7 @@ def test_a_pump_that_trips_is_its_differential_equation(check_valve):
         "rated_speed": turns, "check_valve": check_valve,
     }  # fmt: skip
     sump = {"at": "sump", "kind": "reservoir", "pressure": -lift}
-    scene = pipe({"sump": sump}, links={"pump": pump}, t_end=2.0, order=6, slab=0.025 if check_valve else 0.005)
+    scene = pipe({"sump": sump}, links={"pump": pump}, t_end=2.0, order=6, slab=0.025 if check_valve else 0.0025)
     probe = simulate(scene).probes["end"]
 
     def flow(speed, a):
@@ -268,13 +271,14 @@ def test_a_pump_that_trips_is_its_differential_equation(check_valve):
     def slower(t, speed, a):
         return -h0 * speed * flow(speed, a) / energy
 
-    q = ((h0 - lift - HEAD) / bend) ** 0.5
+    left = h0 - lift - HEAD
+    q = math.copysign(abs(left / bend) ** 0.5, left)
     assert -probe.y[0] == pytest.approx(q, rel=1e-12)
     pieces = in_steps(slower, lambda t, x, a: a + 2 * Z0 * flow(x, a), 1.0, 1.0, HEAD + Z0 * q, 2.0)
     later = probe.t > 0.1 + 2 * DELAY + 1e-9
     exact = [effort(pieces, t - 0.1) for t in probe.t[later]]
     assert np.abs(probe.u[later] - exact).max() < 2e-9 * h0
-    assert probe.u.min() < 0.9 * HEAD
+    assert np.ptp(probe.u) > 0.1 * HEAD
 
 
 def test_a_pump_that_starts_is_its_differential_equation():

@@ -36,5 +36,6 @@ def rotor(store: Store, at: int, state: int, h: float, z: float) -> int:
     else:
         c[at + NOW] = c[at + MOTOR] if runs else 0.0
         fill(stored, entering, store, at, state, h, z, np.inf)
-        y[state] = min(y[state], 1.0)
+        if runs:
+            y[state] = min(y[state], 1.0)
     return 0
