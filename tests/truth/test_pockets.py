@@ -47,6 +47,20 @@ def test_header_keeps_the_rise_at_no_flow(solver, parted):
     assert result.probes["header"].at(late).u == pytest.approx(6.5e5, rel=1e-5)
 
 
+@pytest.mark.parametrize("order", [3, 5, 8, 9])
+def test_header_keeps_it_where_the_valve_shuts_within_a_slab(order):
+    """The last point of the piece that ends as the valve shuts finds it open by rounding alone."""
+    links = {
+        "pump": {"kind": "pump", "nodes": ["sump", "header"], "curve": [["40 L/s", "5 bar"]], "check_valve": True},
+        "throttle": {
+            "kind": "orifice", "nodes": ["header", "main"], "flow": "0.99 m^3/s", "pressure_drop": "2500 Pa",
+            "opening": {"shape": "ramp", "from": 1, "to": 0, "at": "1 s", "duration": "1 ms"},
+        },
+    }  # fmt: skip
+    result = station(links, ["header"], order=order, slab="7.8125 ms")
+    assert result.probes["header"].at(np.linspace(1.002, 12, 90)).u == pytest.approx(0.5e5 + 4 / 3 * 5e5, rel=1e-12)
+
+
 def test_pocket_keeps_the_highest_pressure_before_its_check_valve():
     """Behind a check valve that leads to a shut valve there stays the highest pressure that there has been."""
     links = {

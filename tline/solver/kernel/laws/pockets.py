@@ -21,14 +21,17 @@ def inside(work, node, root):
 
 
 @function
-def shut_after(run, g, q, h, e, i, across):
-    """Whether nothing passes an element at point i if the wave into it changes by `across`."""
+def shut_after(run, g, q, h, e, i, across, faint):
+    """Whether nothing passes an element at point i if the wave into it changes by `across`.
+
+    Where an opening ends at the last point of a slab it is there no more than rounding.
+    """
     work, o = run.work.circuit, (e - run.network.laws.first[g]) * q
     for j in range(q):
         work.trial[o + j] = work.aimed[o + j] + (across if j == i else 0.0)
     exchange_states(run, g, True)
     ask(run, e, q, h, work.trial, o, work.other)
-    return work.other[o + i] == 0.0
+    return abs(work.other[o + i]) * run.network.laws.source_impedance[e] <= faint
 
 
 @function
@@ -48,7 +51,7 @@ def around(run, g, q, h, i, root, by, faint):
                 continue
             beyond = other if here else one
             flows = abs(work.flow[(e - laws.first[g]) * q + i]) * laws.source_impedance[e] > faint
-            if flows == asking or (asking and shut_after(run, g, q, h, e, i, by if here else -by)):
+            if flows == asking or (asking and shut_after(run, g, q, h, e, i, by if here else -by, faint)):
                 continue
             if beyond >= 0 and laws.pocket[low + beyond]:
                 work.part[beyond], grown = root, True
@@ -63,12 +66,13 @@ def around(run, g, q, h, i, root, by, faint):
 
 
 @function
-def stays_shut(run, g, q, h, i, root, by):
+def stays_shut(run, g, q, h, i, root, by, faint):
     """Whether all laws around a pocket stay shut if it is shifted."""
     laws, work = run.network.laws, run.work.circuit
     for e in range(laws.first[g], laws.first[g + 1]):
         here = inside(work, laws.from_node[e], root)
-        if here != inside(work, laws.to_node[e], root) and not shut_after(run, g, q, h, e, i, by if here else -by):
+        across = by if here else -by
+        if here != inside(work, laws.to_node[e], root) and not shut_after(run, g, q, h, e, i, across, faint):
             return False
     return True
 
@@ -79,12 +83,12 @@ def allowed(run, g, q, h, i, root, by, faint):
     state = around(run, g, q, h, i, root, by, faint)
     if state != LIMITED:
         return -1.0 if state == OPEN else 0.0 if state == JOINED else 1.0
-    if not stays_shut(run, g, q, h, i, root, LEAST * by):
+    if not stays_shut(run, g, q, h, i, root, LEAST * by, faint):
         return 0.0
     low, high = LEAST, 1.0
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if stays_shut(run, g, q, h, i, root, middle * by):
+        if stays_shut(run, g, q, h, i, root, middle * by, faint):
             low = middle
         else:
             high = middle
