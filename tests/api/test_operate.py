@@ -73,6 +73,8 @@ def test_its_pictures_need_no_preparation(surge):
 def test_probes_stand_where_something_is_operated_or_where_they_are_wanted(surge):
     assert {"c", "b"} <= {*surge.result.probes}
     assert [*tl.operate(TOWN, t_end=0.2, at="lake").result.probes] == ["lake"]
+    station = TOWN.with_name("pump_group.toml")
+    assert [*tl.operate(station, t_end=0.2, at="outlet").result.probes] == ["outlet"]  # where no pipe ends
     lines = tl.read(TOWN).table()["lines"]
     town = tl.read(TOWN).with_changes(lines={"c": lines["bc"], **lines})  # a pipe with the name of a node
     assert {"c"} <= {*tl.operate(town, t_end=0.2, demand="c:1 L/s@0s").result.probes}

@@ -214,8 +214,9 @@ def as_texts(where: str, given: Texts) -> tuple[str, ...]:
 
 
 def probed_nodes(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -> Sequence[str]:
-    """Nodes to probe: those wanted, or those at which something is operated."""
-    nodes = {node for line in scene.lines.values() for node in line.nodes}
+    """Nodes to probe: those wanted, or those at the ends of pipes at which something is operated."""
+    nodes = {*_nodes(scene)}
+    alone = {node for link in scene.links.values() for node in link.nodes}
     found: list[str] = []
     for event in events:
         if event.kind in FLOWING:  # at a node, which may have the name of a pipe
@@ -226,6 +227,6 @@ def probed_nodes(scene: Scene, events: Iterable[Event], wanted: Sequence[str]) -
         found += [gate_of(event.name), pipe.nodes[1]] if pipe else here
         nodes |= {gate_of(event.name)} if pipe else set()
     for node in wanted:
-        if node not in nodes:
-            raise InputError("at", "no such node", nearest(node, sorted(nodes)), f"'{node}'")
+        if node not in nodes | alone:
+            raise InputError("at", "no such node", nearest(node, sorted(nodes | alone)), f"'{node}'")
     return wanted or [node for node in dict.fromkeys(found) if node in nodes][:MOST_PROBED]
