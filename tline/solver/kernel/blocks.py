@@ -169,7 +169,12 @@ def is_plain(run, g):
 def scatter_one(run, node, here, begun, ahead, column):
     """Scatter a single sample at a node without a circuit. Returns whether its effort is finite."""
     network, state, waves, position = run.network, run.state, run.state.waves, run.work.position
-    row, record_row, begin, end = network.excitation_row[node], network.record_row, network.first[node], network.first[node + 1]
+    row, record_row, begin, end = (
+        network.excitation_row[node],
+        network.record_row,
+        network.first[node],
+        network.first[node + 1],
+    )
     u = run.excitation[row, here] if row >= 0 else 0.0
     for i in range(begin, end):
         e = np.uint64(network.ends[i])
