@@ -109,6 +109,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
     modes, laws = len(network.diamonds.moments), network.laws
+    longest = int(network.delay[network.diamonds.line].max(initial=0)) if s == 1 else 0
     return DiamondWork(
         **{name: np.empty((r, r)) for name in ("taken", "along", "base", "value", "slope")},
         weight=np.ones((r, r)),
@@ -116,6 +117,7 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
         parts=np.empty((4, PARTS, r)),
         slabs=np.empty((2, widest * s)),
         rest=np.ones(1),
+        cells=np.ones((4, longest)),
         shape=np.empty((r, widest * s)),
         shaped=np.zeros(1, np.int64),
         tangent=np.empty((3, ends, len(network.diamonds.values))),

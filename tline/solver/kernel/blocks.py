@@ -157,19 +157,64 @@ def scatter_group(run, g, here, m, column):
     return -1
 
 
+@function
+def is_plain(run, g):
+    """Whether a group is a node at which whole delays of lines end, and that has neither a law nor a circuit."""
+    network = run.network
+    one = network.group[g + 1] - network.group[g] == 1 and network.load_at[g] < 0
+    return one and network.laws.first[g] == network.laws.first[g + 1] and network.shift.shape[0] == 0
+
+
+@function
+def scatter_one(run, node, here, begun, ahead, column):
+    """Scatter a single sample at a node without a circuit. Returns whether its effort is finite."""
+    network, state, waves, position = run.network, run.state, run.state.waves, run.work.position
+    row, record_row, begin, end = (
+        network.excitation_row[node],
+        network.record_row,
+        network.first[node],
+        network.first[node + 1],
+    )
+    u = run.excitation[row, here] if row >= 0 else 0.0
+    for i in range(begin, end):
+        e = np.uint64(network.ends[i])
+        line = e >> np.uint64(1)
+        delay, slot = network.delay[line], state.slot[line] + ahead + (begun if network.blocks.waits[line] else 0)
+        side = state.side[line] ^ np.int64(e & np.uint64(1))
+        at = network.offset[line] + (side * delay + slot if slot < delay else (1 - side) * delay + slot - delay)
+        w = network.passed[line] * waves[np.uint64(at)] + network.moved[e]
+        waves[np.uint64(at)], position[e] = w, at
+        u += network.weight[i] * w
+    for i in range(begin, end):
+        e = np.uint64(network.ends[i])
+        at = np.uint64(position[e])
+        if record_row[e] >= 0:
+            run.record[record_row[e], 0, column + here] = waves[at]
+            run.record[record_row[e], 1, column + here] = 2.0 * u - waves[at]
+        back = 2.0 * u - waves[at]
+        waves[at] = 0.0 if abs(back) < TINY else back
+    if network.effort_row[node] >= 0:
+        run.record[network.effort_row[node], :, column + here] = u
+    return np.isfinite(u)
+
+
 @unit
 def scatter_block(run: Run, chosen: int, k: int, begun: int, count: int, column: int) -> int:
     """Scatter the slabs of a block from slab k on, some of them already begun, at a group, or at FAR or NEAR ones.
 
     Returns -1, or the number of a node whose effort is no longer finite.
     """
-    blocks, s = run.network.blocks, run.state.before.shape[1]
+    network, blocks, s = run.network, run.network.blocks, run.state.before.shape[1]
     groups = blocks.far_groups if chosen == FAR else blocks.near_groups
     for i in range(1 if chosen >= 0 else groups.size):
         g, ahead = chosen if chosen >= 0 else groups[i], np.int64(0)
         half = run.units.halves != 0 and run.network.diamonds.at_group[g]
         alone = half or run.network.laws.governed[g] or is_watched(run.network.laws, g)
         most = np.int64(1) if alone else run.work.tile
+        if count == 1 and s == 1 and is_plain(run, g) and not half:
+            if not scatter_one(run, network.group[g], k, begun, ahead, column):
+                return network.group[g]
+            continue
         while ahead < count:
             m = place_tile(run, g, begun, ahead, min(count - ahead, most))
             if half:

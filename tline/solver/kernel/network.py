@@ -273,6 +273,7 @@ class DiamondWork(NamedTuple):
     parts: Floats3  # (4, PARTS, r) of these, and their coefficients before they meet
     slabs: Floats2  # (2, k s) of these waves
     rest: Floats  # (1,) share of a wave in a cell that is left beside its polynomial
+    cells: Floats2  # (4, cells along a line) waves, times that friction counts, and turns of the flow, of constants
     shape: Floats2  # (r, k s) Legendre polynomials over a part
     shaped: Integers  # (1,) slabs of that
     tangent: Floats3  # (3, E, M) the same three of half diamonds

@@ -16,7 +16,7 @@ from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
 from tline.solver.description.groups import parts
-from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, EdgeLaws, Linear, balanced, symmetric
+from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, EdgeLaws, Factors, Linear, balanced
 from tline.solver.steady.edges import Edges, openings_at_rest, still
 from tline.solver.steady.pockets import settled
 from tline.solver.steady.ports import (
@@ -280,4 +280,4 @@ def _solved(entries: NDArray, places: tuple[NDArray, NDArray], free: NDArray, n:
         return np.linalg.solve(matrix[np.ix_(free, free)], flow_in)
     from scipy.sparse import coo_array
 
-    return symmetric(coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]).solve(flow_in)
+    return Factors(coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]).solve(flow_in)

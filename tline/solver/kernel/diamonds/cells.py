@@ -190,17 +190,44 @@ def places_in_ring(begin, before_a, before_b, D):
 
 
 @function
-def taken_by_square(r, k, before, weight, d):
-    """Loss by friction r x + k |x| x with a weight, less that before t = 0, of a flow d that it lowers to x."""
-    much = weight * (r * d + k * abs(d) * d - before)  # by the flow as it arrives; zero while that is steady
-    rise, bend = 1.0 + weight * (r + 2.0 * k * abs(d)), weight * (k if d > 0.0 else -k)
-    inside = rise * rise - 4.0 * bend * much
-    taken = 2.0 * much / (rise + np.sqrt(max(inside, 0.0)))
-    if inside >= 0.0 and (d - taken) * d >= 0.0:
-        return taken
-    rest, rise = d + weight * before, 1.0 + weight * r  # it turns
-    x = 2.0 * rest / (rise + np.sqrt(rise * rise + 4.0 * weight * k * abs(rest)))
-    return d - x
+def meet_by_squares(r, k, steady, ahead, n, a, b, weight, turned):
+    """Let n constants of a meet those of b from `ahead` on: friction r d + k |d| d counts as often as a weight says.
+
+    It lowers the flow d to x. The first loop has no branches, so that several cells are taken at once.
+    """
+    before, begun, turns = steady[3], steady[2] - steady[0], np.int64(0)
+    for i in range(n):
+        j, e = np.uint64(i), np.uint64(i + ahead)
+        w, d = weight[j], a[j] - b[e] + begun
+        size = abs(d)
+        much = w * (r * d + k * size * d - before)  # by the flow as it arrives; zero while that is steady
+        rise, bend = 1.0 + w * (r + 2.0 * k * size), w * (k if d > 0.0 else -k)
+        inside = rise * rise - 4.0 * bend * much
+        taken = 2.0 * much / (rise + np.sqrt(inside if inside > 0.0 else 0.0))
+        keeps = (inside >= 0.0) & ((d - taken) * d >= 0.0)
+        taken, turned[j] = taken if keeps else 0.0, 0.0 if keeps else 1.0
+        turns += np.int64(not keeps)
+        a[j], b[e] = flushed(a[j] - taken), flushed(b[e] + taken)
+    for i in range(n if turns > 0 else 0):
+        if turned[i] != 0.0:
+            w, d = weight[i], a[i] - b[i + ahead] + begun
+            rest, rise = d + w * before, 1.0 + w * r
+            taken = d - 2.0 * rest / (rise + np.sqrt(rise * rise + 4.0 * w * k * abs(rest)))
+            a[i], b[i + ahead] = flushed(a[i] - taken), flushed(b[i + ahead] + taken)
+
+
+@function
+def meet_by_steps(diamonds, row, ahead, n, a, b, weight):
+    """Let constants meet as `meet_by_squares`, under any law. Returns whether friction was found."""
+    steady = diamonds.steady[row]
+    for i in range(n):
+        here, there = a[i], b[i + ahead]
+        d, size = here - there + steady[2] - steady[0], max(abs(here), abs(there))
+        taken, done = taken_from(diamonds, row, steady[3], weight[i], d, size)
+        if not done:
+            return False
+        a[i], b[i + ahead] = flushed(here - taken), flushed(there + taken)
+    return True
 
 
 @function
@@ -219,27 +246,29 @@ def taken_from(diamonds, row, before, weight, d, size):
 @function
 def pass_constants(run, row, count):
     """Advance a line as `pass_line`, for constants in cells of one slab without memory: waves are their projections."""
-    diamonds, waves, line = run.network.diamonds, run.state.waves, run.network.diamonds.line[row]
-    D, o, begin = run.network.delay[line], run.network.offset[line], due(run, row, count)
-    square, begun = diamonds.kind[row] == SQUARE, diamonds.steady[row, 2] - diamonds.steady[row, 0]
-    r, k, before, end = diamonds.constants[row, 0], diamonds.constants[row, 1], diamonds.steady[row, 3], 0.5
-    end += diamonds.over[row]
+    diamonds, waves, cells = run.network.diamonds, run.state.waves, run.work.diamonds.cells
+    line, begin = diamonds.line[row], due(run, row, count)
+    D = run.network.delay[line]
+    o, a, b, weight, end = np.uint64(run.network.offset[line]), cells[0], cells[1], cells[2], 0.5 + diamonds.over[row]
+    first_a, first_b = places_in_ring(begin, 0, D - 1, D)
+    from_start, to_end = min(first_a + 1, D), min(2 * D - first_b, D)
+    for i in range(D):
+        j = np.uint64(i)
+        a[j] = waves[o + np.uint64(first_a - i + (0 if i < from_start else 2 * D))]
+        b[j] = waves[o + np.uint64(first_b + i - (0 if i < to_end else 2 * D))]
+    weight[0] += end
+    weight[D - 1] += end
     for later in range(2):
-        a, b = places_in_ring(begin, 0, D - 1 - later, D)
-        for i in range(D - later):
-            here, there, weight, done = waves[o + a], waves[o + b], 1.0, True
-            if later == 0:
-                weight += (end if i == 0 else 0.0) + (end if i == D - 1 else 0.0)
-            d = here - there + begun
-            if square:
-                taken = taken_by_square(r, k, before, weight, d)
-            else:
-                taken, done = taken_from(diamonds, row, before, weight, d, max(abs(here), abs(there)))
-            if not done:
-                return False
-            waves[o + a], waves[o + b] = flushed(here - taken), flushed(there + taken)
-            a = a - 1 if a > 0 else 2 * D - 1
-            b = b + 1 if b < 2 * D - 1 else 0
+        if diamonds.kind[row] == SQUARE:
+            r, k = diamonds.constants[row, 0], diamonds.constants[row, 1]
+            meet_by_squares(r, k, diamonds.steady[row], later, D - later, a, b, weight, cells[3])
+        elif not meet_by_steps(diamonds, row, later, D - later, a, b, weight):
+            return False
+        weight[0], weight[D - 1] = 1.0, 1.0
+    for i in range(D):
+        j = np.uint64(i)
+        waves[o + np.uint64(first_a - i + (0 if i < from_start else 2 * D))] = a[j]
+        waves[o + np.uint64(first_b + i - (0 if i < to_end else 2 * D))] = b[j]
     return True
 
 
