@@ -212,13 +212,15 @@ class SampledResponse:
 
         return Network(f=self.f, f_unit="Hz", z0=self.z0, name=name, **{self.parameter.value.lower(): self.values})
 
-    def between(self, groups: Sequence[Sequence[int]]) -> Self:
+    def between(self, groups: Sequence[Sequence[int]], where: str = "ports") -> Self:
         """S between single ports, and between the differential modes of pairs, then between the common ones of these.
 
         Parameters
         ----------
         groups : sequence of sequences of int
             Numbers of one port or of two with the same reference, from 0 on; ports in no group are matched.
+        where : str
+            Name of the groups, or of the file, in errors.
 
         Raises
         ------
@@ -233,12 +235,12 @@ class SampledResponse:
         ports = [port for group in groups for port in group]
         if len({*ports} & {*range(self.ports)}) < len(ports) or not {*map(len, groups)} <= {1, 2}:
             told = " ".join(",".join(f"{port + 1}" for port in group) for group in groups)
-            raise ExpressionError("ports", "not single ports and pairs", f"of 1 to {self.ports}, each once", told)
+            raise ExpressionError(where, "not single ports and pairs", f"of 1 to {self.ports}, each once", told)
         pairs = [group for group in groups if len(group) == 2]
         for a, b in pairs:
             if self.z0[a] != self.z0[b]:
                 got = f"{self.z0[a]:g} and {self.z0[b]:g} ohm"
-                raise ExpressionError("ports", f"unlike references of {a + 1} and {b + 1}", "a pair of like ones", got)
+                raise ExpressionError(where, f"unlike references of {a + 1} and {b + 1}", "a pair of like ones", got)
         one, signs = np.eye(self.ports), [-1] * len(groups) + [1] * len(pairs)
         rows = [(one[g[0]] + s * one[g[-1]]) / np.sqrt(2) if len(g) == 2 else one[g[0]]
                 for g, s in zip([*groups, *pairs], signs, strict=True)]  # fmt: skip

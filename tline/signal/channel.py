@@ -294,12 +294,14 @@ def read_samples(file: Any) -> "tuple[str, SampledResponse]":
     return title, response
 
 
-def modes_of(response: "SampledResponse", ports: str) -> "tuple[tuple[str, ...], SampledResponse]":
-    """Names of ports and pairs, and S between them and the common modes of all pairs."""
+def modes_of(
+    response: "SampledResponse", ports: str, where: str = "ports"
+) -> "tuple[tuple[str, ...], SampledResponse]":
+    """Names of ports and pairs, and S between them and the common modes of all pairs; `where` is named in errors."""
     if not re.fullmatch(r"\s*\d+(,\d+)?(\s+\d+(,\d+)?)+\s*", ports, re.ASCII):
-        raise InputError("ports", "not ports or pairs", "two or more, such as '1 2' or '1,3 2,4'", shown(ports))
+        raise InputError(where, "not ports or pairs", "two or more, such as '1 2' or '1,3 2,4'", shown(ports))
     names = tuple(ports.split())
-    return names, response.between([[int(port) - 1 for port in name.split(",")] for name in names])
+    return names, response.between([[int(port) - 1 for port in name.split(",")] for name in names], where)
 
 
 def mean_delay(f: NDArray, H: NDArray) -> float:

@@ -129,7 +129,9 @@ def operating_margin(
     ]
     outside = [each for each in near if not (isinstance(each, str) and each in inside)]
     for kind, each in [*(("fext", each) for each in fext), *(("next", each) for each in outside)]:
-        ways.append(_way(kind, each, " ".join(names[:2])))
+        own, other = read_samples(each)
+        _, modes = modes_of(other, " ".join(names[:2]), own or kind)
+        ways.append(Way(kind, modes.f, modes.values[:, :2, :2], modes.z0[:2], own))
     f_b, lacking = float(given.f_b), []
     if short := [way for way in ways if way.f[-1] < f_b / 2 or len(way.f) < 4]:
         title, expected = short[0].title or "file", f"four and more, up to {f_b / 2:g} Hz"
@@ -142,16 +144,6 @@ def operating_margin(
     found = [_margin(given, equalised(given, ways, lengths)) for lengths in given.package.z_p]
     cases = tuple(each.margin for each in found)
     return replace(found[int(np.argmin(cases))], cases=cases, lacking=tuple(lacking), title=title)
-
-
-def _way(kind: str, file: Any, ports: str) -> Way:
-    """From an aggressor in a file of its own."""
-    title, response = read_samples(file)
-    try:
-        modes = modes_of(response, ports)[1]
-    except InputError as error:
-        raise InputError(title or kind, error.problem, error.expected, error.got) from None
-    return Way(kind, modes.f, modes.values[:, :2, :2], modes.z0[:2], title)
 
 
 def _margin(given: Clause, best: Equalised) -> OperatingMargin:
