@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csc_array
     from scipy.sparse.linalg import SuperLU
 
-SMALL_ENTRY, LARGE = 300, 1500  # unknowns up to which matrices are dense at once; and at all, where singular
+LARGE = 1500  # unknowns up to which singular matrices are dense
 REGULAR = 1e12  # condition below which a matrix is not singular
 SINGULAR = 1e-13  # of the largest singular value, or pivot
 CONTRADICTORY = 1e-11  # of the right side
@@ -82,7 +82,7 @@ def slow_limit(A: Sparse, B: Sparse, f: NDArray) -> Limit:
     n, none = len(f), np.zeros(0, int)
     row, column = _scales(A, n)
     A, B, f = A.scaled(row, column), B.scaled(row, column), f * row
-    z = _regular(A, f)
+    z = regular(A, f)
     if z is not None:
         return Limit(z * column, none, none)
     if n > LARGE:
@@ -118,10 +118,10 @@ def _scales(A: Sparse, n: int) -> tuple[NDArray, NDArray]:
     return row, column
 
 
-def _regular(A: Sparse, f: NDArray) -> NDArray | None:
+def regular(A: Sparse, f: NDArray) -> NDArray | None:
     """The solution where the matrix is far from singular."""
     n = len(f)
-    if n <= SMALL_ENTRY:
+    if n <= MOST_DENSE:
         matrix = A.dense(n)
         try:
             found = np.linalg.solve(matrix, np.column_stack([f, np.eye(n)]))
