@@ -31,7 +31,7 @@ from tline.solver.radau import chebyshev
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.merged import probed
 from tline.solver.result.result import Result
-from tline.solver.run import Again, given_out, line_record, run, with_ledger
+from tline.solver.run import Again, given_out, line_records, records_of, run, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, as_computed, at_same_places, compare, relative
 
 NOTHING = np.empty(0)
@@ -258,7 +258,7 @@ class Plan(Pair):
         if self._like is None:
             self._like = super()._given_out(description, waves, accuracy)
         fine, accounts, scene = self.orders[1], self._like.accounts, description.scene
-        lines = {name: line_record(fine.assembly, name, waves, self._done) for name in fine.assembly.recorded}
+        lines = line_records(fine.assembly, records_of(fine.assembly, waves, self._done))
         return replace(
             self._like,
             scene=scene,

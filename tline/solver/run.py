@@ -27,7 +27,7 @@ from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import Result
 from tline.solver.result.states import watched
-from tline.solver.result.wave import ElementRecord, LineRecord, Wave
+from tline.solver.result.wave import ElementRecord, LineRecord, Recorded
 from tline.words.wording import place
 
 LARGEST_RECORD = 4e8  # samples
@@ -157,9 +157,11 @@ def given_out(
     `kinks` are those at which slabs were cut in pieces.
     """
     smears = done.fronts.lost > VISIBLE or description.blurred
-    lines = {name: line_record(assembly, name, waves, done, smears) for name in assembly.recorded}
-    alone = {node: _at_node(assembly, node, waves, done, smears) for node in description.probed_nodes}
-    chosen = assembly.resolution
+    chosen, kept = assembly.resolution, records_of(assembly, waves, done, smears)
+    lines, alone = line_records(assembly, kept), dict[str, LineRecord]()
+    for node in description.probed_nodes:
+        level = assembly.nodes[node].height.level
+        alone[node] = kept.node(assembly.recorded_nodes[node], float(assembly.efforts[node]) + level, level)
     samples = len(assembly.network.ends) * slabs.number * chosen.s
     work = inf if description.coupled else samples + EACH_NODE * len(assembly.nodes)
     return Result(
@@ -176,7 +178,7 @@ def given_out(
         accuracy=accuracy,
         accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work),
         circuits=assembly.grid.circuits,
-        elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
+        elements={where: _into(assembly, where, kept) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )
 
@@ -248,42 +250,33 @@ def _slams(assembly: Assembly) -> dict[str, float]:
     return found
 
 
-def _wave(
-    assembly: Assembly, waves: NDArray, done: March, row: int, before: float, level: float = 0.0, side: int = 0
-) -> Wave:
-    return Wave.of_row(waves, done.pieces, row, side, before + level, level, assembly.basis, assembly.resolution.h)
+def records_of(assembly: Assembly, waves: NDArray, done: March, smears: bool = False) -> Recorded:
+    """Record of a march; `smears` says whether fronts are missing."""
+    chosen = assembly.resolution
+    return Recorded(waves, done.pieces, assembly.basis, chosen.h, smears, done.raw or bool(chosen.sections))
 
 
-def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
-    """The effort at a node where no line ends, as on a line that carries no flow."""
-    before, level = float(assembly.efforts[node]), assembly.nodes[node].height.level
-    u = _wave(assembly, waves, done, assembly.recorded_nodes[node], before, level)
-    return LineRecord(1.0, 0.0, u, u, u, u, smears, raw=done.raw or bool(assembly.resolution.sections))
+def line_records(assembly: Assembly, kept: Recorded) -> dict[str, LineRecord]:
+    """Records of lines by name."""
+    found = {}
+    for name, row in assembly.recorded.items():
+        line = assembly.grid.lines[name]
+        level = assembly.nodes[line.nodes[0]].height.level
+        found[name] = kept.line(row, line, assembly.start[name] + level, level)
+    return found
 
 
-def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
-    row, rows = assembly.recorded_laws[where], assembly.recorded_nodes
+def _into(assembly: Assembly, where: str, kept: Recorded) -> ElementRecord:
+    row, rows, waves = assembly.recorded_laws[where], assembly.recorded_nodes, kept.waves
     e, placed = next((e, one) for e, one in enumerate(assembly.elements) if one.where == where)
     here, there = (
-        _wave(assembly, waves, done, rows[node], float(assembly.efforts[node])) if node else None
+        kept.wave(rows[node], 0, float(assembly.efforts[node])) if node else None
         for node in (placed.from_node, placed.to_node)
     )
     laws, states = assembly.network.laws, np.empty((0, 0))
     at = max(laws.state_at[e], laws.governor_state[e])
     if at >= 0:
         before = assembly.loads_before[[at, at + max(laws.states[e], 1) - 1]]
-        states = np.hstack([before[:, None], waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]])
-    wave = _wave(assembly, waves, done, row, float(waves[row, 0, 0]))
+        states = np.hstack([before[:, None], waves[row : row + 2, 1, kept.order.s - 1 :: kept.order.s]])
+    wave = kept.wave(row, 0, float(waves[row, 0, 0]))
     return ElementRecord(wave, float(laws.source_impedance[e]), states, (here, there))
-
-
-def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:
-    """Return the record of a line; `smears` says whether fronts are missing."""
-    row, line = assembly.recorded[name], assembly.grid.lines[name]
-    level, sides = assembly.nodes[line.nodes[0]].height.level, ((0, 1), (0, 0), (1, 0), (1, 1))
-    at_ends = [
-        _wave(assembly, waves, done, row + end, before, level, side)
-        for (end, side), before in zip(sides, assembly.start[name].tolist(), strict=True)
-    ]
-    raw = done.raw or bool(assembly.resolution.sections)
-    return LineRecord(line.z0, line.delay, *at_ends, smeared=smears, raw=raw)

@@ -32,14 +32,14 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.given import Height, Shape
 from tline.solver.description.resolution import WHOLE, Resolution
-from tline.solver.loop.march import Noted, concatenated
+from tline.solver.loop.march import concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Basis, basis
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.merged import probed
 from tline.solver.result.result import ProbeResult, Result
-from tline.solver.result.wave import LineRecord, Wave
+from tline.solver.result.wave import LineRecord, Recorded
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
@@ -189,16 +189,19 @@ class Convolved:
             waves, noted = summed((record for record, _ in records), ahead, n, order, chosen.layers)
         else:
             waves, noted = next(records)[0], concatenated([], order.s)
-        seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
-        at_nodes = {
-            node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
-            for k, node in enumerate(description.probed_nodes)
-        }
+        start = {name: self._start(name, k) for k, name in enumerate(description.lines)}
+        kept, seen, at_nodes = Recorded(waves, noted, order, h), dict[str, LineRecord](), dict[str, LineRecord]()
+        for k, name in enumerate(self.lines):
+            line = description.lines[name]
+            before = description.nodes[line.nodes[0]].height.level + start[name]
+            seen[name] = kept.line(2 * k, line, before, before)
+        for k, node in enumerate(description.probed_nodes, 2 * len(seen)):
+            u = self.before.effort[node] + description.nodes[node].height.level
+            at_nodes[node] = kept.node(k, u, u)
         probes = probed(description, seen, at_nodes, slabs)
         narrow = noted.values[:, 0].size if follows else 0
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.thread_time() - started
-        start = {name: self._start(line) for line, name in enumerate(description.lines)}
         done = chosen._replace(convolved=True)
         result = Result(description.scene, slabs, probes, seen, done, done.notes, start, samples, seconds, Tally())
         if self.envelope:
@@ -301,29 +304,12 @@ class Convolved:
                 slabs[bundle.lines] = 0.0
         return fronts, slabs
 
-    def _start(self, line: int) -> NDArray:
+    def _start(self, name: str, k: int) -> NDArray:
         """Waves (a1, b1, a2, b2) of a line before t = 0, counted from the level."""
-        one = list(self.description.lines.values())[line]
-        u = np.array([self.before.effort[at] for at in one.nodes])
-        q = one.z0 * self.before.flows[line]
-        return np.stack([u + q, u - q], axis=1).ravel()
-
-    def _line(self, name: str, row: int, waves: NDArray, noted: Noted, order: Basis, h: float) -> LineRecord:
         line = self.description.lines[name]
-        level = self.description.nodes[line.nodes[0]].height.level
-        before = level + self._start([*self.description.lines].index(name))
-        sides = (0, 1), (0, 0), (1, 0), (1, 1)
-        a1, b1, a2, b2 = (
-            Wave.of_row(waves, noted, row + end, side, float(value), float(value), order, h)
-            for (end, side), value in zip(sides, before, strict=True)
-        )
-        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, raw=True)
-
-    def _effort(self, node: str, row: int, waves: NDArray, noted: Noted, order: Basis, h: float) -> LineRecord:
-        """The effort at a node where no line ends, as on a line that carries no flow."""
-        before = self.before.effort[node] + self.description.nodes[node].height.level
-        u = Wave.of_row(waves, noted, row, 0, before, before, order, h)
-        return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, raw=True)
+        u = np.array([self.before.effort[at] for at in line.nodes])
+        q = line.z0 * self.before.flows[k]
+        return np.stack([u + q, u - q], axis=1).ravel()
 
 
 def suits(description: Description) -> bool:

@@ -72,7 +72,8 @@ def wiring_of(description: Description) -> Wiring:
     joins = np.vstack([ends[joined], pairs])
     inertia = np.concatenate([(z0 * delay)[joined], [inertia for *_, inertia in shorts]])
     names = [name for name, kept in zip(lines, joined.tolist(), strict=True) if kept]
-    return Wiring(number, ends, z0, delay, leak, falls > 0, joined, joins, inertia, names, parts(*joins.T, len(number)))
+    part = parts(joins[:, 0], joins[:, 1], len(number))
+    return Wiring(number, ends, z0, delay, leak, falls > 0, joined, joins, inertia, names, part)
 
 
 def at_nodes(description: Description, lines: Wiring) -> AtNodes:

@@ -114,16 +114,17 @@ def _solved(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, ND
     unit = float(np.exp(np.log(known).mean()))
     if ports:
         linear, names, flows = ported(description, at, edges.where, lines, unit)
-        found = balanced(laws, linear)
-        check_limit(found.limit, names, lines)
+        near = None
     else:
         total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
+        linear, names, flows = Linear(given, total, source, unit), [], None
         near = _near(description, len(edges.where) + len(given))
-        found = balanced(laws, Linear(given, total, source, unit), near)
+    found = balanced(laws, linear, near)
+    check_limit(found.limit, names, lines)
     driving = _driving(parted, edges)
     _check_found(parted, edges, found, part, driving)
     effort = _settled(parted, edges, found, found.effort[part], driving)
-    y = found.others[flows] / unit if ports else _inside(parted, edges, found, effort)
+    y = _inside(parted, edges, found, effort) if flows is None else found.others[flows] / unit
     return effort, y, found.flow, found.unknowns
 
 
