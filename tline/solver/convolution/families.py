@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.excitation import EDGE, Waveform, just_before
+from tline.solver.description.excitation import EDGE, Straight, Waveform, just_before
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis, thin_product
 
@@ -82,32 +82,6 @@ def family_of(instants: NDArray, ahead: NDArray) -> NDArray:
     """Number of the lead that puts each instant, in slabs, at an edge."""
     apart = np.abs(-instants[:, None] % 1.0 - ahead)
     return np.minimum(apart, 1.0 - apart).argmin(axis=1)
-
-
-class Straight(NamedTuple):
-    """Straight pieces between fronts."""
-
-    at: NDArray  # (fronts,) s
-    level: NDArray  # (fronts + 1,) before the first front, and behind each
-    slope: NDArray  # (fronts + 1,) 1/s
-
-    @classmethod
-    def constant(cls, level: float) -> "Straight":
-        """Waveform without a front."""
-        return cls(np.empty(0), np.array([level]), np.zeros(1))
-
-    def breaks(self, t_end: float) -> NDArray:
-        """Instants of the fronts, s."""
-        return self.at[self.at < t_end]
-
-    def value(self, t: NDArray, inside: NDArray) -> NDArray:
-        """Value at t of the piece that contains `inside`, continued."""
-        piece = np.searchsorted(self.at, inside)
-        return self.level[piece] + self.slope[piece] * (t - np.append(0.0, self.at)[piece])
-
-    def fastest(self) -> float:
-        """No time scale."""
-        return np.inf
 
 
 class Late(NamedTuple):

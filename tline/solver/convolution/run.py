@@ -23,8 +23,7 @@ from tline.solver.convolution.families import (
     leads,
     summed,
 )
-from tline.solver.convolution.fronts import Fronts, Tangents
-from tline.solver.convolution.laws import Clock, LawsAtPorts
+from tline.solver.convolution.laws import Clock, Fronts, LawsAtPorts, Tangents
 from tline.solver.convolution.layers import LEVELS, Layers, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, fast, gain
@@ -249,14 +248,14 @@ class Convolved:
         s, N, last = rule.points * self.network.second, len(self.network.names), len(ahead) - 1
         for some in np.array_split(np.arange(last + 1), min(int(len(s) * N * (last + 1) / MOST_HELD) + 1, last + 1)):
             given = [self._driven(rule, order, self._parts(rule.h, families, k, ahead[k])) for k in some.tolist()]
-            driven = rule.forward(np.concatenate(given, axis=2)).reshape(len(s), len(some), 2, -1)
-            held, flows = driven.transpose(2, 0, 3, 1)
-            found = self.network.efforts(s, self.driving, held, flows, lines)
+            sources = rule.forward(np.concatenate(given, axis=2)).reshape(len(s), len(some), 2, -1)
+            held, flows = sources.transpose(2, 0, 3, 1)
+            driven, from_laws = self.network.efforts(s, self.driving, held, flows, lines)
             for column, k in enumerate(some.tolist()):
-                efforts = found.driven[:, :, column]
+                efforts = driven[:, :, column]
                 if self.laws and k == last:
-                    for waves, tangents in self.laws.waves(rule, order, clocks, efforts, found.from_laws):
-                        due = (found.from_laws @ waves[:, :, None])[:, :, 0]
+                    for waves, tangents in self.laws.waves(rule, order, clocks, efforts, from_laws):
+                        due = (from_laws @ waves[:, :, None])[:, :, 0]
                         yield self._recorded(rule, due + efforts * (last == 0), lines), tangents
                         last = -1
                     continue
