@@ -17,7 +17,7 @@ from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, suit
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
-from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.resolution import LARGEST, Resolution, resolution
 from tline.solver.ledger.ledger import Ledger, Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
@@ -30,11 +30,9 @@ from tline.solver.result.states import watched
 from tline.solver.result.wave import ElementRecord, LineRecord, Recorded
 from tline.words.wording import place
 
-LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
 Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
-NOWHERE = np.empty(0)
 PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
 MOST_ALONE = 100  # cuts, beyond which all slabs are in parts and not a piece alone
 EACH_NODE = 4000  # cost of a node in a ledger, in samples
@@ -126,9 +124,9 @@ def _run(
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
-    if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
+    if (samples := 4 * len(kept) * n * chosen.s) > LARGEST:
         problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
-        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+        raise InputError("probes", problem, f"at most {LARGEST:.0e}: fewer probes or a shorter run")
     extremes = Extremes(assembly, slabs) if envelope else None
     recorder = Recorder(assembly, slabs) if ledger else None
     watching = [each for each in (extremes, recorder) if each]
@@ -216,7 +214,7 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
     Slabs come in parts, then in smaller ones; the error is raised if they do already.
     """
     where = error.where.split(" and ")[0]
-    known = kinks.get(where, NOWHERE)
+    known = kinks.get(where, ())
     begin, end = error.span or (0.0, 0.0)
     if end - begin > PARTS * EDGE and len(known) < MOST_ALONE:
         return {**kinks, where: np.union1d(known, (begin + (end - begin) * np.arange(1, PARTS) / PARTS) * h)}
@@ -233,7 +231,7 @@ def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:
         elements = [element.where for element in group.elements]
         yield from (Event(t, g) for t in begin * len(elements))
         for where in (*elements, *(at_node(node.name) for node in group.nodes)):
-            yield from (Event(float(t), g) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+            yield from (Event(float(t), g) for t in np.asarray(kinks.get(where, ())) / assembly.resolution.h)
 
 
 def at_node(name: str) -> str:

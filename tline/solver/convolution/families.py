@@ -17,8 +17,9 @@ from tline.solver.radau import Basis, thin_product
 
 MOST_FAMILIES = 128  # families that are worth a run each
 SAME_FAMILY = EDGE / 2  # slabs; fronts whose places differ by less are of one family
-ROUNDED = 1e-14  # of the largest wave of a record
-SMALLEST_CORNER = 1e-14  # relative to the waveform's amplitude; smaller jumps and bends are rounding
+ROUNDED = (
+    1e-14  # of the largest wave of a record, of sources, or of a waveform: smaller waves, jumps and bends are none
+)
 STEP = 1e-6  # of the time scale of a curved waveform, by which its slope at a front is seen
 SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with the value before
 
@@ -60,7 +61,7 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
         begin = (waveform.value(knots[:-1] + step, middle) - pieces[0]) / step
         end = (pieces[-1] - waveform.value(knots[1:] - step, middle)) / step
     bend = begin - np.append(0.0, end[:-1])
-    least = SMALLEST_CORNER * max(float(np.abs(pieces).max()), abs(before))
+    least = ROUNDED * max(float(np.abs(pieces).max()), abs(before))
     jump[np.abs(jump) <= least] = 0.0
     real = (np.abs(jump) > least) | (np.abs(bend) * width > least) | curved
     real[0] &= bool((np.abs(pieces[:, 0] - before) > least).any())

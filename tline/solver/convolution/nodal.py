@@ -15,9 +15,7 @@ from tline.solver.description.elements import Branch
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import switches_of
 from tline.solver.description.nodes import Node
-from tline.solver.stability.scattering import Scattering
-
-CHUNK = 1e6  # complex entries of matrices held at once
+from tline.solver.stability.scattering import CHUNK, Scattering
 
 
 class Block(NamedTuple):

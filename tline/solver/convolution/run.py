@@ -16,6 +16,7 @@ from tline.solver.assembly.layout import Excitation
 from tline.solver.assembly.workspace import Tally
 from tline.solver.convolution.families import (
     MOST_FAMILIES,
+    ROUNDED,
     SAME_FAMILY,
     Changes,
     changes_of,
@@ -42,7 +43,6 @@ from tline.solver.result.wave import LineRecord, Recorded
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
-SILENT = 1e-14  # relative to the sources: a smaller row of the record is rounding, and nothing has arrived
 LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
@@ -262,7 +262,7 @@ class Convolved:
                 record = self._recorded(rule, efforts, lines)
                 if self.laws is None:  # otherwise laws may drive
                     sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
-                    least = SILENT * max(sizes * [1.0, self.network.z0.max()])
+                    least = ROUNDED * max(sizes * [1.0, self.network.z0.max()])
                     record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
                 yield record, None
 

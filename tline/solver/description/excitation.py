@@ -10,7 +10,7 @@ from tline.solver.description.given import Constant, Shape
 from tline.solver.radau import Basis
 
 MEANS = 8  # instants of a slab
-EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
+EDGE = 1e-9  # slabs; a break, an instant, or the end of a run nearer than this to a slab's edge counts as on it
 
 
 class Waveform(Protocol):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tline.solver.description.excitation import EDGE
 from tline.solver.radau import Basis
 from tline.solver.result.display import shortly
 from tline.solver.result.superconvergence import superconvergent
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from tline.solver.description.lines import Line
     from tline.solver.loop.march import Noted
 
-AT_SLAB_END = 1e-9  # in slabs; an instant this near to a slab end is taken as the end
 ROUNDINGS = 1e-14  # relative rounding error of the instant of a front
 
 
@@ -44,7 +44,7 @@ class Wave:
         """Return the value at any instants up to the end of the run, same shape as t; at a jump that before it."""
         t = np.asarray(t, float)
         place = t.ravel() / self.h
-        slab = np.ceil(place - AT_SLAB_END).astype(int) - 1
+        slab = np.ceil(place - EDGE).astype(int) - 1
         inside = np.clip(slab, 0, len(self.values) - 1)
         local = np.clip(place - inside, 0.0, 1.0)
         wave = self.basis.values(local[:, None], self.values[inside])[:, 0]
@@ -56,7 +56,7 @@ class Wave:
         """Replace values in slabs with fronts by those of their pieces."""
         seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
         start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
-        near = np.minimum(ROUNDINGS * place[seen], AT_SLAB_END)  # behind a front pieces may be far narrower than a slab
+        near = np.minimum(ROUNDINGS * place[seen], EDGE)  # behind a front pieces may be far narrower than a slab
         piece = np.minimum(np.searchsorted(stop, place[seen] - near), len(stop) - 1)
         local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
         wave[seen] = self.basis.values(local[:, None], self.pieces.values[piece])[:, 0]

@@ -21,10 +21,9 @@ from tline.solver.steady.pockets import settled
 from tline.solver.steady.ports import AtNodes, Wiring, at_nodes, branches_with_ports, check_limit, ported, wiring_of
 from tline.words.wording import place
 
-SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equal
+SAME_EFFORT = 1e-9  # relative difference of equal efforts, and share of the largest flow that leaks may take
 LAST_DIGITS = 1e-14  # of the level: rounding of efforts that count from it
 DROWNING = 1e9  # times the flow that efforts drive through lines: waves have no digits left for these efforts
-STUCK = 1e-9  # of the largest flow, or of that from held efforts and pumps into a line: limit of flows into leaks
 
 
 class Before(NamedTuple):
@@ -174,7 +173,7 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
     if driving > 0 and np.abs(found.flow).max(initial=0.0) > DROWNING * driving:
         problem = "no steady state: nothing limits the flow that an ideal effort drives through it"
         raise InputError(edges.where[int(np.abs(found.flow).argmax())], problem, "a resistance between")
-    stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=driving))
+    stuck = np.flatnonzero(np.abs(found.leak) > SAME_EFFORT * np.abs(found.flow).max(initial=driving))
     if stuck.size and driving > 0:
         description, number = parted.description, parted.lines.number
         names, sources = list(number), description.scene.sources
