@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from one_line import one_line
 
-from tline.solver.convolution.corners import corners_of
 from tline.solver.convolution.families import summed
+from tline.solver.convolution.layers import corners_of
 from tline.solver.description.description import describe
 from tline.solver.radau import basis
 from tline.solver.result.dense_output import curve, search

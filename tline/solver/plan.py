@@ -31,10 +31,9 @@ from tline.solver.radau import chebyshev
 from tline.solver.result.accuracy import SLOWEST, Accuracy, Attempt
 from tline.solver.result.merged import probed
 from tline.solver.result.result import Result
-from tline.solver.run import Again, given_out, line_record, run, with_ledger
+from tline.solver.run import Again, given_out, line_records, records_of, run, with_ledger
 from tline.solver.tolerance.compare import BETWEEN, as_computed, at_same_places, compare, relative
 
-NOTHING = np.empty(0)
 LOWEST, HIGHEST = 5, 10  # order of the coarser run: below, the difference falls slowly
 HALVINGS = 5  # of slabs as wide as the shortest delay, or as the common divisor of all delays
 MOST_PARTS = 1000  # of the shortest delay
@@ -87,7 +86,7 @@ class OneOrder:
         if row >= 0:
             step = load_step(group.always, order, h) if network.step_whole[row] else group.always.d
             network.step[network.step_at[row] :][: step.size] = step.ravel()
-            at_rest = NOTHING if group.single else group.at_rest()  # nothing is lifted
+            at_rest = np.empty(0) if group.single else group.at_rest()  # nothing is lifted
             self.initial[at : at + len(at_rest)] = at_rest
         for k, (node, old) in enumerate(zip(group.nodes, before.nodes, strict=True), network.group[g]):
             if node.drives_as(old):
@@ -258,7 +257,7 @@ class Plan(Pair):
         if self._like is None:
             self._like = super()._given_out(description, waves, accuracy)
         fine, accounts, scene = self.orders[1], self._like.accounts, description.scene
-        lines = {name: line_record(fine.assembly, name, waves, self._done) for name in fine.assembly.recorded}
+        lines = line_records(fine.assembly, records_of(fine.assembly, waves, self._done))
         return replace(
             self._like,
             scene=scene,

@@ -16,8 +16,9 @@ from tline.solver.result.result import Result
 from tline.solver.simulate import asked, simulated
 from tline.solver.tolerance.ladder import Budget, Search, Start
 
-SLOWER = 4  # times that a step may leave more of a difference with other values
-CLEARLY = 4  # times that a grid may be worse with other values, unless unknown kinks make it so
+WORSE = (
+    4  # times that a step may leave more of a difference with other values; and a grid, unless unknown kinks make it so
+)
 ROOM = 0.2  # of the tolerance: where the order below should leave less, it is tried
 
 
@@ -121,7 +122,7 @@ class Prepared:
             self.starts.pop(tol, None)
             return
         known, told = self.starts.get(tol), [a.estimate for a in attempts if a.estimate]
-        if known and told and told[0] > CLEARLY * known.told:
+        if known and told and told[0] > WORSE * known.told:
             return  # a run that knows no kinks from one before is worse than its grid, and so would finer ones be
         halved = round(log2(attempts[0].slab / attempts[-2].slab)) + (known.halved if known else 0)
         self._repeated.update([tol] if known else [])
@@ -129,7 +130,7 @@ class Prepared:
         if halved:
             left = SLOWEST
         elif len(told) > 1:
-            left = min(SLOWER * (told[-1] / told[-2]) ** (1 / max(order - attempts[-3].order, 1)), SLOWEST)
+            left = min(WORSE * (told[-1] / told[-2]) ** (1 / max(order - attempts[-3].order, 1)), SLOWEST)
         spare = known is not None and told and told[-1] <= ROOM * tol * left and not halved
         self.starts[tol] = Start(order - 1 if spare else order, left, halved, told[-1] if told and not spare else inf)
 

@@ -17,7 +17,7 @@ from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, suit
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
-from tline.solver.description.resolution import Resolution, resolution
+from tline.solver.description.resolution import LARGEST, Resolution, resolution
 from tline.solver.ledger.ledger import Ledger, Recorder
 from tline.solver.loop.march import March, march
 from tline.solver.loop.slabs import Slabs
@@ -27,14 +27,12 @@ from tline.solver.result.merged import probed
 from tline.solver.result.notes import VISIBLE, smeared
 from tline.solver.result.result import Result
 from tline.solver.result.states import watched
-from tline.solver.result.wave import ElementRecord, LineRecord, Wave
+from tline.solver.result.wave import ElementRecord, LineRecord, Recorded
 from tline.words.wording import place
 
-LARGEST_RECORD = 4e8  # samples
 LARGEST_LEDGER = 1e7  # samples at line ends, of a ledger that is not asked for: half a second
 Kinks = Mapping[str, NDArray]
 NO_KINKS: Kinks = MappingProxyType({})
-NOWHERE = np.empty(0)
 PARTS, MOST_CUTS = 4, 1e6  # of each slab at a group in which no flow is found, and of each of these; cuts in all
 MOST_ALONE = 100  # cuts, beyond which all slabs are in parts and not a piece alone
 EACH_NODE = 4000  # cost of a node in a ledger, in samples
@@ -126,9 +124,9 @@ def _run(
     with gc_paused():
         assembly = assemble(description, kept, chosen, laws=laws, progress=progress)
     assembly.events = sorted([*assembly.events, *_cuts(assembly, kinks)])
-    if (samples := 4 * len(kept) * n * chosen.s) > LARGEST_RECORD:
+    if (samples := 4 * len(kept) * n * chosen.s) > LARGEST:
         problem = f"recording {len(kept)} lines over {n} slabs of order {chosen.s} needs {samples:.2g} samples"
-        raise InputError("probes", problem, f"at most {LARGEST_RECORD:.0e}: fewer probes or a shorter run")
+        raise InputError("probes", problem, f"at most {LARGEST:.0e}: fewer probes or a shorter run")
     extremes = Extremes(assembly, slabs) if envelope else None
     recorder = Recorder(assembly, slabs) if ledger else None
     watching = [each for each in (extremes, recorder) if each]
@@ -157,9 +155,11 @@ def given_out(
     `kinks` are those at which slabs were cut in pieces.
     """
     smears = done.fronts.lost > VISIBLE or description.blurred
-    lines = {name: line_record(assembly, name, waves, done, smears) for name in assembly.recorded}
-    alone = {node: _at_node(assembly, node, waves, done, smears) for node in description.probed_nodes}
-    chosen = assembly.resolution
+    chosen, kept = assembly.resolution, records_of(assembly, waves, done, smears)
+    lines, alone = line_records(assembly, kept), dict[str, LineRecord]()
+    for node in description.probed_nodes:
+        level = assembly.nodes[node].height.level
+        alone[node] = kept.node(assembly.recorded_nodes[node], float(assembly.efforts[node]) + level, level)
     samples = len(assembly.network.ends) * slabs.number * chosen.s
     work = inf if description.coupled else samples + EACH_NODE * len(assembly.nodes)
     return Result(
@@ -176,7 +176,7 @@ def given_out(
         accuracy=accuracy,
         accounts=Again(description.scene, chosen, slabs.number, dict(kinks), work),
         circuits=assembly.grid.circuits,
-        elements={where: _into(assembly, where, waves, done) for where in assembly.recorded_laws},
+        elements={where: _into(assembly, where, kept) for where in assembly.recorded_laws},
         slams=_slams(assembly),
     )
 
@@ -214,7 +214,7 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
     Slabs come in parts, then in smaller ones; the error is raised if they do already.
     """
     where = error.where.split(" and ")[0]
-    known = kinks.get(where, NOWHERE)
+    known = kinks.get(where, ())
     begin, end = error.span or (0.0, 0.0)
     if end - begin > PARTS * EDGE and len(known) < MOST_ALONE:
         return {**kinks, where: np.union1d(known, (begin + (end - begin) * np.arange(1, PARTS) / PARTS) * h)}
@@ -231,7 +231,7 @@ def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:
         elements = [element.where for element in group.elements]
         yield from (Event(t, g) for t in begin * len(elements))
         for where in (*elements, *(at_node(node.name) for node in group.nodes)):
-            yield from (Event(float(t), g) for t in kinks.get(where, NOWHERE) / assembly.resolution.h)
+            yield from (Event(float(t), g) for t in np.asarray(kinks.get(where, ())) / assembly.resolution.h)
 
 
 def at_node(name: str) -> str:
@@ -248,42 +248,33 @@ def _slams(assembly: Assembly) -> dict[str, float]:
     return found
 
 
-def _wave(
-    assembly: Assembly, waves: NDArray, done: March, row: int, before: float, level: float = 0.0, side: int = 0
-) -> Wave:
-    return Wave.of_row(waves, done.pieces, row, side, before + level, level, assembly.basis, assembly.resolution.h)
+def records_of(assembly: Assembly, waves: NDArray, done: March, smears: bool = False) -> Recorded:
+    """Record of a march; `smears` says whether fronts are missing."""
+    chosen = assembly.resolution
+    return Recorded(waves, done.pieces, assembly.basis, chosen.h, smears, done.raw or bool(chosen.sections))
 
 
-def _at_node(assembly: Assembly, node: str, waves: NDArray, done: March, smears: bool) -> LineRecord:
-    """The effort at a node where no line ends, as on a line that carries no flow."""
-    before, level = float(assembly.efforts[node]), assembly.nodes[node].height.level
-    u = _wave(assembly, waves, done, assembly.recorded_nodes[node], before, level)
-    return LineRecord(1.0, 0.0, u, u, u, u, smears, raw=done.raw or bool(assembly.resolution.sections))
+def line_records(assembly: Assembly, kept: Recorded) -> dict[str, LineRecord]:
+    """Records of lines by name."""
+    found = {}
+    for name, row in assembly.recorded.items():
+        line = assembly.grid.lines[name]
+        level = assembly.nodes[line.nodes[0]].height.level
+        found[name] = kept.line(row, line, assembly.start[name] + level, level)
+    return found
 
 
-def _into(assembly: Assembly, where: str, waves: NDArray, done: March) -> ElementRecord:
-    row, rows = assembly.recorded_laws[where], assembly.recorded_nodes
+def _into(assembly: Assembly, where: str, kept: Recorded) -> ElementRecord:
+    row, rows, waves = assembly.recorded_laws[where], assembly.recorded_nodes, kept.waves
     e, placed = next((e, one) for e, one in enumerate(assembly.elements) if one.where == where)
     here, there = (
-        _wave(assembly, waves, done, rows[node], float(assembly.efforts[node])) if node else None
+        kept.wave(rows[node], 0, float(assembly.efforts[node])) if node else None
         for node in (placed.from_node, placed.to_node)
     )
     laws, states = assembly.network.laws, np.empty((0, 0))
     at = max(laws.state_at[e], laws.governor_state[e])
     if at >= 0:
         before = assembly.loads_before[[at, at + max(laws.states[e], 1) - 1]]
-        states = np.hstack([before[:, None], waves[row : row + 2, 1, assembly.basis.s - 1 :: assembly.basis.s]])
-    wave = _wave(assembly, waves, done, row, float(waves[row, 0, 0]))
+        states = np.hstack([before[:, None], waves[row : row + 2, 1, kept.order.s - 1 :: kept.order.s]])
+    wave = kept.wave(row, 0, float(waves[row, 0, 0]))
     return ElementRecord(wave, float(laws.source_impedance[e]), states, (here, there))
-
-
-def line_record(assembly: Assembly, name: str, waves: NDArray, done: March, smears: bool = False) -> LineRecord:
-    """Return the record of a line; `smears` says whether fronts are missing."""
-    row, line = assembly.recorded[name], assembly.grid.lines[name]
-    level, sides = assembly.nodes[line.nodes[0]].height.level, ((0, 1), (0, 0), (1, 0), (1, 1))
-    at_ends = [
-        _wave(assembly, waves, done, row + end, before, level, side)
-        for (end, side), before in zip(sides, assembly.start[name].tolist(), strict=True)
-    ]
-    raw = done.raw or bool(assembly.resolution.sections)
-    return LineRecord(line.z0, line.delay, *at_ends, smeared=smears, raw=raw)

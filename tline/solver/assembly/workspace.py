@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tline.compiled.structure import pack
+from tline.compiled.structure import empty, pack
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.node_maps import SUBSTEPS, Event, settling_step
 from tline.solver.description.excitation import Broken
@@ -39,7 +39,6 @@ from tline.solver.kernel.network import (
     Network,
     State,
     Store,
-    Tools,
     Work,
 )
 
@@ -160,15 +159,7 @@ def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int)
 @cache
 def _without_elements() -> Any:
     """Packed workspace of a network without elements; never read."""
-    nothing = np.empty(0)
-    matrix = np.empty((0, 0))
-    tools = Tools(nothing, matrix, matrix, matrix, matrix)
-    others = dict.fromkeys((*AT_POINTS, "integral", "constant"), nothing)
-    store = Store(nothing, nothing, tools, **others, system=matrix, division=np.empty(0, np.int64))
-    two = dict.fromkeys(("answer", "system", "control", "kept"), matrix)
-    one = dict.fromkeys((*AT_LAWS, "waves", "held", "largest"), nothing)
-    circuit = CircuitWork(**one, **two, **dict.fromkeys(("part", "width"), np.zeros(0, np.int64)))
-    return pack(Crossing(*[nothing] * len(Crossing._fields))), pack(store), pack(circuit)
+    return tuple(pack(empty(structure)) for structure in (Crossing, Store, CircuitWork))
 
 
 def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:

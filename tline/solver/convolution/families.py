@@ -11,14 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.description.excitation import EDGE, Waveform, just_before
+from tline.solver.description.excitation import EDGE, Straight, Waveform, just_before
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis, thin_product
 
 MOST_FAMILIES = 128  # families that are worth a run each
 SAME_FAMILY = EDGE / 2  # slabs; fronts whose places differ by less are of one family
-ROUNDED = 1e-14  # of the largest wave of a record
-SMALLEST_CORNER = 1e-14  # relative to the waveform's amplitude; smaller jumps and bends are rounding
+ROUNDED = (
+    1e-14  # of the largest wave of a record, of sources, or of a waveform: smaller waves, jumps and bends are none
+)
 STEP = 1e-6  # of the time scale of a curved waveform, by which its slope at a front is seen
 SEEN = np.array([[0.0], [0.1382], [0.4142], [0.7321], [1.0]])  # of a piece: where it is compared with the value before
 
@@ -60,7 +61,7 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
         begin = (waveform.value(knots[:-1] + step, middle) - pieces[0]) / step
         end = (pieces[-1] - waveform.value(knots[1:] - step, middle)) / step
     bend = begin - np.append(0.0, end[:-1])
-    least = SMALLEST_CORNER * max(float(np.abs(pieces).max()), abs(before))
+    least = ROUNDED * max(float(np.abs(pieces).max()), abs(before))
     jump[np.abs(jump) <= least] = 0.0
     real = (np.abs(jump) > least) | (np.abs(bend) * width > least) | curved
     real[0] &= bool((np.abs(pieces[:, 0] - before) > least).any())
@@ -82,32 +83,6 @@ def family_of(instants: NDArray, ahead: NDArray) -> NDArray:
     """Number of the lead that puts each instant, in slabs, at an edge."""
     apart = np.abs(-instants[:, None] % 1.0 - ahead)
     return np.minimum(apart, 1.0 - apart).argmin(axis=1)
-
-
-class Straight(NamedTuple):
-    """Straight pieces between fronts."""
-
-    at: NDArray  # (fronts,) s
-    level: NDArray  # (fronts + 1,) before the first front, and behind each
-    slope: NDArray  # (fronts + 1,) 1/s
-
-    @classmethod
-    def constant(cls, level: float) -> "Straight":
-        """Waveform without a front."""
-        return cls(np.empty(0), np.array([level]), np.zeros(1))
-
-    def breaks(self, t_end: float) -> NDArray:
-        """Instants of the fronts, s."""
-        return self.at[self.at < t_end]
-
-    def value(self, t: NDArray, inside: NDArray) -> NDArray:
-        """Value at t of the piece that contains `inside`, continued."""
-        piece = np.searchsorted(self.at, inside)
-        return self.level[piece] + self.slope[piece] * (t - np.append(0.0, self.at)[piece])
-
-    def fastest(self) -> float:
-        """No time scale."""
-        return np.inf
 
 
 class Late(NamedTuple):

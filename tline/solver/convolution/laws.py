@@ -24,13 +24,12 @@ from tline.compiled.structure import Packed, empty, pack
 from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.families import SAME_FAMILY, changes_of, leads
-from tline.solver.convolution.fronts import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import EDGE
+from tline.solver.description.excitation import EDGE, Straight
 from tline.solver.description.groups import Group, parts
-from tline.solver.description.laws import Moving, laws_of, started, states_of, units_of_laws, with_basis
+from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved
 from tline.solver.kernel.network import Laws, Network, Run, State, Units
 from tline.solver.kernel.units import law_addresses
@@ -51,6 +50,40 @@ class Clock(NamedTuple):
     until: float = inf  # s
 
 
+class Fronts(NamedTuple):
+    """Fronts that hold the effort at a node, or drive flows into nodes by weights."""
+
+    into: list[tuple[int, float]]
+    held: bool
+    at: NDArray  # (fronts,) s
+    jump: NDArray
+    bend: NDArray  # 1/s
+
+    def sizes(self, h: float) -> NDArray:
+        """Largest jump and bend, the latter within a time h."""
+        return np.array([np.abs(each).max(initial=0.0) for each in (self.jump, self.bend * h)])
+
+    def some(self, chosen: list[int]) -> "Fronts":
+        """Some of the fronts."""
+        return self._replace(**{name: getattr(self, name)[chosen] for name in ("at", "jump", "bend")})
+
+
+class Tangents(NamedTuple):
+    """Laws at all points of slabs, (n, s, K): i = i0 + g (e - e0) across each, with few different g, none extreme."""
+
+    effort: NDArray
+    flow: NDArray
+    conductance: NDArray
+
+    def front(self, law: int, slab: int, order: Basis, h: float) -> tuple[float, float]:
+        """Jump and bend, at the beginning of a slab, of the flow that a law has beyond its tangent behind it."""
+        flow = self.flow[:, :, law] - self.conductance[slab, -1, law] * self.effort[:, :, law]
+        powers, value = np.arange(order.s), order.evaluation([0.0, 1.0])
+        slope = 2 / h * (powers * np.array([[-1.0], [1.0]]) ** np.maximum(powers - 1, 0)) @ order.to_powers
+        before, behind = flow[slab - 1], flow[slab]
+        return float(value[0] @ behind - value[1] @ before), float(slope[0] @ behind - slope[1] @ before)
+
+
 class LawsAtPorts:
     """Laws and switches of a scene, with their state before t = 0."""
 
@@ -60,8 +93,8 @@ class LawsAtPorts:
         across = np.array([effort[e.from_node] - effort[e.to_node] for e in self.elements])
         through = dict(before.through)
         for element, e in zip(self.elements, across.tolist(), strict=True):
-            if isinstance(element.law.factor, Moving):
-                through[element.where] = element.law.factor.before * (e - element.above_level)
+            if isinstance(element.law.factor, Straight):  # a switch
+                through[element.where] = element.control * (e - element.above_level)
         laws = Group([*description.nodes.values()], [], self.elements, [])
         packed, self.controls = laws_of([laws], network.impedances.tolist(), 0, 0)
         self.moving = np.flatnonzero(packed.excitation_row >= 0).tolist()

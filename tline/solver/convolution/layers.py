@@ -1,4 +1,7 @@
-"""Corrections to slabs of one width beside fronts and their arrivals, in pieces ever narrower towards them."""
+"""Corrections to slabs of one width beside fronts and their arrivals, in pieces ever narrower towards them.
+
+Corners in time at which a law kinks: two polynomials within a slab, continued from the slabs on either side.
+"""
 
 from collections import defaultdict
 from collections.abc import Iterator
@@ -7,21 +10,21 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.solver.convolution.corners import Corners, corners_of
-from tline.solver.convolution.families import Straight
-from tline.solver.convolution.fronts import Fronts, Tangents
+from tline.solver.convolution.laws import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.convolution.rays import Ray, Rays
-from tline.solver.description.excitation import EDGE, projected
+from tline.solver.description.excitation import EDGE, Straight, projected
 from tline.solver.loop.march import Noted, concatenated
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, thin_product
 
 POINTS = 200  # of slabs of one width, about
 LEVELS = 14  # times that slabs are halved, at most
 AT_ONCE = 3  # such times that are looked at together
 MOST_ANSWERS = 3e6  # answers of the rest at all points
 MOST_LAYERS = 600  # rays of all fronts
+GRID = np.linspace(0.0, 1.0, 33)  # places in a slab between which two polynomials cross
+FIT = 0.2  # of the change by a corner: largest misfit at the points of the slab, and between the two at the corner
 NARROWEST_PIECE = 4e-16  # of an instant: narrower pieces are dropped
 
 
@@ -43,6 +46,15 @@ class Layer(NamedTuple):
         local = order.evaluation(first + order.c - self.edges[k])
         slabs = np.minimum(np.arange(n)[:, None] + k, len(self.values) - 1)
         return np.einsum("xi,nxird->rdnx", local, self.values[slabs])
+
+
+class Corners(NamedTuple):
+    """Corners of waves, one in each of some slabs: place in slab, and polynomials before and behind it."""
+
+    slab: NDArray  # (m,)
+    at: NDArray  # (m,) in slab time
+    before: NDArray  # (..., m, s) continued over the whole slab
+    behind: NDArray
 
 
 class Layers:
@@ -266,3 +278,30 @@ class Layers:
 def _values(order: Basis, x: NDArray) -> NDArray:
     """Matrices from values at the points to values at places of each piece, (pieces, places, s)."""
     return order.evaluation(x.ravel()).reshape(*x.shape, order.s)
+
+
+def corners_of(waves: NDArray, least: float, order: Basis) -> Corners:
+    """Corners that change waves (..., n, s), all of which bend at one node, by more than `least`."""
+    s = waves.shape[-1]
+    every = waves.reshape(-1, *waves.shape[-2:])
+    before = thin_product(every[:, :-2], order.evaluation(order.c + 1).T)
+    behind = thin_product(every[:, 2:], order.evaluation(order.c - 1).T)
+    off = [np.abs(each - every[:, 1:-1]).max(axis=(0, 2)) for each in (before, behind)]
+    seen = np.flatnonzero(np.minimum(*off) > least)
+    before, behind, here = before[:, seen], behind[:, seen], every[:, seen + 1]
+    on_grid = order.evaluation(GRID)
+    apart = (before - behind) @ on_grid.T  # (waves, m, places)
+    first = np.abs(apart).max(axis=2).argmax(axis=0)
+    most, m = apart[first, np.arange(len(seen))], np.arange(len(seen))
+    crossing = most[:, :-1] * most[:, 1:] < 0
+    k = crossing.argmax(axis=1)
+    low, high = most[m, k], most[m, k + 1]
+    at = GRID[k] + GRID[1] * low / np.where(low == high, 1.0, low - high)
+    known = np.where(order.c < at[:, None], before, behind)
+    changed = np.where(at[:, None] > GRID, before @ on_grid.T, behind @ on_grid.T) - here @ on_grid.T
+    change = np.abs(changed).max(axis=(0, 2))
+    torn = np.abs(((before - behind) * order.evaluation(at)).sum(axis=2)).max(axis=0, initial=0.0)
+    misfit = np.maximum(np.abs(known - here).max(axis=(0, 2)), torn)
+    real = (crossing.sum(axis=1) == 1) & (misfit < FIT * change) & (change > least)
+    shape = *waves.shape[:-2], int(real.sum()), s
+    return Corners(seen[real] + 1, at[real], before[:, real].reshape(shape), behind[:, real].reshape(shape))

@@ -15,16 +15,7 @@ from tline.solver.description.elements import Branch
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import switches_of
 from tline.solver.description.nodes import Node
-from tline.solver.stability.scattering import Scattering
-
-CHUNK = 1e6  # complex entries of matrices held at once
-
-
-class Efforts(NamedTuple):
-    """Efforts at n places in s, of N nodes, under k sets of sources and under waves of 1 from each of K laws."""
-
-    driven: NDArray  # (n, N, k)
-    from_laws: NDArray  # (n, N, K)
+from tline.solver.stability.scattering import CHUNK, Scattering
 
 
 class Block(NamedTuple):
@@ -126,28 +117,28 @@ class LinearRest(Scattering):
 
     def efforts(
         self, s: NDArray, at: NDArray, held: NDArray, flows: NDArray, lines: tuple[NDArray, NDArray]
-    ) -> Efforts:
-        """Efforts under sets of sources, and under each law.
+    ) -> tuple[NDArray, NDArray]:
+        """Efforts at n places in s, of N nodes, under k sets of sources, (n, N, k), and under each law, (n, N, K).
 
-        Sources at some nodes hold efforts and drive flows, shape (n, nodes, k) each; `lines` are the `admittances` of
-        lines, shape (n, P) each.
+        Laws send waves of 1. Sources at some nodes hold efforts and drive flows, shape (n, nodes, k) each; `lines` are
+        the `admittances` of lines, shape (n, P) each.
         """
         size = self.known_by.shape[1] + sum(len(branch.nodes) for _, branches in self.groups for branch in branches)
         parts = int(len(s) * size * (size + held.shape[2] + len(self.laws)) / CHUNK) + 1
         split = (np.array_split(each, parts) for each in (s, held, flows, *lines))
-        found = [self._efforts(at, *part) for part in zip(*split, strict=True)]
-        return Efforts(*(np.concatenate(each) for each in zip(*found, strict=True)))
+        driven, from_laws = zip(*(self._efforts(at, *part) for part in zip(*split, strict=True)), strict=True)
+        return np.concatenate(driven), np.concatenate(from_laws)
 
     def _efforts(
         self, at: NDArray, s: NDArray, held: NDArray, flows: NDArray, same: NDArray, other: NDArray
-    ) -> Efforts:
+    ) -> tuple[NDArray, NDArray]:
         matrix, p = self.system(s, (same, other))
         unknown, sets = p.shape[1], held.shape[2]
         right, known = np.zeros((*matrix.shape[:2], sets + len(self.laws)), complex), self.known_by[at].T
         right[:, :unknown, :sets] = known @ held + p[:, :, None] * (known @ flows)  # none at modes
         right[:, :unknown, sets:] = p[:, :, None] * (self.ports @ self.known_by / self.impedances[:, None]).T
         found = self.known_by @ np.linalg.solve(matrix, right)[:, :unknown]
-        return Efforts(found[:, :, :sets], found[:, :, sets:])
+        return found[:, :, :sets], found[:, :, sets:]
 
     def system(self, s: NDArray, lines: tuple[NDArray, NDArray]) -> tuple[NDArray, NDArray]:
         """Matrix of the unknown efforts, and behind them flows into branches; and p at these efforts."""

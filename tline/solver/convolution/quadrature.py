@@ -20,7 +20,6 @@ J. von Neumann, Math. Nachr. 4 (1951) 258-281, doi:10.1002/mana.3210040124.
 """
 
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,12 +52,7 @@ def padding(tol: float) -> int:
     return next((padded for padded in PADDED if rounding(padded) <= ALIASING_SHARE * tol), PADDED[-1])
 
 
-class Modes(NamedTuple):
-    """D at n places: eigenvalues (n, s), eigenvectors (n, s, s), and their inverses."""
-
-    rates: NDArray
-    vectors: NDArray
-    inverse: NDArray
+Modes = tuple[NDArray, NDArray, NDArray]  # D at n places: eigenvalues (n, s), eigenvectors (n, s, s), their inverses
 
 
 def derivative(basis: Basis, zeta: NDArray) -> Modes:
@@ -68,7 +62,7 @@ def derivative(basis: Basis, zeta: NDArray) -> Modes:
     nearest of a few places; eigenvectors are (1 - λA)^-1 1, and from the left e^T A (1 - λA)^-1 / R'(λ).
     """
     anchors = np.arange(0, len(zeta), max(len(zeta) // ANCHORS, 1))
-    start = _by_decomposition(basis, zeta[anchors]).rates
+    start = _by_decomposition(basis, zeta[anchors])[0]
     rates = start[np.minimum((np.arange(len(zeta)) * len(anchors)) // len(zeta), len(anchors) - 1)]
     alpha, X = np.linalg.eig(basis.A)
     above, below = (np.real(np.poly(each)) for each in (np.linalg.eigvals(basis.A - basis.A[-1]), alpha))  # of 1/λ
@@ -87,13 +81,13 @@ def derivative(basis: Basis, zeta: NDArray) -> Modes:
     if wrong.any():
         for part, right in zip((rates, vectors, inverse), _by_decomposition(basis, zeta[wrong]), strict=True):
             part[wrong] = right
-    return Modes(rates, vectors, inverse)
+    return rates, vectors, inverse
 
 
 def _by_decomposition(basis: Basis, zeta: NDArray) -> Modes:
     inverse, last = np.linalg.inv(basis.A), np.eye(basis.s)[-1]
     rates, vectors = np.linalg.eig(inverse - zeta[:, None, None] * np.outer(inverse.sum(axis=1), last))
-    return Modes(rates, vectors, np.linalg.inv(vectors))
+    return rates, vectors, np.linalg.inv(vectors)
 
 
 def _places(radius: float, n: int) -> NDArray:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.convolution.families import changes_of
-from tline.solver.convolution.fronts import Tangents
+from tline.solver.convolution.laws import Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.description.bundle import Bundle
 from tline.solver.description.description import Description
@@ -36,21 +36,13 @@ class Ray(NamedTuple):
     waves: NDArray  # (points, rows, 2) waves that arrive there and that leave, without the delay
 
 
-class Passed(NamedTuple):
-    """How a front passes a line."""
-
-    delay: float  # s
-    moved: int  # whole slabs of the delay by which waves are moved
-    rest: float  # slabs of it besides
-
-
 class Side(NamedTuple):
     """Ends of a line, or of conductors that mix, at one group of nodes; k waves leave on k ways."""
 
     ends: NDArray  # (k,)
     group: int
     nodes: NDArray  # (k,) places in the group
-    fronts: list[Passed]
+    fronts: list[tuple[float, int, float]]  # in lines: delay, s, whole slabs by which waves are moved, and the rest
     admittance: NDArray  # (points, k, k)
     into: NDArray  # (points, k, k) waves on ways, of those that leave the ends
     out_of: NDArray  # (points, k, k) waves at the other ends, of those on ways
@@ -74,7 +66,7 @@ class Rays:
     ):
         self.network, self.fast, self.h, self.tangents = network, np.abs(points) * h > 1, h, tangents
         each = zip(*(part.tolist() for part in moved), strict=True)
-        self.passed = [Passed(delay, int(slabs), delay / h - slabs) for delay, slabs in each]
+        self.passed = [(delay, int(slabs), delay / h - slabs) for delay, slabs in each]  # of each line, as of `Side`
         self.groups = [at for at, _ in network.groups]
         self.group_of, self.local = np.empty(len(network.names), int), np.empty(len(network.names), int)
         for group, at in enumerate(self.groups):
@@ -112,7 +104,7 @@ class Rays:
 
     def _of_bundle(self, points: NDArray, bundle: Bundle) -> NDArray:
         """Admittances of all pairs of conductors that mix, (points, pairs), whose sides are noted."""
-        fronts = np.array([self.passed[k].delay for k in bundle.lines])
+        fronts = np.array([self.passed[k][0] for k in bundle.lines])
         modes = bundle.modes(points, fronts)
         passed = np.exp(np.outer(points, fronts) - modes.gamma * bundle.length)
         admittance = modes.flow @ modes.inverse
@@ -157,7 +149,7 @@ class Rays:
         The effort at a node is held, or flows are driven into nodes. A wave goes on where |s| > 1/h if it is `least`
         there: else the scene's own slabs follow it.
         """
-        same, start = SAME_ARRIVAL * min(line.delay for line in self.passed), int(self.group_of[source[0][0]])
+        same, start = SAME_ARRIVAL * min(delay for delay, *_ in self.passed), int(self.group_of[source[0][0]])
         heap: list[tuple[float, float, int, int]] = [(0.0, 0.0, 0, start)]
         due: dict[tuple[int, int, int], dict[int, NDArray]] = {}  # waves, (points, k) at each side
         found: list[Ray] = []

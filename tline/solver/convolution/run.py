@@ -16,6 +16,7 @@ from tline.solver.assembly.layout import Excitation
 from tline.solver.assembly.workspace import Tally
 from tline.solver.convolution.families import (
     MOST_FAMILIES,
+    ROUNDED,
     SAME_FAMILY,
     Changes,
     changes_of,
@@ -23,8 +24,7 @@ from tline.solver.convolution.families import (
     leads,
     summed,
 )
-from tline.solver.convolution.fronts import Fronts, Tangents
-from tline.solver.convolution.laws import Clock, LawsAtPorts
+from tline.solver.convolution.laws import Clock, Fronts, LawsAtPorts, Tangents
 from tline.solver.convolution.layers import LEVELS, Layers, affordable
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import MOST_GAIN, PADDED, Quadrature, bundle_creates_energy, fast, gain
@@ -32,18 +32,17 @@ from tline.solver.description.description import Description
 from tline.solver.description.excitation import Waveform, projected
 from tline.solver.description.given import Height, Shape
 from tline.solver.description.resolution import WHOLE, Resolution
-from tline.solver.loop.march import Noted, concatenated
+from tline.solver.loop.march import concatenated
 from tline.solver.loop.slabs import Slabs
 from tline.solver.radau import Basis, basis
 from tline.solver.result.dense_output import extremes
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.merged import probed
 from tline.solver.result.result import ProbeResult, Result
-from tline.solver.result.wave import LineRecord, Wave
+from tline.solver.result.wave import LineRecord, Recorded
 from tline.solver.steady.steady_state import Before, above_level, rest
 
 CLOSEST = 1e-11  # smallest tolerance; transforms are accurate to some 1e-13
-SILENT = 1e-14  # relative to the sources: a smaller row of the record is rounding, and nothing has arrived
 LONG = 1e4  # delays of the longest line
 MANY = 32  # fronts; each has some forty narrower slabs beside it where they are followed
 MOST_BESIDE_LAWS = 2e7  # weights of convolutions, numbers
@@ -189,16 +188,19 @@ class Convolved:
             waves, noted = summed((record for record, _ in records), ahead, n, order, chosen.layers)
         else:
             waves, noted = next(records)[0], concatenated([], order.s)
-        seen = {name: self._line(name, 2 * k, waves, noted, order, h) for k, name in enumerate(self.lines)}
-        at_nodes = {
-            node: self._effort(node, 2 * len(seen) + k, waves, noted, order, h)
-            for k, node in enumerate(description.probed_nodes)
-        }
+        start = {name: self._start(name, k) for k, name in enumerate(description.lines)}
+        kept, seen, at_nodes = Recorded(waves, noted, order, h), dict[str, LineRecord](), dict[str, LineRecord]()
+        for k, name in enumerate(self.lines):
+            line = description.lines[name]
+            before = description.nodes[line.nodes[0]].height.level + start[name]
+            seen[name] = kept.line(2 * k, line, before, before)
+        for k, node in enumerate(description.probed_nodes, 2 * len(seen)):
+            u = self.before.effort[node] + description.nodes[node].height.level
+            at_nodes[node] = kept.node(k, u, u)
         probes = probed(description, seen, at_nodes, slabs)
         narrow = noted.values[:, 0].size if follows else 0
         samples = self.network.size * n * order.s * len(ahead) + narrow
         seconds = time.thread_time() - started
-        start = {name: self._start(line) for line, name in enumerate(description.lines)}
         done = chosen._replace(convolved=True)
         result = Result(description.scene, slabs, probes, seen, done, done.notes, start, samples, seconds, Tally())
         if self.envelope:
@@ -246,21 +248,21 @@ class Convolved:
         s, N, last = rule.points * self.network.second, len(self.network.names), len(ahead) - 1
         for some in np.array_split(np.arange(last + 1), min(int(len(s) * N * (last + 1) / MOST_HELD) + 1, last + 1)):
             given = [self._driven(rule, order, self._parts(rule.h, families, k, ahead[k])) for k in some.tolist()]
-            driven = rule.forward(np.concatenate(given, axis=2)).reshape(len(s), len(some), 2, -1)
-            held, flows = driven.transpose(2, 0, 3, 1)
-            found = self.network.efforts(s, self.driving, held, flows, lines)
+            sources = rule.forward(np.concatenate(given, axis=2)).reshape(len(s), len(some), 2, -1)
+            held, flows = sources.transpose(2, 0, 3, 1)
+            driven, from_laws = self.network.efforts(s, self.driving, held, flows, lines)
             for column, k in enumerate(some.tolist()):
-                efforts = found.driven[:, :, column]
+                efforts = driven[:, :, column]
                 if self.laws and k == last:
-                    for waves, tangents in self.laws.waves(rule, order, clocks, efforts, found.from_laws):
-                        due = (found.from_laws @ waves[:, :, None])[:, :, 0]
+                    for waves, tangents in self.laws.waves(rule, order, clocks, efforts, from_laws):
+                        due = (from_laws @ waves[:, :, None])[:, :, 0]
                         yield self._recorded(rule, due + efforts * (last == 0), lines), tangents
                         last = -1
                     continue
                 record = self._recorded(rule, efforts, lines)
                 if self.laws is None:  # otherwise laws may drive
                     sizes = np.abs(given[column]).max(axis=(0, 1)).reshape(2, -1).max(axis=1, initial=0.0)
-                    least = SILENT * max(sizes * [1.0, self.network.z0.max()])
+                    least = ROUNDED * max(sizes * [1.0, self.network.z0.max()])
                     record[np.abs(record).max(axis=(1, 2)) <= least] = 0.0
                 yield record, None
 
@@ -301,29 +303,12 @@ class Convolved:
                 slabs[bundle.lines] = 0.0
         return fronts, slabs
 
-    def _start(self, line: int) -> NDArray:
+    def _start(self, name: str, k: int) -> NDArray:
         """Waves (a1, b1, a2, b2) of a line before t = 0, counted from the level."""
-        one = list(self.description.lines.values())[line]
-        u = np.array([self.before.effort[at] for at in one.nodes])
-        q = one.z0 * self.before.flows[line]
-        return np.stack([u + q, u - q], axis=1).ravel()
-
-    def _line(self, name: str, row: int, waves: NDArray, noted: Noted, order: Basis, h: float) -> LineRecord:
         line = self.description.lines[name]
-        level = self.description.nodes[line.nodes[0]].height.level
-        before = level + self._start([*self.description.lines].index(name))
-        sides = (0, 1), (0, 0), (1, 0), (1, 1)
-        a1, b1, a2, b2 = (
-            Wave.of_row(waves, noted, row + end, side, float(value), float(value), order, h)
-            for (end, side), value in zip(sides, before, strict=True)
-        )
-        return LineRecord(line.z0, line.delay, a1, b1, a2, b2, smeared=True, raw=True)
-
-    def _effort(self, node: str, row: int, waves: NDArray, noted: Noted, order: Basis, h: float) -> LineRecord:
-        """The effort at a node where no line ends, as on a line that carries no flow."""
-        before = self.before.effort[node] + self.description.nodes[node].height.level
-        u = Wave.of_row(waves, noted, row, 0, before, before, order, h)
-        return LineRecord(1.0, 0.0, u, u, u, u, smeared=True, raw=True)
+        u = np.array([self.before.effort[at] for at in line.nodes])
+        q = line.z0 * self.before.flows[k]
+        return np.stack([u + q, u - q], axis=1).ravel()
 
 
 def suits(description: Description) -> bool:

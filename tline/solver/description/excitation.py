@@ -10,7 +10,7 @@ from tline.solver.description.given import Constant, Shape
 from tline.solver.radau import Basis
 
 MEANS = 8  # instants of a slab
-EDGE = 1e-9  # slabs; a break nearer than this to a slab's edge counts as on it
+EDGE = 1e-9  # slabs; a break, an instant, or the end of a run nearer than this to a slab's edge counts as on it
 
 
 class Waveform(Protocol):
@@ -27,6 +27,32 @@ class Waveform(Protocol):
     def fastest(self) -> float:
         """Shortest time scale of the smooth pieces, s; infinite if all are straight."""
         ...
+
+
+class Straight(NamedTuple):
+    """Waveform of straight pieces between fronts."""
+
+    at: NDArray  # (fronts,) s
+    level: NDArray  # (fronts + 1,) before the first front, and behind each
+    slope: NDArray  # (fronts + 1,) 1/s
+
+    @classmethod
+    def constant(cls, level: float) -> "Straight":
+        """Waveform without a front."""
+        return cls(np.empty(0), np.array([level]), np.zeros(1))
+
+    def breaks(self, t_end: float) -> NDArray:
+        """Instants of the fronts, s."""
+        return self.at[self.at < t_end]
+
+    def value(self, t: NDArray, inside: NDArray) -> NDArray:
+        """Value at t of the piece that contains `inside`, continued."""
+        piece = np.searchsorted(self.at, inside)
+        return self.level[piece] + self.slope[piece] * (t - np.append(0.0, self.at)[piece])
+
+    def fastest(self) -> float:
+        """No time scale."""
+        return np.inf
 
 
 def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:

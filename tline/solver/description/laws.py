@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from tline.errors import InputError
 from tline.scene.switch import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.excitation import Shape, just_before, varies
+from tline.solver.description.excitation import Shape, Straight, just_before, varies
 from tline.solver.description.given import ElementLaw, kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.kernel.network import Laws, Tools
@@ -142,26 +142,6 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Map
     return np.array(states, float)
 
 
-class Moving(NamedTuple):
-    """A conductance that jumps at an instant, as a waveform."""
-
-    before: float
-    after: float
-    instant: float
-
-    def breaks(self, t_end: float) -> NDArray:
-        """The instant, s."""
-        return np.array([self.instant]) if self.instant < t_end else np.empty(0)
-
-    def value(self, t: NDArray, inside: NDArray) -> NDArray:
-        """Conductance at t, of the piece that contains `inside`."""
-        return np.where(inside < self.instant, self.before, self.after) + 0.0 * t
-
-    def fastest(self) -> float:
-        """No time scale."""
-        return np.inf
-
-
 def switches_of(description: Description) -> Iterator[PlacedLaw]:
     """Switches of a scene at nodes whose effort is not held."""
     for at, one in description.scene.placed:
@@ -172,7 +152,7 @@ def switches_of(description: Description) -> Iterator[PlacedLaw]:
         if free:
             impedance = max(1 / description.nodes[node].total for node in free)
             before, after = (1 / max(float(r), SHORT * impedance) for r in (one.before, one.after))
-            moving = Moving(before, after, float(one.time))
+            moving = Straight(np.array([float(one.time)]), np.array([before, after]), np.zeros(2))
             law = ElementLaw("table", LINEAR, moving)  # type: ignore[arg-type]
             level = description.nodes[free[0]].above_level if ends[1] is None else 0.0
             yield PlacedLaw(place(*at), law, *ends, above_level=level, control=just_before(moving))

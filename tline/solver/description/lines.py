@@ -22,7 +22,6 @@ CYCLES_PER_RUN = 0.1  # at which the band of a circuit begins, at most
 STEP = 2.0  # its upper end is a power of this over its lower end, so that many runs share a circuit
 PLACES, WORST = 200, 0.1  # at which shares are looked at; tolerance of a shape that hardly counts, at most
 FEW_LAWS = 8  # laws that are fitted one by one
-NONE = np.empty(0)
 REALISED = lru_cache(realise)  # shapes, over whole decades
 
 
@@ -175,7 +174,7 @@ def circuits_of(lines: Mapping[str, Line], fit: Fit) -> dict[str, Circuits]:
 def circuit_of(law: Law, fit: Fit, many: bool) -> tuple[Foster, float]:
     """A circuit, as it is if the law is one that is no faster than the band, and its error."""
     if isinstance(law, ConstantLoss):
-        return Foster(law.loss, law.storage, NONE, NONE), 0.0
+        return Foster(law.loss, law.storage, np.empty(0), np.empty(0)), 0.0
     parts = law.laws if isinstance(law, Sum) else (law,)
     if all(isinstance(part, ConstantLoss | Foster) for part in parts):
         fosters = [part for part in parts if isinstance(part, Foster)]

@@ -26,7 +26,7 @@ from tline.words.wording import place
 FIT, ROUGH = 1e-7, 1e-5  # of circuits of lossy lines; where delays are rounded
 POINTS = 2  # of a slab, at least, in the time scale of what is to be resolved
 FIRST_ROUNDED, LEAST_FIRST, MOST_FIRST = 3e4, 200, 5e3  # line-end samples of a first run, and slabs; slabs at most
-LARGEST = 4e8  # samples on the lines at once
+LARGEST = 4e8  # samples on the lines at once, or in the record
 MOST_SLABS = 1e9
 SHORT = 1 / 8  # of the slab that suits all other lines
 SETTLED = 1  # slab, within which a group has to settle after a front

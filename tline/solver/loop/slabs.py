@@ -7,10 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.description.excitation import EDGE
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.radau import Basis, thin_product
-
-AT_SLAB_END = 1e-9  # slabs; an end this near to a slab's is its end
 
 
 class Slabs(NamedTuple):
@@ -23,14 +22,14 @@ class Slabs(NamedTuple):
     @classmethod
     def until(cls, t_end: float, width: float, number: int | None = None) -> "Slabs":
         """Make the slabs until t_end, or `number` of them; too few end before it."""
-        needed = max(ceil(t_end / width - AT_SLAB_END), 1)
+        needed = max(ceil(t_end / width - EDGE), 1)
         number = needed if number is None else number
         return cls(number, width, t_end if number >= needed else number * width)
 
     @property
     def whole(self) -> int:
         """Number of slabs that end in time."""
-        return min(floor(self.end / self.width + AT_SLAB_END), self.number)
+        return min(floor(self.end / self.width + EDGE), self.number)
 
     @property
     def rest(self) -> float:

@@ -29,7 +29,6 @@ from tline.words.wording import place
 DENSE = 4000  # instants
 ROUGH = 1e-2  # relative to the wave's range: larger highest coefficients and a jump at the edge mean a front inside
 NOISE = 1e-13  # relative to the largest wave; a smaller effort, or flow times z0, is zero
-TIE = 1e-9  # relative to the range: smaller differences of extremes count as ties
 WIDEST = 4  # slabs over which a front may be smeared
 NEAR = 2.5e-9  # slabs; edges nearer to each other are one
 WAVES = "a1", "b1", "a2", "b2"
@@ -152,8 +151,8 @@ def search(
 
     Values are those at the points of an order, shape (edges - 1, points), `first` is the value before.
     """
+    from tline.solver.kernel.finished import TIE, find_extremes
     from tline.solver.kernel.finished import extremes as searching
-    from tline.solver.kernel.finished import find_extremes
 
     wave, found = np.ascontiguousarray(values - first)[:, :, None], np.empty((4, 1))  # what is sought begins at zero
     begin, length = edges[0], edges[-1] - edges[0]

@@ -74,20 +74,18 @@ class _Summed(NamedTuple):
     scene: Scene
 
     def __call__(self) -> Ledger | None:
-        return self.parts.ledger and _summed(self.parts.ledger, describe(self.scene))
-
-
-def _summed(ledger: Ledger, description: Description) -> Ledger:
-    whole: dict[str, str] = {}
-    for name, stretches in description.stretches.items():
-        whole |= {place("lines", each): place("lines", name) for each in stretches.lines}
-        whole |= {f"node '{each}'": place("lines", name) for each in stretches.places}
-        whole |= {place("loads", each): place("lines", name, "cavities") for each in stretches.cavities}
-    sums: dict[str, list[float]] = {}
-    for entry in ledger.entries:
-        where = whole.get(entry.where, entry.where)
-        sums[where] = [x + y for x, y in zip(sums.get(where, NOTHING), entry[1:], strict=True)]
-    return Ledger(tuple(Entry(where, *numbers) for where, numbers in sums.items()), ledger.turnover)
+        if (ledger := self.parts.ledger) is None:
+            return None
+        whole: dict[str, str] = {}
+        for name, stretches in describe(self.scene).stretches.items():
+            whole |= {place("lines", each): place("lines", name) for each in stretches.lines}
+            whole |= {f"node '{each}'": place("lines", name) for each in stretches.places}
+            whole |= {place("loads", each): place("lines", name, "cavities") for each in stretches.cavities}
+        sums: dict[str, list[float]] = {}
+        for entry in ledger.entries:
+            where = whole.get(entry.where, entry.where)
+            sums[where] = [x + y for x, y in zip(sums.get(where, NOTHING), entry[1:], strict=True)]
+        return Ledger(tuple(Entry(where, *numbers) for where, numbers in sums.items()), ledger.turnover)
 
 
 def probed(

@@ -18,12 +18,11 @@ from tline.units import engineering
 from tline.words.wording import place
 
 LISTED = 4  # names in a sentence
-VISIBLE = 1e-6  # relative to the largest wave
+VISIBLE = 1e-6  # relative to the largest wave, or to the efforts
 ENERGY_ROUNDING = 1e-9  # relative to the energy turned over
 VACUUM = -101_325.0  # Pa, gauge
 MOST_CAUSES = 3  # elements in a sentence
 MARGIN = 1.01
-TRICKLE = 1e-6  # relative to the efforts; a smaller rise is ignored
 
 
 def remarks_of(result: Result) -> tuple[str, ...]:
@@ -211,7 +210,7 @@ def surges(
     packing = {where: max(highest - before, 0.0) for where, (before, _) in rises.items()}
     beyond = {where: top - before for where, (before, top) in rises.items()}
     beyond = {where: rise for where, rise in beyond.items() if rise > MARGIN * (joukowsky + packing[where])}
-    if joukowsky <= TRICKLE * abs(highest) or not beyond:
+    if joukowsky <= VISIBLE * abs(highest) or not beyond:
         return []
     worst, *_ = places = worst_first(beyond, 1)
     moved = [where for where, shape in description.waveforms.items() if varies(shape)] + [*description.switched]

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tline.errors import InputError
 from tline.solver.assembly.workspace import Tally
+from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import NO_HEIGHT, Height, Medium, Scene, readable
 from tline.solver.description.lines import Circuits
 from tline.solver.description.resolution import Resolution
@@ -19,7 +20,7 @@ from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.display import Display, shortly
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.export import Export
-from tline.solver.result.wave import AT_SLAB_END, ElementRecord, LineRecord, Wave
+from tline.solver.result.wave import ElementRecord, LineRecord, Wave
 from tline.words.wording import place
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ class ProbeResult(AtHeight):
             An instant is no number, or lies behind the end of the run.
         """
         t, end = np.asarray(t, float), self.slabs.end
-        if not (t <= end * (1 + AT_SLAB_END)).all():
+        if not (t <= end * (1 + EDGE)).all():
             raise InputError(
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
             )

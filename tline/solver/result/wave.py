@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tline.solver.description.excitation import EDGE
 from tline.solver.radau import Basis
 from tline.solver.result.display import shortly
 from tline.solver.result.superconvergence import superconvergent
 
 if TYPE_CHECKING:
+    from tline.solver.description.lines import Line
     from tline.solver.loop.march import Noted
 
-AT_SLAB_END = 1e-9  # in slabs; an instant this near to a slab end is taken as the end
 ROUNDINGS = 1e-14  # relative rounding error of the instant of a front
 
 
@@ -39,23 +40,11 @@ class Wave:
     def __repr__(self) -> str:
         return shortly("Wave", slabs=len(self.values), order=self.basis.s)
 
-    @classmethod
-    def of_row(
-        cls, waves: NDArray, noted: "Noted", row: int, side: int, before: float, lift: float, basis: Basis, h: float
-    ) -> "Wave":
-        """Make the arriving (side 0) or leaving wave of a row of a record, raised by `lift`; `before` already is."""
-        pieces = Pieces(noted.slab, noted.span, noted.values[:, side])
-        if len(noted.row):
-            here = noted.row == row
-            pieces = Pieces(noted.slab[here], noted.span[here], pieces.values[here] + lift)
-        values = waves[row, side].reshape(-1, basis.s)
-        return cls(values + lift if lift else values, before, basis, h, pieces)
-
     def __call__(self, t: ArrayLike) -> NDArray:
         """Return the value at any instants up to the end of the run, same shape as t; at a jump that before it."""
         t = np.asarray(t, float)
         place = t.ravel() / self.h
-        slab = np.ceil(place - AT_SLAB_END).astype(int) - 1
+        slab = np.ceil(place - EDGE).astype(int) - 1
         inside = np.clip(slab, 0, len(self.values) - 1)
         local = np.clip(place - inside, 0.0, 1.0)
         wave = self.basis.values(local[:, None], self.values[inside])[:, 0]
@@ -67,7 +56,7 @@ class Wave:
         """Replace values in slabs with fronts by those of their pieces."""
         seen = np.flatnonzero(np.isin(slab, self.pieces.slab))
         start, stop = (self.pieces.slab[:, None] + self.pieces.span).T
-        near = np.minimum(ROUNDINGS * place[seen], AT_SLAB_END)  # behind a front pieces may be far narrower than a slab
+        near = np.minimum(ROUNDINGS * place[seen], EDGE)  # behind a front pieces may be far narrower than a slab
         piece = np.minimum(np.searchsorted(stop, place[seen] - near), len(stop) - 1)
         local = np.clip((place[seen] - start[piece]) / (stop[piece] - start[piece]), 0.0, 1.0)
         wave[seen] = self.basis.values(local[:, None], self.pieces.values[piece])[:, 0]
@@ -152,6 +141,38 @@ class LineRecord:
         """Waves (a, b) at instants t, at a place given as a share of the delay."""
         t, ((a, of_a), (b, of_b)) = np.asarray(t, float), self.passing(share)
         return a(t - of_a), b(t - of_b)
+
+
+class Recorded(NamedTuple):
+    """Waves of a run by rows, on whole slabs and in pieces of some."""
+
+    waves: NDArray  # (rows, 2, slabs * s) that arrive, and that leave
+    pieces: "Noted"
+    order: Basis
+    h: float
+    smeared: bool = True  # whether fronts were left out
+    raw: bool = True  # whether to keep the polynomials of the run
+
+    def wave(self, row: int, side: int, before: float, lift: float = 0.0) -> Wave:
+        """The arriving (side 0) or leaving wave of a row, raised by `lift`; `before` already is."""
+        noted = self.pieces
+        pieces = Pieces(noted.slab, noted.span, noted.values[:, side])
+        if len(noted.row):
+            here = noted.row == row
+            pieces = Pieces(noted.slab[here], noted.span[here], pieces.values[here] + lift)
+        values = self.waves[row, side].reshape(-1, self.order.s)
+        return Wave(values + lift if lift else values, before, self.order, self.h, pieces)
+
+    def line(self, row: int, line: "Line", before: NDArray, lift: float | NDArray) -> LineRecord:
+        """Record of a line whose ends are in two rows, with waves (a1, b1, a2, b2) before t = 0."""
+        each = zip(((0, 1), (0, 0), (1, 0), (1, 1)), before.tolist(), np.broadcast_to(lift, 4).tolist(), strict=True)
+        waves = (self.wave(row + end, side, *values) for (end, side), *values in each)
+        return LineRecord(line.z0, line.delay, *waves, smeared=self.smeared, raw=self.raw)
+
+    def node(self, row: int, before: float, lift: float) -> LineRecord:
+        """The effort at a node where no line ends, as on a line that carries no flow."""
+        u = self.wave(row, 0, before, lift)
+        return LineRecord(1.0, 0.0, u, u, u, u, self.smeared, raw=self.raw)
 
 
 class ElementRecord(NamedTuple):

@@ -23,25 +23,23 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-SMALL_ENTRY, LARGE = 300, 1500  # unknowns up to which matrices are dense at once; and at all, where singular
+LARGE = 1500  # unknowns up to which singular matrices are dense
 REGULAR = 1e12  # condition below which a matrix is not singular
-SINGULAR = 1e-13  # of the largest singular value, or pivot
+SINGULAR = 1e-13  # of the largest singular value, or pivot; so much ties what nothing else determines
 CONTRADICTORY = 1e-11  # of the right side
 INVOLVED = 1e-3  # of the largest entry of a null vector
 ROUNDS = 4  # in which rows and columns are scaled
 STEPS, HALVINGS = 400, 40
-BEST_RESIDUAL = 1e-15  # relative to the largest effort, at which Newton's method stops
-ROUNDED, VAIN = 1e-15, 3  # residual of an equation, relative to its own terms; steps without gain on the way there
+ROUNDED = 1e-15  # residual that is rounding, of the largest effort, and in the end of the terms of its own equation
+VAIN = 3  # steps without gain on the way there
 NO_FLOW = 1e-24  # residual that is none, relative to the largest effort
 ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
-SMALLEST_SLOPE = 1e-12  # slope of a drop, in units of the impedance, for a law that has none at rest
 SHUT = 1e-9  # conductance of a closed law, in those units, beside multiports
 LEAK = 1e-14  # conductance of a part, in those units, that determines its effort where nothing else does
 LEAKS = 10.0 ** np.arange(0, -14, -1)  # leaks on the way to a state that is not found at once
 MOST_DENSE = 99  # unknowns; with more, OpenBLAS takes threads, which wait for each other where cores are busy
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
-NOTHING = 1e-12  # of the largest effort, or of 1 without excitation: smaller ones are at rest
-TIED = 1e-13  # of the diagonal, where nothing else determines the effort of a part
+NOTHING = 1e-12  # of the largest effort, or of 1 without excitation: rest; and the slope of a drop that has none there
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
 RELAXED = 10  # columns that factors treat alike; of panels one is the quickest, for networks are sparse
 
@@ -82,7 +80,7 @@ def slow_limit(A: Sparse, B: Sparse, f: NDArray) -> Limit:
     n, none = len(f), np.zeros(0, int)
     row, column = _scales(A, n)
     A, B, f = A.scaled(row, column), B.scaled(row, column), f * row
-    z = _regular(A, f)
+    z = regular(A, f)
     if z is not None:
         return Limit(z * column, none, none)
     if n > LARGE:
@@ -118,10 +116,10 @@ def _scales(A: Sparse, n: int) -> tuple[NDArray, NDArray]:
     return row, column
 
 
-def _regular(A: Sparse, f: NDArray) -> NDArray | None:
+def regular(A: Sparse, f: NDArray) -> NDArray | None:
     """The solution where the matrix is far from singular."""
     n = len(f)
-    if n <= SMALL_ENTRY:
+    if n <= MOST_DENSE:
         matrix = A.dense(n)
         try:
             found = np.linalg.solve(matrix, np.column_stack([f, np.eye(n)]))
@@ -279,7 +277,7 @@ class _Point:
     def jacobian(self) -> Sparse:
         """Jacobian of the residuals: laws first, then balances."""
         edges, flows = np.arange(len(self.flow)), self._system.flows
-        own = Sparse(edges, edges, np.maximum(self._steep, SMALLEST_SLOPE))
+        own = Sparse(edges, edges, np.maximum(self._steep, NOTHING))
         return self._system.matrix.plus(own, flows._replace(values=flows.values * self._slope[flows.columns]))
 
 
@@ -288,7 +286,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
     edges, n = system.edges, len(linear.given)
     here, limit, order, least, vain = _Point(system, start), None, None, np.inf, 0
     for _ in range(STEPS):
-        close = here.worst <= BEST_RESIDUAL * here.scale
+        close = here.worst <= ROUNDED * here.scale
         if close:
             least, vain = min(least, here.inexact), 0 if here.inexact < least else vain + 1
             if least <= 1 or vain == VAIN:
@@ -302,7 +300,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
         share = 1.0
         for _ in range(1 if close else HALVINGS):
             there = _Point(system, here.z - share * step)
-            if there.worst < here.worst or (close and there.worst <= BEST_RESIDUAL * there.scale):
+            if there.worst < here.worst or (close and there.worst <= ROUNDED * there.scale):
                 break
             share /= 2
         else:
@@ -337,7 +335,7 @@ def _solved(J: Sparse, edges: int, left: NDArray, order: NDArray | None) -> tupl
     try:
         parts, cut_off = Factors(schur, order), False
     except RuntimeError:  # parts that only a leak ties down
-        tied = schur + diags_array(TIED * np.abs(schur.diagonal())).tocsc()
+        tied = schur + diags_array(SINGULAR * np.abs(schur.diagonal())).tocsc()
         parts, cut_off = Factors(tied, order), True
     step = np.zeros(n)
     for _ in range(CORRECTIONS):

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
 
 NOTHING = 1e-11  # of the largest flow: smaller flows are rounding or leakage
-NONE = np.empty(0)
 TIGHT, TIGHTEST = 1e2, 1e12  # drop over flow of a valve, in impedances of its nodes
 REGULATOR, DISC = 0.3, 1.0  # start of the search
 SHUT = 1e-7  # a smaller opening is shut
@@ -162,7 +161,7 @@ class Edges:
             return None
         controls = np.array([element.control for element in elements], float)
         packed = self.packed._replace(
-            constants=np.concatenate([NONE, *constants]), control=controls, source_impedance=self.seen
+            constants=np.concatenate([np.empty(0), *constants]), control=controls, source_impedance=self.seen
         )
         found.elements, found.constants, found.packed = elements, constants, opened(packed, elements, openings)
         return found

@@ -12,7 +12,7 @@ Terms at s = 0 of each node, and joins of nodes without a drop: held efforts, fl
 To the first order in s there are capacities to the reference, and an inertia along each join.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Branch, Ports, admittance, capacitive, conductors, inductive
 from tline.solver.description.excitation import just_before
+from tline.solver.description.groups import parts
 from tline.solver.description.lines import distinct
 from tline.solver.steady.balance import Limit, Linear, Sparse
 from tline.solver.steady.edges import falling, pi
@@ -41,40 +42,43 @@ class AtNodes(NamedTuple):
     tie: NDArray  # 1/inertia between the node and what holds it: infinite where that is ideal
 
 
-class Lines(NamedTuple):
-    """Parameters of each line, shape (lines,)."""
+class Wiring(NamedTuple):
+    """Lines between numbered nodes; and joins of these without a steady drop: lossless lines, then inductors."""
 
+    number: dict[str, int]  # of nodes, by name
     ends: NDArray  # (lines, 2), numbers of nodes
-    z0: NDArray
+    z0: NDArray  # (lines,)
     delay: NDArray
     leak: NDArray  # conductance at each end
     falls: NDArray  # whether effort falls along it
     joined: NDArray  # whether it does not, nor do losses mix its mode with others
-
-
-class Joins(NamedTuple):
-    """Lossless lines, and then inductors, between nodes that have one effort in a steady state."""
-
-    ends: NDArray  # (joins, 2)
+    joins: NDArray  # (joins, 2)
     inertia: NDArray  # (joins,)
-    names: list[str]  # of the lines
+    names: list[str]  # of the joins that are lines
+    part: NDArray  # (nodes,) number of those that are joined
 
 
-def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
-    """Parameters of all lines."""
-    lines = description.lines.values()
-    ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
-    first, like = distinct(lines)
+def wiring_of(description: Description) -> Wiring:
+    """Lines and joins of a scene."""
+    lines, number = description.lines, {name: k for k, name in enumerate(description.nodes)}
+    ends = np.array([[number[node] for node in line.nodes] for line in lines.values()], int)
+    first, like = distinct(lines.values())
     z0, delay, leak, falls = np.array([(line.z0, line.delay, pi(line)[1], falling(line)) for line in first])[like].T
     joined = falls <= 0
     for bundle in bundles_of(description).values():
         joined[bundle.lines] = False
-    return Lines(ends, z0, delay, leak, falls > 0, joined)
+    shorts = inductive(description.scene)
+    pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
+    joins = np.vstack([ends[joined], pairs])
+    inertia = np.concatenate([(z0 * delay)[joined], [inertia for *_, inertia in shorts]])
+    names = [name for name, kept in zip(lines, joined.tolist(), strict=True) if kept]
+    part = parts(joins[:, 0], joins[:, 1], len(number))
+    return Wiring(number, ends, z0, delay, leak, falls > 0, joined, joins, inertia, names, part)
 
 
-def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) -> AtNodes:
+def at_nodes(description: Description, lines: Wiring) -> AtNodes:
     """Balances of all nodes, with half of the leakage and of the storage of a line at each of its ends."""
-    n = len(number)
+    n, number = len(lines.number), lines.number
     given, conductance, driven, capacity, tie = np.full(n, np.nan), *np.zeros((4, n))
     for k, node in enumerate(description.nodes.values()):
         switched = node.switched(0.0)
@@ -98,15 +102,6 @@ def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) 
         conductance += np.bincount(end, lines.leak, n)
         capacity += np.bincount(end, lines.delay / lines.z0 / 2, n)
     return AtNodes(given, conductance, driven, capacity, tie)
-
-
-def joins_of(description: Description, number: Mapping[str, int], lines: Lines) -> Joins:
-    """Lines along which nothing falls, and links that are shorts to a steady flow."""
-    shorts, lossless = inductive(description.scene), lines.joined
-    pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
-    inertia = np.concatenate([(lines.z0 * lines.delay)[lossless], [inertia for _, _, inertia in shorts]])
-    names = [name for name, kept in zip(description.lines, lossless.tolist(), strict=True) if kept]
-    return Joins(np.vstack([lines.ends[lossless], pairs]), inertia, names)
 
 
 class _Equations:
@@ -145,23 +140,23 @@ class _Equations:
         size = np.maximum(np.abs(M).max(axis=1), np.abs(N).max(axis=1) / self.unit)[:, None]
         pace = np.hstack([np.abs(Q), np.abs(P), np.abs(R) / self.unit]).max(axis=1, initial=0.0)[:, None]
         pace[pace == 0.0] = 1.0
-        for rows, scale, parts in ((flows, size, (M, N, -E)), (states, pace, (P, R, Q))):
-            for columns, part, of in zip((at, flows, states), parts, (1.0, self.unit, 1.0), strict=True):
-                self.add(rows[:, None], columns, part / scale / of)
-            self.known.append(parts[0] @ level / scale[:, 0])
+        for rows, scale, each in ((flows, size, (M, N, -E)), (states, pace, (P, R, Q))):
+            for columns, matrix, of in zip((at, flows, states), each, (1.0, self.unit, 1.0), strict=True):
+                self.add(rows[:, None], columns, matrix / scale / of)
+            self.known.append(each[0] @ level / scale[:, 0])
         self.add(states, states, slow=-self.rate / pace[:, 0])
         self.add(flows[inert], flows[inert], slow=np.asarray(inertia) * self.rate / self.unit / size[inert, 0])
         self.add(at, flows, 1.0)
         return places
 
-    def joins(self, joins: Joins) -> NDArray:
+    def joins(self, lines: Wiring) -> NDArray:
         """Add lossless lines and inductors; places of their flows among the unknowns behind nodes."""
-        flows = len(self.names) + np.arange(len(joins.inertia))
-        for end, sign in zip(joins.ends.T, (1.0, -1.0), strict=True):
+        flows = len(self.names) + np.arange(len(lines.inertia))
+        for end, sign in zip(lines.joins.T, (1.0, -1.0), strict=True):
             self.add(flows, self.first + end, sign)
             self.add(self.first + end, flows, sign)
-        self.add(flows, flows, slow=-joins.inertia * self.rate / self.unit)
-        self.names += [place("lines", name) for name in joins.names] + [""] * (len(flows) - len(joins.names))
+        self.add(flows, flows, slow=-lines.inertia * self.rate / self.unit)
+        self.names += [place("lines", name) for name in lines.names] + [""] * (len(flows) - len(lines.names))
         self.known.append(np.zeros(len(flows)))
         return sum(map(len, self.known[:-1])) + np.arange(len(flows))
 
@@ -208,20 +203,14 @@ def _mixing(description: Description) -> list[Branch]:
 
 
 def ported(
-    description: Description,
-    number: Mapping[str, int],
-    at: AtNodes,
-    joins: Joins,
-    edges: list[str],
-    lines: Lines,
-    unit: float,
+    description: Description, at: AtNodes, edges: list[str], lines: Wiring, unit: float
 ) -> tuple[Linear, list[str], NDArray]:
     """The equations; of the edges, which come first, with the inertia of the falling lines among them.
 
     The first edges are falling lines, with their delays. Returned are also the owners of each equation and unknown, and
     the places of flows among the others: those of joins, then into both ends of modes that losses mix.
     """
-    falls = lines.delay[lines.falls]
+    falls, number = lines.delay[lines.falls], lines.number
     rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
     found = _Equations([*edges, *(f"node '{name}'" for name in number)], len(edges), unit, rate)
@@ -237,7 +226,7 @@ def ported(
         flows = found.branch(branch, np.array(here), level, inertia.get(branch.where, ()))
         mixed += [flows] if branch.where in inertia else []
     inert = np.flatnonzero((at.tie > 0) & (at.tie < np.inf))
-    flows = found.joins(joins)
+    flows = found.joins(lines)
     found.ties(inert, at.tie[inert], at.given[inert], [nodes[k].load_name for k in inert])
     given = at.given.copy()
     given[inert] = np.nan
@@ -246,7 +235,7 @@ def ported(
     return linear, found.names, np.concatenate([flows, *mixed])
 
 
-def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Mapping[str, int]) -> None:
+def check_limit(limit: Limit | None, names: list[str], lines: Wiring) -> None:
     """Refuse equations that contradict each other, or leave something open, naming elements."""
     for at, problem in (
         (limit.rows if limit else [], "nothing takes the flow, or efforts contradict each other"),
@@ -256,12 +245,8 @@ def check_limit(limit: Limit | None, names: list[str], joins: Joins, number: Map
             continue
         found = {names[k] for k in at} - {""}
         between = [name.removeprefix("node '").removesuffix("'") for name in found if name.startswith("node '")]
-        nodes = {number[name] for name in between}
-        found |= {
-            place("lines", name)
-            for name, pair in zip(joins.names, joins.ends.tolist(), strict=False)
-            if nodes >= {*pair}
-        }
+        nodes, pairs = {lines.number[name] for name in between}, zip(lines.names, lines.joins.tolist(), strict=False)
+        found |= {place("lines", name) for name, pair in pairs if nodes >= {*pair}}
         known = sorted(found - {""}, key=lambda name: (name.startswith("node "), names.index(name)))
         more = f" and {len(known) - NAMED} more" if len(known) > NAMED else ""
         where = ", ".join(known[:NAMED]) + more or "start"

@@ -15,28 +15,15 @@ from tline.errors import InputError
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.description.groups import parts
-from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, EdgeLaws, Factors, Linear, balanced
+from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, Linear, Sparse, balanced, regular
 from tline.solver.steady.edges import Edges, openings_at_rest, still
 from tline.solver.steady.pockets import settled
-from tline.solver.steady.ports import (
-    AtNodes,
-    Joins,
-    Lines,
-    at_nodes,
-    branches_with_ports,
-    check_limit,
-    joins_of,
-    lines_of,
-    ported,
-)
+from tline.solver.steady.ports import AtNodes, Wiring, at_nodes, branches_with_ports, check_limit, ported, wiring_of
 from tline.words.wording import place
 
-SAME_EFFORT = 1e-9  # efforts that differ by less than this, relatively, are equal
+SAME_EFFORT = 1e-9  # relative difference of equal efforts, and share of the largest flow that leaks may take
 LAST_DIGITS = 1e-14  # of the level: rounding of efforts that count from it
-MOST_DENSE = 99  # nodes, as of balances
 DROWNING = 1e9  # times the flow that efforts drive through lines: waves have no digits left for these efforts
-STUCK = 1e-9  # of the largest flow, or of that from held efforts and pumps into a line: limit of flows into leaks
 
 
 class Before(NamedTuple):
@@ -69,13 +56,10 @@ def above_level(description: Description) -> Before:
 
 
 class _Parts(NamedTuple):
-    """Nodes joined by lossless lines and inductors, and the terms of each node."""
+    """A scene whose lossless lines and inductors join nodes to parts of one effort, and the terms of each node."""
 
     description: Description
-    number: dict[str, int]
-    lines: Lines
-    joins: Joins
-    part: NDArray  # (nodes,)
+    lines: Wiring
     at: AtNodes
 
 
@@ -86,61 +70,88 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     if _Parts not in known:
         known[_Parts] = _parted(description)
     parted = known[_Parts]._replace(description=description)
-    number, lines, joins = parted.number, parted.lines, parted.joins
+    lines = parted.lines
     edges = known[Edges].like(description, openings) if Edges in known else None
     if edges is None:
-        edges = known[Edges] = Edges(description, number, openings, lines.falls)
-    coupled = description.coupled or description.multiports
-    effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
+        edges = known[Edges] = Edges(description, lines.number, openings, lines.falls)
+    effort, y, flow, unknowns = _solved(parted, edges)
     lossy = int(lines.falls.sum())
     along = np.empty(len(lines.z0))
-    along[lines.falls], along[lines.joined] = flow[:lossy], y[: len(joins.names)]
+    along[lines.falls], along[lines.joined] = flow[:lossy], y[: len(lines.names)]
     flows = along[:, None] + lines.leak[:, None] * effort[lines.ends] * [1.0, -1.0]
-    into = y[len(joins.inertia) :]
+    into = y[len(lines.inertia) :]
     for one in bundles_of(description).values():
         k = len(one.lines)
         flows[one.lines], into = np.column_stack([into[:k], -into[k : 2 * k]]), into[2 * k :]
     through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
-    return Before(dict(zip(number, effort.tolist(), strict=True)), flows, through, openings, unknowns)
+    return Before(dict(zip(lines.number, effort.tolist(), strict=True)), flows, through, openings, unknowns)
 
 
 def _parted(description: Description) -> _Parts:
     """Parts of a description with the terms of their nodes; the joins stay when values change."""
-    grids = description.grids
-    if _Parts not in grids:
-        number = {name: k for k, name in enumerate(description.nodes)}
-        lines = lines_of(description, number)
-        joins = joins_of(description, number, lines)
-        grids[_Parts] = number, lines, joins, parts(joins.ends[:, 0], joins.ends[:, 1], len(number))
-    number, lines, joins, part = grids[_Parts]
-    parted = _Parts(description, number, lines, joins, part, at_nodes(description, number, lines))
-    _check_held(description, part, parted.at.given)
-    _check_between(description, part, number)
+    if Wiring not in description.grids:
+        description.grids[Wiring] = wiring_of(description)
+    lines = description.grids[Wiring]
+    parted = _Parts(description, lines, at_nodes(description, lines))
+    _check_held(description, lines.part, parted.at.given)
+    _check_between(description, lines)
     return parted
 
 
-def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Efforts of nodes, and flows through joins and edges: first those between parts, then those inside."""
-    at, joins, part, n = parted.at, parted.joins, parted.part, len(parted.part)
+def _solved(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Efforts of nodes, flows through joins and edges, and all unknowns.
+
+    A part is one unknown effort, and flows inside follow from it; but beside multiports and coupled conductors each
+    node and each flow is unknown.
+    """
+    description, lines, at = parted
+    ports = bool(description.coupled or description.multiports)
+    part = np.arange(len(lines.part)) if ports else lines.part
     given = _least(at.given, part)
-    total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
     laws = edges.laws(part, np.nanmax(np.abs(given), initial=0.0))
-    near = _near(parted.description, len(edges.where) + len(given))
-    found = balanced(laws, Linear(given, total, source, _unit(parted, laws)), near)
+    known = laws.impedance if len(laws.impedance) else lines.z0
+    unit = float(np.exp(np.log(known).mean()))
+    if ports:
+        linear, names, flows = ported(description, at, edges.where, lines, unit)
+        near = None
+    else:
+        total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
+        linear, names, flows = Linear(given, total, source, unit), [], None
+        near = _near(description, len(edges.where) + len(given))
+    found = balanced(laws, linear, near)
+    check_limit(found.limit, names, lines)
     driving = _driving(parted, edges)
     _check_found(parted, edges, found, part, driving)
-    effort = _settled(parted, edges, found, found.effort, ~np.isnan(given) | (total != 0), driving)[part]
-    if not len(joins.inertia):
-        return effort, np.zeros(0), found.flow, found.unknowns
-    tie = at.tie.copy()
-    tie[np.unique(part, return_index=True)[1][np.isnan(given)]] = np.inf  # the potential's zero, anywhere
-    first, second = joins.ends.T
+    effort = _settled(parted, edges, found, found.effort[part], driving)
+    y = _inside(parted, edges, found, effort) if flows is None else found.others[flows] / unit
+    return effort, y, found.flow, found.unknowns
+
+
+def _inside(parted: _Parts, edges: Edges, found: Balance, effort: NDArray) -> NDArray:
+    """Flows through joins, which balance those of edges and the inflow at each node."""
+    lines, at, n = parted.lines, parted.at, len(effort)
+    if not len(lines.inertia):
+        return np.zeros(0)
+    firsts = np.unique(lines.part, return_index=True)[1]
+    held = at.tie == np.inf
+    held[firsts[np.isnan(_least(at.given, lines.part))]] = True  # the potential's zero, anywhere
     into = np.zeros(n + 1)  # nodes from the edges, and the reference
     np.add.at(into, edges.to_node, found.flow)
     np.subtract.at(into, edges.from_node, found.flow)
-    flow_in = at.driven - at.conductance * effort + into[:-1]
-    potential = _potential(first, second, 1 / joins.inertia, flow_in, tie)
-    return effort, (potential[first] - potential[second]) / joins.inertia, found.flow, found.unknowns
+    flow_in = np.where(held, 0.0, at.driven - at.conductance * effort + into[:-1])
+    first, second = lines.joins.T
+    every, stiffness = np.arange(n), 1 / lines.inertia
+    ends = np.concatenate([first, second]), np.concatenate([second, first])
+    own = np.where(held, 1.0, at.tie + np.bincount(ends[0], np.tile(stiffness, 2), n))
+    free = ~(held[ends[0]] | held[ends[1]])
+    rows, columns, values = ends[0][free], ends[1][free], -np.tile(stiffness, 2)[free]
+    system = Sparse(*(np.concatenate(each) for each in ((rows, every), (columns, every), (values, own))))
+    scale = 1 / np.sqrt(np.abs(own))
+    potential = regular(system.scaled(scale, scale), scale * flow_in)
+    if potential is None:
+        raise InputError("start", "no steady state: active loads cancel the inertia of lines", "'rest'")
+    potential *= scale
+    return (potential[first] - potential[second]) * stiffness
 
 
 def _near(description: Description, count: int) -> NDArray | None:
@@ -148,29 +159,6 @@ def _near(description: Description, count: int) -> NDArray | None:
     known = description.origin and description.origin.description.known.get(Before)
     found = None if known is None else known.unknowns
     return None if found is None or len(found) != count else found
-
-
-def _with_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Efforts of nodes, and flows through joins and edges, beside multiports and coupled conductors."""
-    description, number, lines, joins, part, at = parted
-    alone = np.arange(len(number))
-    laws = edges.laws(alone, np.nanmax(np.abs(at.given), initial=0.0))
-    unit = _unit(parted, laws)
-    linear, names, flows = ported(description, number, at, joins, edges.where, lines, unit)
-    found = balanced(laws, linear)
-    check_limit(found.limit, names, joins, number)
-    driving = _driving(parted, edges)
-    _check_found(parted, edges, found, alone, driving)
-    known = ~np.isnan(at.given) | (at.conductance != 0)
-    known[[number[node] for branch in branches_with_ports(description) for node in branch.nodes]] = True
-    known, first = np.bincount(part, known) > 0, np.unique(part, return_index=True)[1]
-    shift = _settled(parted, edges, found, found.effort[first], known, driving) - found.effort[first]
-    return found.effort + shift[part], found.others[flows] / unit, found.flow, found.unknowns
-
-
-def _unit(parted: _Parts, laws: EdgeLaws) -> float:
-    known = laws.impedance if len(laws.impedance) else parted.lines.z0
-    return float(np.exp(np.log(known).mean()))
 
 
 def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, driving: float) -> None:
@@ -185,10 +173,11 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
     if driving > 0 and np.abs(found.flow).max(initial=0.0) > DROWNING * driving:
         problem = "no steady state: nothing limits the flow that an ideal effort drives through it"
         raise InputError(edges.where[int(np.abs(found.flow).argmax())], problem, "a resistance between")
-    stuck = np.flatnonzero(np.abs(found.leak) > STUCK * np.abs(found.flow).max(initial=driving))
+    stuck = np.flatnonzero(np.abs(found.leak) > SAME_EFFORT * np.abs(found.flow).max(initial=driving))
     if stuck.size and driving > 0:
-        description, names = parted.description, list(parted.number)
-        at = {name: part[parted.number[source.terminals[0]]] for name, source in description.scene.sources.items()}
+        description, number = parted.description, parted.lines.number
+        names, sources = list(number), description.scene.sources
+        at = {name: part[number[source.terminals[0]]] for name, source in sources.items()}
         where = f"node '{names[int(np.flatnonzero(part == stuck[0])[0])]}'"
         where = next((place("sources", name) for name, k in at.items() if k == stuck[0]), where)
         got = f"{float(found.leak[stuck[0]]):g} {description.medium.units['flow']}"
@@ -203,22 +192,26 @@ def _driving(parted: _Parts, edges: Edges) -> float:
     return max(np.abs(parted.at.driven).max(), by_itself)
 
 
-def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, known: NDArray, driving: float) -> NDArray:
-    """The effort of each part, with those of pockets."""
-    if known.all():
+def _settled(parted: _Parts, edges: Edges, found: Balance, effort: NDArray, driving: float) -> NDArray:
+    """The effort of each node, with those of pockets."""
+    description, at = parted.description, parted.at
+    number, part = parted.lines.number, parted.lines.part
+    known = ~np.isnan(at.given) | (at.conductance != 0)
+    known[[number[node] for branch in branches_with_ports(description) for node in branch.nodes]] = True
+    if (by_part := np.bincount(part, known) > 0).all():
         return effort
-    description, number, part = parted.description, parted.number, parted.part
     start = np.full(part.max() + 1, np.nan)
     for name, given in description.starts.items():
         start[part[number[name]]] = description.nodes[name].height.below(given)
     holding = edges.holding(part, found.flow, np.abs(found.flow).max(initial=driving))
-    effort, opened = settled(effort, known, start, *holding)
+    before = effort[np.unique(part, return_index=True)[1]]
+    after, opened = settled(before, by_part, start, *holding)
     if opened.size:
         name = next(name for name in description.starts if part[number[name]] in opened)
-        got = effort[part[number[name]]] + description.nodes[name].height.level
+        got = after[part[number[name]]] + description.nodes[name].height.level
         unit = description.medium.units["effort"]
         raise InputError(place("nodes", name, "start"), "a valve would open", f"such as {got:g} {unit}")
-    return effort
+    return effort + (after - before)[part]
 
 
 def _least(values: NDArray, part: NDArray) -> NDArray:
@@ -244,40 +237,13 @@ def _check_held(description: Description, part: NDArray, given: NDArray) -> None
         )
 
 
-def _check_between(description: Description, part: NDArray, number: dict[str, int]) -> None:
+def _check_between(description: Description, lines: Wiring) -> None:
     """Refuse ideal efforts between two nodes of one part."""
     for name, source in description.scene.sources.items():
         if source.nodes is not None and source.conductance == np.inf:
-            one, other = (part[number[node]] for node in source.nodes)
+            one, other = (lines.part[lines.number[node]] for node in source.nodes)
             value = just_before(source.value)
             if one == other and value:
                 got = f"{value:g} {description.medium.units['effort']}"
                 problem = "no steady state: lossless lines join its two nodes"
                 raise InputError(place("sources", name), problem, "a resistance", got)
-
-
-def _potential(first: NDArray, second: NDArray, stiffness: NDArray, flow_in: NDArray, tie: NDArray) -> NDArray:
-    """Potential of each node, zero where the tie is infinite, whose flows balance the inflow."""
-    n, free = len(tie), np.flatnonzero(tie < np.inf)
-    potential = np.zeros(n)
-    diagonal = np.where(tie < np.inf, tie, 0.0)
-    np.add.at(diagonal, np.concatenate([first, second]), np.tile(stiffness, 2))
-    every = np.arange(n)
-    places = np.concatenate([first, second, every]), np.concatenate([second, first, every])
-    entries = np.concatenate([-stiffness, -stiffness, diagonal])
-    try:
-        potential[free] = _solved(entries, places, free, n, flow_in[free]) if free.size else 0.0
-    except (RuntimeError, np.linalg.LinAlgError):
-        raise InputError("start", "no steady state: active loads cancel the inertia of lines", "'rest'") from None
-    return potential
-
-
-def _solved(entries: NDArray, places: tuple[NDArray, NDArray], free: NDArray, n: int, flow_in: NDArray) -> NDArray:
-    """Solution of the balances at the free nodes; small ones are spared the import of the sparse solver."""
-    if n <= MOST_DENSE:
-        matrix = np.zeros((n, n))
-        np.add.at(matrix, places, entries)
-        return np.linalg.solve(matrix[np.ix_(free, free)], flow_in)
-    from scipy.sparse import coo_array
-
-    return Factors(coo_array((entries, places), shape=(n, n)).tocsc()[free][:, free]).solve(flow_in)

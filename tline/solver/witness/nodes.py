@@ -13,26 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.given import ElementLaw, Shape, Source, Volume
+from tline.solver.description.given import ElementLaw, Ratio, Shape, Source, Volume
 
 MULTIPORTS = "transformer", "gyrator", "controlled source", "coupled inductors", "junction", "touchstone"
 MOST_NODES, MOST_ENDS = 6, 4  # nodes that are checked, and line ends at each of them
 Flow = Callable[[NDArray, NDArray], NDArray]  # at instants and efforts across
 
 
-class Impedance(NamedTuple):
-    """An element with den(D) e = num(D) i, D the derivative: coefficients, highest power first."""
-
-    numerator: tuple[float, ...]
-    denominator: tuple[float, ...]
-
-    @property
-    def degree(self) -> int:
-        """Larger degree of numerator and denominator."""
-        return max(map(len, self)) - 1
-
-
-Equation = Flow | Impedance | Volume
+Equation = Flow | Ratio | Volume  # a ratio: den(D) e = num(D) i, with D the derivative
 
 
 def equation_of(element: Any) -> Equation | None:
@@ -44,9 +32,8 @@ def equation_of(element: Any) -> Equation | None:
         before, after, instant = float(element.before), float(element.after), float(element.time)
         return (lambda t, e: e / np.where(t < instant, before, after)) if before and after else None
     if kind in ("inductor", "capacitor", "series", "parallel", "impedance") and element.ratio.degree:
-        sides = element.ratio.numerator, element.ratio.denominator
-        large = max(abs(number) for side in sides for number in side) > 10**300
-        return None if large else Impedance(*(tuple(map(float, side)) for side in sides))
+        large = max(abs(number) for side in element.ratio for number in side) > 10**300
+        return None if large else element.ratio
     if kind in ("resistor", "inductor", "capacitor", "series", "parallel", "impedance"):
         r = float(element.resistance) if kind == "resistor" else element.ratio.at_zero()
         return (lambda t, e: e / r) if r else None

@@ -17,9 +17,10 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
+from tline.solver.description.given import Ratio, Volume
 from tline.solver.result.result import Result
 from tline.solver.result.wave import Wave
-from tline.solver.witness.nodes import Balance, Impedance, Term, Volume
+from tline.solver.witness.nodes import Balance, Term
 
 INSTANTS, WINDOWS = 64, 4  # random instants and windows, one in each of as many equal parts of the run
 SLABS = 100  # slabs in a window at most: the longer it is, the less an error of effort matters
@@ -235,7 +236,7 @@ def store_doubts(seen: Seen, nodes: list[Balance]) -> Iterator[Doubt]:
         equation = one.stores[0].equation
         if isinstance(equation, Volume):
             wrong = _misses_volume(equation, windows, *_signals(there, one))
-        elif isinstance(equation, Impedance) and equation.degree <= MOST_DEGREE:
+        elif isinstance(equation, Ratio) and equation.degree <= MOST_DEGREE:
             wrong = _misses_impedance(equation, windows, *_signals(there, one))
         else:
             continue
@@ -252,7 +253,7 @@ def _signals(seen: Seen, one: Balance) -> tuple[NDArray, NDArray, float, NDArray
 
 
 def _misses_impedance(
-    equation: Impedance, windows: Windows, e: NDArray, i: NDArray, off_e: float, off_i: NDArray
+    equation: Ratio, windows: Windows, e: NDArray, i: NDArray, off_e: float, off_i: NDArray
 ) -> NDArray:
     """In which windows the equation of an impedance fails."""
     of_e, of_i = (_adjoint(side, equation.degree, windows) for side in (equation.denominator, equation.numerator))
