@@ -171,7 +171,7 @@ def test_texts_have_units_and_numbers_are_in_si(prepared):
 
 def test_a_search_begins_where_the_last_one_ended(prepared):
     orders = []
-    for capacitance in ("4 pF", "5 pF", "6 pF"):
+    for capacitance in ("0.5 pF", "0.6 pF", "0.7 pF"):
         attempts = prepared.run({"loads.receiver.capacitance": capacitance}, tol=1e-5).accuracy.attempts
         orders.append([attempt.order for attempt in attempts])
     assert len(orders[1]) == len(orders[2]) == 2 < len(orders[0])

@@ -114,7 +114,7 @@ def _share(at: Joined, packed: Any) -> None:
             some = these[at.joined[these] == known]
             if some.size:
                 here = some - first
-                shared[:, here] = (given[:, here, None] @ _pair(s, known, ratio[some]))[:, :, 0]
+                shared[:, here] = _pair(s, known, ratio[some], given[:, here].transpose(1, 2, 0)).transpose(2, 0, 1)
         share(pack(Shared(packed, first, shared, change, changes)))
 
 
@@ -125,13 +125,13 @@ def _moments(s: int, known: bool) -> tuple[int, int]:
 
 @lru_cache
 def _equal(s: int, known: bool) -> NDArray:
-    return _pair(s, known, np.ones(1))[0]
+    return np.ascontiguousarray(_pair(s, known, np.ones(1), np.eye(2 * s + 1)[None])[0].T)
 
 
-def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
-    """Matrices to `Shared.values` for cells of widths 1 and `ratio`, shape (pairs, 2 s + 1, 2 p).
+def _pair(s: int, known: bool, ratio: NDArray, given: NDArray) -> NDArray:
+    """`Shared.values` of cells of widths 1 and `ratio`, shape (pairs, 2 p, waves).
 
-    Their input is the end value of the cell before, and the values at the points of both.
+    Given are the end value of the cell before, and the values at the points of both, shape (pairs, 2 s + 1, waves).
     """
     q, m = _moments(s, known), sum(_moments(s, known)) + 2 + known
     places, test = _places(s, m)
@@ -142,7 +142,7 @@ def _pair(s: int, known: bool, ratio: NDArray) -> NDArray:
     )
     rows = test[: q[0]] @ first[:, inside], test[: q[1]] @ second[:, inside], first[:, not known : 2], second[:, 1:2]
     shared = np.concatenate([first[:, 2 + m :], second[:, 2 + m :]], axis=1)
-    return _kept(s, known) @ (shared @ np.linalg.inv(np.concatenate(rows, axis=1))).swapaxes(1, 2)
+    return shared @ np.linalg.solve(np.concatenate(rows, axis=1), _kept(s, known).T @ given)
 
 
 @lru_cache

@@ -16,7 +16,7 @@ from tline.solver.tolerance.kinks import Cuts, united
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
-DIGITS = 3  # digits of the tolerance per order of the first run, beyond three
+DIGITS, DIGITS_OF_RATES = 3, 1.5  # digits of the tolerance per order of the first run: beyond three; beside rates
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
 FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
 MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
@@ -74,9 +74,15 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def first_order(tol: float) -> int:
-    """Order of the first run: of a lower one little would be within the tolerance."""
-    return FIRST + max(int(-log10(tol) / DIGITS + 1e-9) - 1, 0)
+def first_order(description: Description, tol: float) -> int:
+    """Order of the first run: of a lower one little would be within the tolerance.
+
+    Laws and cells make orders dear. Without either, what is steady or even between fronts is exact in the lowest.
+    """
+    digits, rates = -log10(tol) + 1e-9, min(map(min, description.time_scales.values()), default=inf) < inf
+    if rates and not (description.elements or description.dispersive):
+        return 1 + int(max(digits / DIGITS_OF_RATES, FIRST))
+    return FIRST + max(int(digits / DIGITS) - 1, 0)
 
 
 class Orders(Grids):
@@ -176,7 +182,7 @@ class Orders(Grids):
         """
         description, sections, tol = self.search.description, self.sections, self.search.tol
         given = description.scene.solver
-        s = given.order or self.start.order or first_order(tol)
+        s = given.order or self.start.order or first_order(description, tol)
         chosen = resolution(description, s, sections=sections, settle=self.settle)
         if halved and given.slab is None and not sections:
             chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)

@@ -7,7 +7,7 @@ window with its derivatives, and integrated by parts, its equation contains none
 ∫ e·den(-D) φ = ∫ i·num(-D) φ, and i = dS/dt gives ∫ i·φ = -∫ S·φ'.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache, cached_property
 from itertools import chain
 
@@ -52,17 +52,22 @@ class Windows:
 
 
 class Seen:
-    """Efforts and flows of a result at instants `t`: random ones, or those of windows beside what is `known` there."""
+    """Efforts and flows of a result at instants `t`: random ones, or those of windows beside what is `known` there.
+
+    At ends of lines that are `computed` ones, waves are the polynomials of the run.
+    """
 
     def __init__(
         self,
         result: Result,
         description: Description,
         tol: float,
+        computed: Collection[tuple[str, int]] = (),
         t: NDArray | None = None,
         known: "Seen | None" = None,
     ):
         self.result, self.description, self.tol, self._known = result, description, tol, known
+        self._computed = computed
         self.t = _one_in_each(INSTANTS) * description.t_end if t is None else t
         self._waves: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
         self._allowed: dict[str, tuple[float, float]] = {}
@@ -77,7 +82,7 @@ class Seen:
     def windows(self) -> tuple[Windows, "Seen"]:
         """Random windows, each in pieces between slab ends and fronts, and what is seen there."""
         windows = Windows(list(self._edges()))
-        return windows, Seen(self.result, self.description, self.tol, windows.t, self)
+        return windows, Seen(self.result, self.description, self.tol, self._computed, windows.t, self)
 
     def _edges(self) -> Iterator[NDArray]:
         t_end, h = self.description.t_end, self.result.resolution.h
@@ -94,10 +99,16 @@ class Seen:
     def waves(self, name: str, end: int) -> tuple[NDArray, NDArray]:
         """Waves at an end of a line, toward end 2 and toward end 1."""
         if (name, end) not in self._waves:
-            record = self.result.lines[name]
-            a, b = record.at_end2 if end else record.at_end1
+            a, b = self.recorded(name, end)
             self._waves[name, end] = self._values(a), self._values(b)
         return self._waves[name, end]
+
+    def recorded(self, name: str, end: int) -> tuple[Wave, Wave]:
+        """Waves at an end of a line, toward end 2 and toward end 1, as functions of time."""
+        record = self.result.lines[name]
+        if (name, end) in self._computed:
+            return (record.a2, record.b2) if end else (record.a1, record.b1)
+        return record.at_end2 if end else record.at_end1
 
     def _values(self, wave: Wave) -> NDArray:
         """Values of a wave; places in slabs, and their polynomials, are the same for all waves without fronts."""
@@ -208,7 +219,7 @@ def line_doubts(seen: Seen) -> Iterator[Doubt]:
             continue
         computed = (record.a1, record.a2), (record.b2, record.b1)
         for side, (sent, arrived) in enumerate(computed):
-            given = (record.at_end2 if side else record.at_end1)[side]
+            given = seen.recorded(name, side)[side]
             wrong = _is_another(seen, given, seen.waves(name, 1 - side)[side], line.delay)
             if wrong.sum() > MOST_ASIDE and given is not sent:
                 wrong &= _is_another(seen, sent, arrived(seen.t), line.delay)

@@ -90,28 +90,31 @@ class Witness:
     def __init__(self, description: Description, kept: Collection[str] = ()):
         lumped, _ = short_lines(description, kept)
         self.description, self.nodes = description, watched(description, lumped)
-        self.lines, self.kept = lines_at(self.nodes, description), {*kept, *description.probed}
+        self.lines, probes = lines_at(self.nodes, description), description.probes.values()
+        self._given_out = {(name, end) for name in kept for end in (0, 1)}
+        self._given_out |= {(at.line, end) for at in probes for end in (0, 1) if at.line and at.share != 1 - end}
 
     def heard(self, result: Result) -> Result:
         """Return the result, marked as not meeting its tolerance where it does not fit the scene's equations.
 
-        Waves that are not given out are looked at as they were computed, and more closely where that leaves a doubt.
+        Ends of lines that are not given out are looked at as they were computed, and more closely where that leaves a
+        doubt.
         """
         accuracy = result.accuracy
         if accuracy is None or not accuracy.met:
             return result
-        lines = {name: line if name in self.kept else replace(line, raw=True) for name, line in result.lines.items()}
-        if lines.keys() - self.kept and not any(self._doubts(replace(result, lines=lines))):
+        computed = {(name, end) for name in result.lines for end in (0, 1)} - self._given_out
+        if computed and not any(self._doubts(result, computed)):
             return result
         for where, t, what in islice(self._doubts(result), 1):
             limit = f"two methods disagree at {where} at {t:.6g} s: {what}"
             result = replace(result, accuracy=replace(accuracy, limit=limit))
         return result
 
-    def _doubts(self, result: Result) -> Iterator[Doubt]:
+    def _doubts(self, result: Result, computed: Collection[tuple[str, int]] = ()) -> Iterator[Doubt]:
         assert result.accuracy is not None
         assert result.accuracy.tol is not None
-        seen = Seen(result, self.description, result.accuracy.tol)
+        seen = Seen(result, self.description, result.accuracy.tol, computed)
         yield from balance_doubts(seen, self.nodes)
         yield from line_doubts(seen)
         yield from store_doubts(seen, [one for one in self.nodes if one.stores and one.held is None])
