@@ -23,9 +23,7 @@ from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Branch, Ports, admittance, capacitive, conductors, inductive
 from tline.solver.description.excitation import just_before
-from tline.solver.description.lines import distinct
 from tline.solver.steady.balance import Limit, Linear, Sparse
-from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place
 
 NAMED = 4  # elements in a message
@@ -62,14 +60,12 @@ class Joins(NamedTuple):
 
 def lines_of(description: Description, number: Mapping[str, int]) -> Lines:
     """Parameters of all lines."""
-    lines = description.lines.values()
-    ends = np.array([[number[node] for node in line.nodes] for line in lines], int)
-    first, like = distinct(lines)
-    z0, delay, leak, falls = np.array([(line.z0, line.delay, pi(line)[1], falling(line)) for line in first])[like].T
-    joined = falls <= 0
+    columns = description.columns
+    ends, falls = np.array([number[node] for node in columns.nodes])[columns.ends], columns.falls
+    joined = ~falls
     for bundle in bundles_of(description).values():
         joined[bundle.lines] = False
-    return Lines(ends, z0, delay, leak, falls > 0, joined)
+    return Lines(ends, columns.z0, columns.delay, columns.pi[1], falls, joined)
 
 
 def at_nodes(description: Description, number: Mapping[str, int], lines: Lines) -> AtNodes:
@@ -222,7 +218,7 @@ def ported(
     the places of flows among the others: those of joins, then into both ends of modes that losses mix.
     """
     falls = lines.delay[lines.falls]
-    rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
+    rate = 1 / float(np.mean(lines.delay))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
     found = _Equations([*edges, *(f"node '{name}'" for name in number)], len(edges), unit, rate)
     found.add(lossy, lossy, slow=falls * rate)

@@ -89,7 +89,7 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     number, lines, joins = parted.number, parted.lines, parted.joins
     edges = known[Edges].like(description, openings) if Edges in known else None
     if edges is None:
-        edges = known[Edges] = Edges(description, number, openings, lines.falls)
+        edges = known[Edges] = Edges(description, number, openings, lines.falls, lines.ends)
     coupled = description.coupled or description.multiports
     effort, y, flow, unknowns = (_with_ports if coupled else _without_ports)(parted, edges)
     lossy = int(lines.falls.sum())
@@ -100,7 +100,7 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     for one in bundles_of(description).values():
         k = len(one.lines)
         flows[one.lines], into = np.column_stack([into[:k], -into[k : 2 * k]]), into[2 * k :]
-    through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
+    through = dict(zip([element.where for element in edges.elements], flow[lossy:].tolist(), strict=True))
     return Before(dict(zip(number, effort.tolist(), strict=True)), flows, through, openings, unknowns)
 
 
@@ -125,7 +125,7 @@ def _without_ports(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDAr
     given = _least(at.given, part)
     total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
     laws = edges.laws(part, np.nanmax(np.abs(given), initial=0.0))
-    near = _near(parted.description, len(edges.where) + len(given))
+    near = _near(parted.description, len(edges.from_node) + len(given))
     found = balanced(laws, Linear(given, total, source, _unit(parted, laws)), near)
     driving = _driving(parted, edges)
     _check_found(parted, edges, found, part, driving)
@@ -180,7 +180,7 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
     """
     if not found.worst <= ACCEPTED_RESIDUAL:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
-        where = edges.where[k] if k < len(edges.where) else "start"
+        where = edges.where[k] if k < len(edges.from_node) else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
     if driving > 0 and np.abs(found.flow).max(initial=0.0) > DROWNING * driving:
         problem = "no steady state: nothing limits the flow that an ideal effort drives through it"
@@ -199,7 +199,7 @@ def _driving(parted: _Parts, edges: Edges) -> float:
     """The largest flow of sources, into a line at a held effort, or of a pump or of air at another height by itself."""
     held = np.nanmax(np.abs(parted.at.given), initial=0.0)
     into_line = held / parted.lines.z0.min()
-    by_itself = np.abs(edges.solved(np.zeros(len(edges.where)))[1]).max(initial=into_line)
+    by_itself = np.abs(edges.solved(np.zeros(len(edges.from_node)))[1]).max(initial=into_line)
     return max(np.abs(parted.at.driven).max(), by_itself)
 
 
