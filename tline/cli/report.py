@@ -101,14 +101,16 @@ def _losses(result: Result) -> dict[str, Any]:
     told: dict[str, Any] = {}
     description = describe((result.parts or result).scene)
     lines = description.lines
-    if not result.circuits:
+    if result.resolution.convolved:
         return {name: {"convolved": True, "terms": 0, "error": 0.0} for name, line in lines.items() if line.losses}
     cell = cell_in(description, result.resolution)
     kind, width = ("cells", cell) if cell else ("diamonds", result.resolution.h)
-    for name, circuits in result.circuits.items():
-        parts = {kind: max(round(lines[name].delay / width), 1)} if lines[name].dispersive else {}
-        terms = len(circuits.series.rates) + len(circuits.shunt.rates)
-        told[name] = parts | {"terms": terms, "error": circuits.error}
+    for name, line in lines.items():
+        if line.losses is not None:
+            parts = {kind: max(round(line.delay / width), 1)} if line.dispersive else {}
+            circuits = result.circuits.get(name)
+            terms = len(circuits.series.rates) + len(circuits.shunt.rates) if circuits else 0
+            told[name] = parts | {"terms": terms, "error": circuits.error if circuits else 0.0}
     return told
 
 

@@ -71,8 +71,8 @@ class OneOrder:
         chosen, grid = assembly.resolution, assembly.grid
         if description.lines is not self._lines:
             self._lines = description.lines
-            z0 = np.array([line.z0 for line in self._lines.values()])
-            grid = replace(grid, lines={name: self._lines[name] for name in grid.lines}, z0=z0)
+            columns = description.columns
+            grid = replace(grid, lines=self._lines, z0=columns.z0, columns=columns)
         if not rewritten(assembly, description, chosen, layout_of(description, chosen, grid)):
             return False
         self.signals = Signals(assembly, n, self.signals)
@@ -204,7 +204,7 @@ class Plan(Pair):
         self._base, _ = description.grouped()
         self._number = {node.name: g for g, group in enumerate(self._base) for node in group.nodes}
         self._written: dict[int, Group] = {}  # in place of those
-        self._z0 = np.array([line.z0 for line in description.lines.values()])
+        self._z0 = description.columns.z0
         self._whole = all(one.smooth for one in orders)
         self._like: Result | None = None  # of the run before
 
@@ -303,7 +303,7 @@ def _tells_by_order(description: Description) -> bool:
 
 def _widths(description: Description) -> list[float]:
     """Widths of slabs, s: wide ones first, which divide all delays, and breaks of waveforms, if any do."""
-    delays = [line.delay for line in description.lines.values()]
+    delays = description.columns.delay.tolist()
     shortest, breaks = min(delays), breaks_of(description).tolist()
     times = (*delays, *breaks), (*delays,)
     parts = next(filter(None, (common_parts(each, shortest, MOST_PARTS) for each in times)), 1)

@@ -102,7 +102,7 @@ def accounts_of(description: Description) -> "Again | None":
         return None
     chosen = resolution(description)
     slabs = Slabs.until(description.t_end, chosen.h).number
-    passed = sum(line.delay / chosen.h for line in description.lines.values() if line.losses is not None)
+    passed = float(description.columns.delay[description.columns.lossy].sum()) / chosen.h
     work = inf if description.coupled else DEAR * chosen.s * slabs * passed
     return Again(description.scene, chosen, slabs, {}, work)
 

@@ -126,7 +126,7 @@ def rewritten(assembly: Assembly, description: Description, chosen: Resolution, 
 
 
 def _now(description: Description, chosen: Resolution, layout: Layout) -> dict[str, Any]:
-    follows = bool(chosen.layers) and not layout.grid.diamonds  # there slabs are halved: cuts would meet
+    follows = bool(chosen.layers) and not layout.grid.diamonds.size  # there slabs are halved: cuts would meet
     graded = np.array([follows and _has_layers(description, group, chosen) for group in layout.groups])
     return {
         "description": description,
@@ -160,7 +160,7 @@ def _begin(assembly: Assembly) -> None:
     state.waves[:] = np.repeat(sent, np.repeat(grid.delay * order.s, 2))
     state.before[:] = sent[:, None]
     state.load[:] = assembly.loads_before
-    if assembly.description.steady and grid.diamonds and not grid.cell:
+    if assembly.description.steady and grid.diamonds.size and not grid.cell:
         ends = zip(grid.lines.values(), assembly.u, assembly.y, strict=True)
         flows = {k: Ends(line, u, y) for k, (line, u, y) in enumerate(ends) if line.losses is not None}
         fill_diamonds(network, state, flows, order)

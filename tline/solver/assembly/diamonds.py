@@ -6,7 +6,7 @@ interpolated at Radau's points: accurate at slab ends. Where that would make ene
 polynomials of a slab: the transposed matrices do that, so energy is lost under any law (docs/theory.md).
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from tline.compiled.structure import pack
 from tline.loss import Foster
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
 from tline.solver.description.laws import tools_of
-from tline.solver.description.lines import Circuits, Line, distinct, one_step
+from tline.solver.description.lines import Circuits, Columns, Line, one_step
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.diamonds.cells import CELL_ORDER
 from tline.solver.kernel.diamonds.full import PLACES, TERMS, lose_steadily, lost
@@ -87,47 +87,39 @@ def diamonds_of(
     Friction is in cells of `grid.cell` slabs, or in diamonds of one slab if that is 0. `sent` are waves as sent and y
     flows, both at the ends of lines before t = 0; cells compute changes from these.
     """
-    here, rests, ends = np.array(grid.diamonds, int), np.array([*grid.rests, 0.0]), junctions.ends
+    here, rests, ends, columns = grid.diamonds, np.array([*grid.rests, 0.0]), junctions.ends, grid.columns
     row, rest = np.full(len(grid.lines), -1), rests[grid.shift_row[here]]
-    cell, blocks, lossy = grid.cell, junctions.blocks, [line for line in grid.lines.values() if line.dispersive]
+    cell, blocks = grid.cell, junctions.blocks
     if not cell:
         row[here] = np.arange(len(here))
-    each, like = distinct(lossy)
-    first = np.unique(like, return_index=True)[1]
-    steps, slabs = np.where(blocks.waits[here], blocks.stride, 1)[first], grid.delay[here][first]
-    cells = [_cell(*each, cell) for each in zip(slabs.tolist(), rest[first].tolist(), steps.tolist(), strict=True)]
-    tables, table_at = _tables(each)
+    sizes = np.stack([grid.delay[here], rest, np.where(blocks.waits[here], blocks.stride, 1)])
+    each, like = np.unique(sizes, axis=1, return_inverse=True)
+    cells = np.array([_cell(int(D), f, int(step), cell) for D, f, step in each.T.tolist()]).reshape(-1, 2)[like.ravel()]
+    names = [] if columns.instant.all() else [*grid.lines]
+    lasting = {k: names[line] for k, line in enumerate(here.tolist()) if not columns.instant[line]}
+    resistance = columns.resistance[here]
+    for k, name in lasting.items():
+        resistance[k] = grid.circuits[name].series.loss
     at_end = np.concatenate([[0], np.cumsum(row[ends >> 1] >= 0)])
     halves = len(here) and not cell
     matrices = [(order.projection(0.0, f), order.restriction(1.0 - f, 1.0)) for f in grid.rests if halves]
-    circuits = [grid.circuits[name] for name, line in grid.lines.items() if line.dispersive]
-    alike = [circuits[k] for k in first.tolist()]
-    friction = [_friction(line, own.series.loss, grid.h) for line, own in zip(each, alike, strict=True)]
     found = Diamonds(
         here,
         row,
         np.diff(at_end[junctions.first[junctions.group]]) > 0,
         rest,
-        np.array([kind for kind, _ in friction], int)[like],
-        np.array([constants for _, constants in friction]).reshape(-1, 5)[like],
-        tables,
-        table_at[like],
+        *_friction(columns, here, resistance, grid.h),
         tools_of(basis(min(order.s, CELL_ORDER)) if cell else order),
         order.A[-1],
         *triangle(order.s if halves else 1),
         ends=np.array(matrices).reshape(-1, 2, order.s, order.s),
         exact=max(EXACT, SHARE * same),
-        cell=np.array([k for k, _ in cells], int)[like],
-        over=np.array([over for _, over in cells])[like],
+        cell=cells[:, 0].astype(int),
+        over=cells[:, 1].copy(),
         begin=order.evaluation([0.0])[0],
         jump=max(STEP, WEAK * same) if order.s > 1 else inf,  # constants jump everywhere
         steady=np.zeros((len(here), 4)),
-        memory=_memory(
-            zip(each, alike, cells, (slabs + rest[first]).tolist(), strict=True),
-            like.tolist(),
-            basis(min(order.s, CELL_ORDER)),
-            grid.h,
-        ),
+        memory=_memory(grid, lasting, cells, sizes[0] + rest, basis(min(order.s, CELL_ORDER))),
     )
     if cell:
         begin_steady(found, sent, y, grid.z0)
@@ -142,31 +134,33 @@ def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> 
     lose_steadily(pack(diamonds))
 
 
-def _memory(
-    kinds: Iterable[tuple[Line, Circuits, tuple[int, float], float]], like: list[int], order: Basis, h: float
-) -> Memory:
+def _memory(grid: "SlabGrid", lasting: Mapping[int, str], cells: NDArray, slabs: NDArray, order: Basis) -> Memory:
     """Circuits of the columns of cells, half a cell apart; the outermost include the rest of the line.
 
-    Each row is like a kind of lines, whose maps it shares.
+    `lasting` are names of the lines that have some, by row; those that are alike share their maps.
     """
-    maps, size, known = [np.empty(0)], 0, []
-    for line, circuits, (k, over), slabs in kinds:
-        left, own = np.ones(2), []
-        for sign, law, per in _laws(line, circuits) if k else ():
-            number, half = 2 * int(slabs // k) - 1, k / (2 * slabs)
-            ends = (1.5 + over / k) * half if number > 1 else 1.0
-            each = [one_step(law, share * per, order, k * h) for share in (half, ends)]
-            left /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
-            own.append((sign, law.rates.size, [size, size + each[0].size], number))
-            maps, size = [*maps, *each], size + 2 * each[0].size
-        known.append((own, left))
-    laws = [law for k in like for law in known[k][0]]
-    first, rest = np.cumsum([0, *(len(known[k][0]) for k in like)]), [known[k][1] for k in like]
-    signs, modes, at, numbers = zip(*laws, strict=True) if laws else ((), (), (), ())
+    maps, size, known, rows, rest = [np.empty(0)], 0, {}, [], np.ones((len(cells), 2))
+    for row, name in lasting.items():
+        line, circuits, (k, over) = grid.lines[name], grid.circuits[name], cells[row]
+        key = line.z0, line.delay, id(line.losses), k, over
+        if key not in known:
+            left, own = np.ones(2), []
+            for sign, law, per in _laws(line, circuits) if k else ():
+                number, half = 2 * int(int(slabs[row]) // k) - 1, k / (2 * slabs[row])
+                ends = (1.5 + over / k) * half if number > 1 else 1.0
+                each = [one_step(law, share * per, order, k * grid.h) for share in (half, ends)]
+                left /= 1 + per * np.array([half, ends]) * (law.loss + law.strengths.sum()) / 2
+                own.append((sign, law.rates.size, [size, size + each[0].size], number))
+                maps, size = [*maps, *each], size + 2 * each[0].size
+            known[key] = own, left
+        own, rest[row] = known[key]
+        rows += [(row, law) for law in own]
+    first = np.searchsorted([row for row, _ in rows], np.arange(len(cells) + 1))
+    signs, modes, at, numbers = zip(*(law for _, law in rows), strict=True) if rows else ((), (), (), ())
     states = np.cumsum([0, *(number * n for number, n in zip(numbers, modes, strict=True))])
     places = np.array(at, int).reshape(-1, 2)
     each = first, np.array(signs, float), np.array(modes, int), places, np.concatenate(maps), states[:-1]
-    return Memory(*each, np.array(rest).reshape(-1, 2), int(states[-1]))
+    return Memory(*each, rest, int(states[-1]))
 
 
 def _laws(line: Line, circuits: Circuits) -> Iterator[tuple[float, Foster, float]]:
@@ -188,40 +182,41 @@ def _cell(D: int, f: float, step: int, wanted: float) -> tuple[int, float]:
     return k, D % k + f
 
 
-def _friction(line: Line, resistance: float, h: float) -> tuple[int, list[float]]:
-    """Kind and constants of the friction of half a slab of a line, with its resistance per metre."""
-    losses, y = line.losses, 1 / (2 * line.z0)  # flow over d
-    assert losses is not None
-    law, length = losses.flow_law, losses.exact.length * h / (2 * line.delay)
-    r = resistance * length * y
-    if law is None:
-        return SQUARE, [r, 0.0, 0.0, 0.0, 0.0]
-    k = law.square * length * y**2
-    if isinstance(law, PowerLaw):
-        c = law.strength * length * y**law.exponent
-        return (SQUARE, [r, k + c, 0.0, 0.0, 0.0]) if law.exponent == 2 else (POWER, [r, k, c, law.exponent - 1, 0.0])
-    assert isinstance(law, Colebrook | SwameeJain)
-    return KIND[type(law)], [r, k, law.strength * length * y**2, law.reynolds * y, law.roughness]
+def _friction(
+    columns: Columns, here: NDArray, resistance: NDArray, h: float
+) -> tuple[NDArray, NDArray, NDArray, NDArray]:
+    """Kind and constants of the friction of half a slab of some lines, with their resistance per metre.
+
+    Returned are also tables of friction factors and powers, those that lines share once, and the place of each line's.
+    """
+    y, length = 1 / (2 * columns.z0[here]), columns.length[here] * h / (2 * columns.delay[here])  # y: flow over d
+    row, kind, table_at = np.full(len(columns.z0), -1), np.full(len(here), SQUARE), np.zeros(len(here), int)
+    row[here] = np.arange(len(here))
+    constants, tables, size = np.zeros((len(here), 5)), [np.empty(0)], 0
+    constants[:, 0] = resistance * length * y
+    for places, law in columns.laws:
+        k = row[places]
+        square = length[k] * y[k] ** 2
+        constants[k, 1] = law.square * square
+        if isinstance(law, PowerLaw):
+            key, c = np.asarray(law.exponent), law.strength * length[k] * y[k] ** law.exponent
+            plain = key == 2
+            kind[k], constants[k, 1] = np.where(plain, SQUARE, POWER), constants[k, 1] + np.where(plain, c, 0.0)
+            constants[k, 2], constants[k, 3] = np.where(plain, 0.0, c), np.where(plain, 0.0, key - 1)
+        else:
+            assert isinstance(law, Colebrook | SwameeJain)
+            key, plain, kind[k] = np.asarray(law.roughness), np.full(len(k), False), KIND[type(law)]
+            constants[k, 2:] = np.stack([law.strength * square, law.reynolds * y[k], key], axis=1)
+        for each in np.unique(key[~plain]) if not isinstance(law, SwameeJain) else ():
+            table = _power_table(each - 1) if isinstance(law, PowerLaw) else _colebrook(each)
+            table_at[k[key == each]], tables, size = size, [*tables, table], size + len(table)
+    return kind, constants, np.concatenate(tables), table_at
 
 
-def _tables(lines: list[Line]) -> tuple[NDArray, NDArray]:
-    """Tables of friction factors and powers, those that lines share once, and the place of each line's."""
-    known, kept, at, n = {}, [np.empty(0)], [], 0
-    for line in lines:
-        law = line.losses.flow_law if line.losses else None
-        if not isinstance(law, Colebrook | PowerLaw):
-            at.append(0)
-            continue
-        key = law.roughness if isinstance(law, Colebrook) else (law.exponent,)
-        if key not in known:
-            if isinstance(law, PowerLaw):
-                kept.append(_power_table(law.exponent - 1))
-            else:
-                first, step, y = colebrook_table(law.roughness)
-                kept.append(np.concatenate([[first, step, len(y)], y]))
-            known[key], n = n, n + len(kept[-1])
-        at.append(known[key])
-    return np.concatenate(kept), np.array(at, int)
+def _colebrook(roughness: float) -> NDArray:
+    """Table for `tline.solver.kernel.diamonds.full.colebrook`."""
+    first, step, y = colebrook_table(float(roughness))
+    return np.concatenate([[first, step, len(y)], y])
 
 
 @lru_cache

@@ -6,14 +6,14 @@ A wave that leaves a node arrives elsewhere after the delay of its shortest line
 for which that is a stride or longer advance by a stride at once, the others meanwhile in short steps.
 """
 
-from collections.abc import Callable, Collection, Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tline.solver.assembly.node_maps import GroupSystems, systems_of
 from tline.solver.description.description import Description
@@ -21,9 +21,9 @@ from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Waveform, just_before
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, started, states_of
-from tline.solver.description.lines import Circuits, Line, circuits_of, fit_of
+from tline.solver.description.lines import Circuits, Columns, Line, circuits_of, columns_of, fit_of
 from tline.solver.description.nodes import NONE, Node, weights_of
-from tline.solver.description.resolution import Resolution, cell_in
+from tline.solver.description.resolution import Resolution, cell_in, not_lumped
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import Blocks, Laws
 from tline.solver.steady.steady_state import above_level, rest
@@ -35,14 +35,14 @@ LAYOUTS = 2  # of a scene that are kept
 STAGES = 3  # lines, state before t = 0, nodes
 
 
-def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, diamonds: Collection[int] = ()) -> Blocks:
+def blocks_of(reach: NDArray, first: NDArray, ends: NDArray, group: NDArray, diamonds: ArrayLike = ()) -> Blocks:
     """Blocks of a network, from the delays of lines in slabs (`reach`); for the other arrays see `Network`."""
     degree = np.diff(first)
     of_node = np.minimum.reduceat(np.append(reach[ends >> 1], LONGEST), first[:-1])
     of_group = np.minimum.reduceat(np.where(degree > 0, of_node, LONGEST), group[:-1])
     stride = _stride(of_group, np.add.reduceat(degree, group[:-1]))
     groups, lines = of_group >= stride, reach >= stride
-    cells = lines[list(diamonds)]
+    cells = lines[np.asarray(diamonds, int)]
     return Blocks(
         stride,
         step=int(reach[~lines].min(initial=stride)),
@@ -84,14 +84,15 @@ class SlabGrid:
     """The lines of a scene cut in slabs of one width. L lines."""
 
     h: float
-    lines: dict[str, Line]  # those that are not lumped
+    lines: Mapping[str, Line]  # those that are not lumped
     z0: NDArray  # (L,)
+    columns: Columns
     delay: NDArray  # (L,) whole slabs
     shift_row: NDArray  # (L,) row of the fractional rest of the delay, -1 if there is none
     rests: list[float]  # those that differ, in slabs
-    circuits: dict[str, Circuits]  # of lossy lines
+    circuits: dict[str, Circuits]  # of lines that remember, or leak
     passed: NDArray  # (L,) share of a wave that arrives, of lines that only delay and attenuate; else 1
-    diamonds: Collection[int]  # numbers of lines that lose all along
+    diamonds: NDArray  # numbers of lines that lose all along
     cell: float  # slabs of the cells in which they do, at most; 0 for diamonds of one
     junctions: dict[Hashable, Junctions] = field(default_factory=dict)  # by the order of nodes, and nodes of a group
     spare: dict[Hashable, Any] = field(default_factory=dict)  # assemblies whose run is over
@@ -99,9 +100,9 @@ class SlabGrid:
     @property
     def reach(self) -> NDArray:
         """Slabs in which nothing passes along a line from one place that takes of it to another, or an end."""
-        reach, here = self.delay.copy(), list(self.diamonds)
-        widest = np.minimum(self.cell, reach[here])  # cells are no longer than their lines
-        reach[here] = np.maximum((widest / CELLS_AHEAD).astype(int), 1)
+        reach = self.delay.copy()
+        widest = np.minimum(self.cell, reach[self.diamonds])  # cells are no longer than their lines
+        reach[self.diamonds] = np.maximum((widest / CELLS_AHEAD).astype(int), 1)
         return reach
 
     def joined(self, groups: list[Group], nodes: dict[str, Node]) -> Junctions:
@@ -134,7 +135,7 @@ class Layout:
     loads_before: NDArray  # states of loads and laws before t = 0
 
     @property
-    def lines(self) -> dict[str, Line]:
+    def lines(self) -> Mapping[str, Line]:
         """Lines that are not lumped."""
         return self.grid.lines
 
@@ -157,8 +158,9 @@ class Layout:
     @cached_property
     def moved(self) -> NDArray:
         """Change of waves on their way through cells before t = 0, shape (2 L,)."""
-        here, found = list(self.grid.diamonds) if self.grid.cell else [], np.zeros((len(self.u), 2))
-        found[here] = (self.arriving.reshape(-1, 2) - self.sent[:, ::-1])[here]
+        found, here = np.zeros((len(self.u), 2)), self.grid.diamonds
+        if self.grid.cell:
+            found[here] = (self.arriving.reshape(-1, 2) - self.sent[:, ::-1])[here]
         return found.ravel()
 
     @cached_property
@@ -207,29 +209,30 @@ def of_last(kept: dict[Hashable, Any], key: Hashable, make: Callable[[], Any], m
 
 
 def _grid(description: Description, chosen: Resolution) -> SlabGrid:
-    h = chosen.h
-    lines = {name: line for name, line in description.lines.items() if name not in chosen.sections}
+    h, lines, columns = chosen.h, description.lines, description.columns
+    if chosen.sections:
+        lines = {name: line for name, line in lines.items() if name not in chosen.sections}
     if chosen.rounded:
         lines = {name: line._replace(delay=max(round(line.delay / h), 1) * h) for name, line in lines.items()}
-    delay, shift_row, rests = _delays(lines, h)
+    columns = columns if lines is description.lines else columns_of(lines)
+    delay, shift_row, rests = _delays(columns.delay / h)
     losses = _losses(description, chosen)
-    circuits = circuits_of(lines, losses[0]) if losses else {}
-    diamonds = [k for k, line in enumerate(lines.values()) if line.dispersive]
-    z0 = np.array([line.z0 for line in lines.values()])
-    passed = np.array([line.passed for line in lines.values()])
-    cell = losses[1] / h if losses else 0.0
-    return SlabGrid(h, lines, z0, delay, shift_row, rests, circuits, passed, diamonds, cell)
+    lasting = [] if columns.instant.all() else [name for name, each in lines.items() if not each.instant]
+    circuits = circuits_of({name: lines[name] for name in lasting}, losses[0]) if losses else {}
+    diamonds, cell = np.flatnonzero(columns.dispersive), losses[1] / h if losses else 0.0
+    return SlabGrid(h, lines, columns.z0, columns, delay, shift_row, rests, circuits, columns.passed, diamonds, cell)
 
 
 def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar: Progress) -> Layout:
-    lines, z0 = grid.lines, grid.z0
+    z0 = grid.z0
     effort, y, through, openings, _ = above_level(description) if description.steady else rest(description)
-    u = np.array([[effort[at] for at in line.nodes] for line in description.lines.values()])
+    columns = description.columns
+    u = np.array([effort[name] for name in columns.nodes])[columns.ends]
     bar.update()
     begin = dict(zip(description.lines, y[:, 0].tolist(), strict=True)) if chosen.sections else NONE
     groups, nodes = description.grouped(chosen.sections, begin)
     if chosen.sections:
-        kept = np.array([name in lines for name in description.lines])
+        kept = not_lumped(description, chosen.sections)
         u, y = u[kept], y[kept]
     junctions = grid.joined(groups, nodes)
     weight = weights_of(nodes.values(), z0)
@@ -266,9 +269,8 @@ def _laid_out(description: Description, chosen: Resolution, grid: SlabGrid, bar:
     )
 
 
-def _delays(lines: dict[str, Line], h: float) -> tuple[NDArray, NDArray, list[float]]:
+def _delays(slabs: NDArray) -> tuple[NDArray, NDArray, list[float]]:
     """Whole slabs of each delay, and row of the fractional rest among those that differ."""
-    slabs = np.array([line.delay for line in lines.values()]) / h
     near = np.round(slabs)
     whole = np.abs(slabs - near) <= WHOLE * near
     delay = np.where(whole, near, np.floor(slabs)).astype(np.int64)

@@ -221,7 +221,7 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
     first = np.searchsorted(group[order], np.arange(len(network.group)))
     at_node = GRADED if assembly.graded.any() else AT_NODE
     places = max(LOGGED, 2 * assembly.rows * at_node)
-    delays = np.array([line.delay for line in assembly.lines.values()])
+    delays = assembly.grid.columns.delay
     return Fronts(
         LULL,
         most,

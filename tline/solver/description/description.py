@@ -21,7 +21,7 @@ from tline.solver.description.elements import Branch, PlacedLaw, active_parts, b
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped, time_scales
-from tline.solver.description.lines import Line, ProbePlace, lines_of, probes_of
+from tline.solver.description.lines import Columns, Line, ProbePlace, columns_of, lines_of, probes_of
 from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
 from tline.words.wording import place
 
@@ -96,27 +96,32 @@ class Description:
         return [end for pair in self.coupled.values() for end in pair]
 
     @cached_property
+    def columns(self) -> Columns:
+        """The lines as arrays."""
+        return columns_of(self.lines)
+
+    @cached_property
     def lossy(self) -> bool:
         """Whether a line loses something."""
-        return any(line.losses is not None for line in self.lines.values())
+        return bool(self.columns.lossy.any())
 
     @cached_property
     def dispersive(self) -> bool:
         """Whether a line does more to waves than to delay and attenuate them, and lines are not all in diamonds."""
-        return not self.diamonds and any(line.dispersive for line in self.lines.values())
+        return not self.diamonds and bool(self.columns.dispersive.any())
 
     @cached_property
     def diamonds(self) -> bool:
         """Whether some lines have losses, and all losses depend on the instantaneous flow alone."""
-        lossy = [line for line in self.lines.values() if line.losses is not None]
-        return bool(lossy) and all(line.in_diamonds for line in lossy)
+        return self.lossy and bool(self.columns.instant.all())
 
     @cached_property
     def crowded(self) -> bool:
         """Whether there are too many fronts to follow: moving valves beside very short lossy lines multiply them."""
-        lossy = [line.delay for line in self.lines.values() if line.dispersive]
+        lossy = self.columns.delay[self.columns.dispersive]
         moving = (getattr(self.scene, part)[name].kind for part, name, _ in self.scene.waveforms)
-        return bool(lossy) and self.t_end * sum(lossy) > MOST_BESIDE_VALVES * min(lossy) ** 2 and "orifice" in moving
+        many = lossy.size > 0 and self.t_end * lossy.sum() > MOST_BESIDE_VALVES * lossy.min() ** 2
+        return bool(many) and "orifice" in moving
 
     @cached_property
     def laws(self) -> LawsByPlace:
@@ -138,7 +143,7 @@ class Description:
         """Elements and line ends at each node, without lumped lines."""
         if self.origin is not None:
             return self.origin.nodes | self.anew
-        return nodes_of(self.scene, self.lines, self.ends)
+        return nodes_of(self.scene, self.lines, self.columns, self.ends)
 
     @cached_property
     def elements(self) -> list[PlacedLaw]:
@@ -257,7 +262,7 @@ class Description:
         """
         if not sections:
             return self._grouped
-        nodes = nodes_of(self.scene, self.lines, self.ends, sections)
+        nodes = nodes_of(self.scene, self.lines, self.columns, self.ends, sections)
         lumped_lines = [LumpedLine(name, self.lines[name], n, started.get(name, 0.0)) for name, n in sections.items()]
         return grouped(nodes, lumped_lines, self.elements, self.ends, self.branches)
 

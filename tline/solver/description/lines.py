@@ -1,8 +1,8 @@
 """Lines in numbers, one for each mode of coupled conductors, and circuits in place of exact laws; where probes are."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from functools import lru_cache
-from math import ceil, exp, floor, inf, log, log10, pi
+from math import ceil, floor, inf, log, log10, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss import ConstantLoss, Foster, Law, Sum, realise
+from tline.loss.flow_law import FlowLaw, side_by_side
 from tline.loss.law import Shape
 from tline.loss.line import Losses
 from tline.loss.realise import FINEST
@@ -98,15 +99,10 @@ class Line(NamedTuple):
         return self.losses is not None and not self.losses.distortionless
 
     @property
-    def passed(self) -> float:
-        """Share of a wave that arrives if all it does is to attenuate; else 1."""
-        return exp(-self.losses.attenuation) if self.losses and self.losses.distortionless else 1.0
-
-    @property
-    def in_diamonds(self) -> bool:
-        """Whether it loses effort by its flow alone, at once, and otherwise only delays."""
+    def instant(self) -> bool:
+        """Whether it loses nothing, or effort by its flow alone, at once, and otherwise only delays."""
         if self.losses is None:
-            return False
+            return True
         series, shunt = self.losses.exact.series, self.losses.exact.shunt
         return isinstance(series, ConstantLoss) and isinstance(shunt, ConstantLoss) and not shunt.loss
 
@@ -120,16 +116,67 @@ def lines_of(scene: Scene) -> dict[str, Line]:
     return found
 
 
-def distinct(lines: Iterable[Line]) -> tuple[list[Line], NDArray]:
-    """The first of those that differ in more than their nodes, and which of them each line is like."""
+class Columns(NamedTuple):
+    """Lines as arrays, in their order: L lines between N nodes."""
+
+    nodes: list[str]  # (N,) in the order in which lines name them
+    ends: NDArray  # (L, 2) their numbers
+    z0: NDArray  # (L,)
+    delay: NDArray  # (L,) s
+    length: NDArray  # (L,) m; 0 of a line without losses
+    resistance: NDArray  # (L,) per metre, to a steady flow
+    conductance: NDArray  # (L,) the same
+    lossy: NDArray  # (L,) whether there are losses
+    dispersive: NDArray  # (L,) whether they do more to waves than to attenuate them
+    instant: NDArray  # (L,) whether there are none, or they are effort that the flow takes alone and at once
+    laws: list[tuple[NDArray, FlowLaw]]  # of the flow, with arrays of parameters, after the lines that have them
+
+    @property
+    def passed(self) -> NDArray:
+        """Share of a wave that arrives if all that a line does is to attenuate; else 1, shape (L,)."""
+        attenuation = self.length * np.sqrt(self.resistance * self.conductance)
+        return np.where(self.lossy & ~self.dispersive, np.exp(-attenuation), 1.0)
+
+    @property
+    def pi(self) -> tuple[NDArray, NDArray]:
+        """Resistance between the ends and conductance at each, to a steady flow, without friction by laws; (L,) each.
+
+        With r and g of a whole line, x = √(r g): r sinh(x)/x and g tanh(x/2)/x.
+        """
+        r, g = self.resistance * self.length, self.conductance * self.length
+        x = np.sqrt(r * g)
+        some = np.where(x > 0, x, 1.0)
+        return np.where(x > 0, r * np.sinh(x) / some, r), np.where(x > 0, g * np.tanh(x / 2) / some, g / 2)
+
+    @property
+    def falls(self) -> NDArray:
+        """Whether effort falls along a line in a steady flow, shape (L,)."""
+        found = self.resistance > 0
+        for places, law in self.laws:
+            found[places] |= law(np.ones(len(places)))[0] > 0
+        return found
+
+
+def columns_of(lines: Mapping[str, Line]) -> Columns:
+    """Columns of lines, those that differ by their nodes alone being looked at once."""
     known: dict[tuple[float, float, int], int] = {}
-    first, like = [], []
-    for line in lines:
+    number, first, like, ends = dict[str, int](), list[Line](), list[int](), list[int]()
+    for line in lines.values():
         k = known.setdefault((line.z0, line.delay, id(line.losses)), len(first))
         if k == len(first):
             first.append(line)
         like.append(k)
-    return first, np.array(like, int)
+        ends += [number.setdefault(node, len(number)) for node in line.nodes]
+    exact = [line.losses.exact if line.losses else None for line in first]
+    constants = [(one.length, one.series.loss, one.shunt.loss) if one else (0.0, 0.0, 0.0) for one in exact]
+    each = [
+        (line.z0, line.delay, *own, line.losses is not None, line.dispersive, line.instant)
+        for line, own in zip(first, constants, strict=True)
+    ]
+    z0, delay, length, r, g, lossy, dispersive, instant = np.array(each, float).reshape(-1, 8)[like].T
+    laws = side_by_side([line.losses.flow_law if line.losses else None for line in first], np.array(like, int))
+    places = [*number], np.array(ends, int).reshape(-1, 2)
+    return Columns(*places, z0, delay, length, r, g, lossy > 0, dispersive > 0, instant > 0, laws)
 
 
 class Fit(NamedTuple):

@@ -25,7 +25,7 @@ from tline.scene.source import Source
 from tline.solver.description.circuit import StateSpace, reflection, reflection_of_poles
 from tline.solver.description.excitation import just_before
 from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
-from tline.solver.description.lines import Line
+from tline.solver.description.lines import Columns, Line
 from tline.words.wording import place
 
 SEA_LEVEL = Height()
@@ -182,24 +182,27 @@ def lowered(pressure: Shape, level: float) -> Shape:
 
 
 def nodes_of(
-    scene: Scene, lines: Mapping[str, Line], coupled: Iterable[End], sections: Mapping[str, int] = NONE
+    scene: Scene,
+    lines: Mapping[str, Line],
+    columns: Columns,
+    coupled: Iterable[End],
+    sections: Mapping[str, int] = NONE,
 ) -> dict[str, Node]:
     """The nodes of a scene by name, in the order in which lines and links name them."""
     refuse_cavities(scene.lines, "what is asked")
-    nodes: dict[str, Node] = {}
-    kept = 0
-    for name, line in lines.items():
-        admittance = 1 / line.z0
-        for side, at in enumerate(line.nodes):
-            if at not in nodes:
-                nodes[at] = Node(at)
-            node = nodes[at]
-            if name in sections:
-                node.lumped += admittance
-            else:
-                node.ends.append(2 * kept + side)
-                node.lines += admittance
-        kept += name not in sections
+    at, n, lumped = columns.ends.ravel(), len(columns.nodes), np.zeros(2 * len(columns.z0), bool)
+    if sections:
+        lumped = np.repeat([name in sections for name in lines], 2)
+    admittance, end = np.repeat(1 / columns.z0, 2), np.cumsum(~lumped) - 1  # 2 * line for an end 1, and the next
+    kept = np.flatnonzero(~lumped)
+    order = kept[np.argsort(at[kept], kind="stable")]
+    first = np.searchsorted(at[order], np.arange(n + 1)).tolist()
+    ends = end[order].tolist()
+    sums = (np.bincount(at, admittance * part, n).tolist() for part in (~lumped, lumped))
+    nodes = {
+        name: Node(name, ends[first[k] : first[k + 1]], lines=own, lumped=other)
+        for k, (name, own, other) in enumerate(zip(columns.nodes, *sums, strict=True))
+    }
     for end in coupled:
         for at in end.conductors:
             nodes.setdefault(at, Node(at))
@@ -208,7 +211,7 @@ def nodes_of(
             nodes.setdefault(at, Node(at))
     floating = {place("sources", name): source for name, source in scene.sources.items() if source.nodes is not None}
     nodes |= {where: Node(where, hidden=True) for where, source in floating.items() if source.is_effort}
-    usual = float(1 / np.mean([line.z0 for line in lines.values()]))
+    usual = float(1 / np.mean(columns.z0))
     for node in nodes.values():
         node.alone = usual
     for name, height in scene.heights.items():

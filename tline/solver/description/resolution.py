@@ -8,6 +8,9 @@ from itertools import pairwise
 from math import floor, inf, isfinite, log2, sqrt
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tline.errors import InputError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
@@ -71,21 +74,21 @@ def resolution(
     `sections` are those of lumped lines, which do not limit slabs. If the other lines allow it, a slab is longer than
     the time in which lumped lines settle after a front.
     """
-    lines, fixed, t_end = description.lines, description.scene.solver, description.t_end
-    delays = {name: line.delay for name, line in lines.items() if name not in sections}
+    fixed, t_end, kept = description.scene.solver, description.t_end, not_lumped(description, sections)
+    delays = description.columns.delay[kept]
     s = 1 if fixed.rounded else s or fixed.order or ORDER
     by_hand = h is None and fixed.slab is not None
     scales = description.time_scales
     h = h or float(fixed.slab or 0.0)
     if fixed.rounded and not h:  # a power of two times the shortest delay, cheap, and many
-        wanted, shortest = max(2 * len(delays) / FIRST_ROUNDED, 1 / MOST_FIRST) * t_end, min(delays.values())
+        wanted, shortest = max(2 * len(delays) / FIRST_ROUNDED, 1 / MOST_FIRST) * t_end, float(delays.min())
         h = min(shortest * 2.0 ** floor(log2(wanted / shortest)), t_end / LEAST_FIRST)
-    h = h or slab_of(description, delays, scales, settle)
-    _check(t_end, delays, s, h, by_hand)
+    h = h or slab_of(description, kept, scales, settle)
+    _check(description, kept, s, h, by_hand)
     cell = 0.0 if by_hand or (description.diamonds and s > 1) else cell_of(description, s, h)
     chosen = Resolution(s, h, sections=sections, settle=settle, cell=cell)
     if fixed.rounded:  # cells are of second order in their width, so of first order in the slab
-        chosen = chosen._replace(cell=sqrt(max(delays.values()) * h), plain=True, rounded=True, fit=ROUGH)
+        chosen = chosen._replace(cell=sqrt(float(delays.max()) * h), plain=True, rounded=True, fit=ROUGH)
     notes = [
         f"{where}: its time scale of {scale:.3g} s is shorter than the slab of {h:.3g} s; "
         "what is faster than the slab is damped, not resolved"
@@ -102,14 +105,23 @@ def cell_in(description: Description, chosen: Resolution) -> float:
     return 0.0 if in_diamonds else max(chosen.cell, chosen.h)
 
 
-def _check(t_end: float, delays: dict[str, float], s: int, h: float, by_hand: bool) -> None:
-    samples = 2 * s * sum(delays.values()) / h
+def not_lumped(description: Description, sections: Mapping[str, int]) -> NDArray:
+    """Which lines are not lumped, shape (L,)."""
+    if not sections:
+        return np.ones(len(description.lines), bool)
+    return np.array([name not in sections for name in description.lines], bool)
+
+
+def _check(description: Description, kept: NDArray, s: int, h: float, by_hand: bool) -> None:
+    t_end, delays = description.t_end, description.columns.delay[kept]
+    samples = 2 * s * float(delays.sum()) / h
     if h <= t_end * (1 + WHOLE) and samples <= LARGEST and t_end / h <= MOST_SLABS:
         return
-    shortest, longest = (place("lines", choose(delays, key=lambda name: delays[name])) for choose in (min, max))
+    names = [name for name, there in zip(description.lines, kept.tolist(), strict=True) if there]
+    shortest, longest = (place("lines", names[int(k)]) for k in (delays.argmin(), delays.argmax()))
     if samples > LARGEST:
         problem = f"slabs of {h:.3g} s put {samples:.2g} samples on the lines at once"
-        problem, longer = f"{problem}, for {longest} takes {max(delays.values()):.3g} s", "shortest line"
+        problem, longer = f"{problem}, for {longest} takes {delays.max():.3g} s", "shortest line"
         where, longer = ("solver.slab", "slab") if by_hand else (shortest, longer)
         raise InputError(where, problem, f"at most {LARGEST:.0e}: a longer {longer} or a lower order")
     if h > t_end * (1 + WHOLE):
@@ -127,7 +139,7 @@ def grid_choice(description: Description, chosen: Resolution) -> dict[str, str |
     That is in samples without fronts inside slabs, and not predicted beside losses, nor of a convolution.
     """
     h, breaks = chosen.h, breaks_of(description)
-    delays = [line.delay for name, line in description.lines.items() if name not in chosen.sections]
+    delays = description.columns.delay[not_lumped(description, chosen.sections)].tolist()
     work = relative_work(h, delays, breaks)
     if description.scene.solver.slab == h:
         reason = "slab given"
@@ -150,8 +162,8 @@ def short_lines(description: Description, record: Iterable[str]) -> tuple[list[s
     Probed lines stay lines. So do lines at a node with a switch, a non-linear element, a measured
     load or an active resistance, and lines in which a front would ring on for longer than a part of a slab.
     """
-    delays = [line.delay for line in description.lines.values()]
-    if min(delays) * SLABS_PER_DELAY >= SHORT * max(delays):
+    delays = description.columns.delay
+    if delays.min() * SLABS_PER_DELAY >= SHORT * delays.max():
         return [], 0.0
     each = description.nodes.items()
     barred = {name for name, node in each if node.switches or node.conductance < 0 or node.measured is not None}

@@ -31,12 +31,11 @@ PLACES = 9  # digits of an instant's place in its slab
 ORDER = 5
 
 
-def slab_of(
-    description: Description, lines: Mapping[str, float], scales: Mapping[str, tuple[float, float]], settle: float
-) -> float:
-    """Slab width that resolves the scene, if affordable; `lines` are delays by name."""
-    delays = [*lines.values()]
-    lossy = [delay for name, delay in lines.items() if description.dispersive and description.lines[name].dispersive]
+def slab_of(description: Description, kept: NDArray, scales: Mapping[str, tuple[float, float]], settle: float) -> float:
+    """Slab width that resolves the scene, if affordable; `kept` are the lines that are not lumped, shape (L,)."""
+    columns = description.columns
+    delays = columns.delay[kept].tolist()
+    lossy = columns.delay[kept & columns.dispersive].tolist() if description.dispersive else []
     shortest, breaks = min(delays), breaks_of(description)
     layered = description.t_end / SLABS_FOR_FRONTS  # faster decays are followed behind fronts, not by narrow slabs
     slower = [scale for scale, period in scales.values() if lossy or period < inf or scale > layered]
@@ -75,8 +74,8 @@ def cell_of(description: Description, s: int, h: float) -> float:
 
 def cells_in(description: Description, width: float) -> float:
     """Number of cells, or diamonds, of a given width, s, in a run."""
-    delays = [line.delay for line in description.lines.values() if line.dispersive]
-    return 2 * sum(delays) * description.t_end / width**2
+    delays = description.columns.delay[description.columns.dispersive]
+    return 2 * float(delays.sum()) * description.t_end / width**2
 
 
 @lru_cache(maxsize=8)  # runs with other values ask the same

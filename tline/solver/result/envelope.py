@@ -62,7 +62,7 @@ class Extremes:
         inner = np.array([k for k in np.flatnonzero(ends == 0) if nodes[k] in assembly.description.nodes], int)
         one = network.ends[network.first[there]]
         assembly.watch(one, inner)
-        before = np.array([assembly.start[name].reshape(2, 2).mean(axis=1) for name in assembly.lines]).ravel()
+        before = assembly.u.ravel()
         self.nodes, self.alone = (tuple(nodes[k] for k in each) for each in (there, inner))
         self.start = np.append(before[one], [assembly.efforts[node] for node in self.alone])
         self.rows = np.append(network.record_row[one], network.effort_row[inner])

@@ -9,6 +9,7 @@ G = tanh(γl/2)/Zc at each, with Zc = √(r/g) and γ = √(r g). Friction that 
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -16,13 +17,12 @@ from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.loss.flow_law import side_by_side
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw, resistive
 from tline.solver.description.given import kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.description.laws import laws_of, opened, units_of_laws
-from tline.solver.description.lines import Line, distinct
+from tline.solver.description.lines import Columns, Line
 from tline.solver.kernel.network import Crossing, Laws
 from tline.solver.kernel.units import law_addresses
 from tline.solver.steady.balance import EdgeLaws
@@ -66,30 +66,13 @@ class Flows:
 Slopes = tuple[NDArray, ...]  # drops and flows, and those of both over a
 
 
-def pi(line: Line) -> tuple[float, float]:
-    """Resistance between the ends and conductance at each, to a steady flow, without flow-dependent friction."""
-    if line.losses is None:
-        return 0.0, 0.0
-    exact = line.losses.exact
-    r, g = exact.series.loss * exact.length, exact.shunt.loss * exact.length
-    x = np.sqrt(r * g)
-    return (r * np.sinh(x) / x, g * np.tanh(x / 2) / x) if x else (r, g / 2)
-
-
-def falling(line: Line) -> bool:
-    """Whether effort falls along a line in a steady flow."""
-    return line.losses is not None and any(line.losses.steady_drop(1.0))
-
-
 class Falls:
     """Drops along lines, over one unknown each: z0·y."""
 
-    def __init__(self, lines: Mapping[str, Line]):
-        first, like = distinct(lines.values())
-        lengths = [line.losses.exact.length if line.losses else 0.0 for line in first]
-        each = np.array([(line.z0, pi(line)[0], length) for line, length in zip(first, lengths, strict=True)])
-        self.z0, self._resistance, self._length = each.reshape(-1, 3)[like].T
-        self._laws = side_by_side([line.losses.flow_law if line.losses else None for line in first], like)
+    def __init__(self, columns: Columns, falls: NDArray):
+        there, row = np.flatnonzero(falls), np.cumsum(falls) - 1
+        self.z0, self._resistance, self._length = columns.z0[there], columns.pi[0][there], columns.length[there]
+        self._laws = [(row[places], law) for places, law in columns.laws]
 
     def solved(self, a: NDArray) -> Slopes:
         """Falls and flows, and their slopes over a."""
@@ -134,20 +117,25 @@ class Edges:
         number: Mapping[str, int],
         openings: Mapping[str, float],
         falls: NDArray,
+        ends: NDArray,
     ):
-        each = zip(description.lines.items(), falls.tolist(), strict=True)
-        lines = {name: line for (name, line), kept in each if kept}
-        self.falls = Falls(lines)
+        self.falls, self._names = Falls(description.columns, falls), (description.lines, np.flatnonzero(falls))
         self.elements = _standing(description)
-        self.where = [place("lines", name) for name in lines] + [element.where for element in self.elements]
-        pairs = [line.nodes for line in lines.values()] + [(e.from_node, e.to_node) for e in self.elements]
-        ends = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
-        self.from_node, self.to_node = np.array(ends, int).reshape(-1, 2).T
+        pairs = [(e.from_node, e.to_node) for e in self.elements]
+        own = [[-1 if node is None else number[node] for node in pair] for pair in pairs]
+        self.from_node, self.to_node = np.vstack([ends[falls], np.array(own, int).reshape(-1, 2)]).T
         nodes = description.nodes
         impedances = [element.seen(nodes) for element in self.elements]
         packed, _ = laws_of([Group([*nodes.values()], [], self.elements, [])], impedances, 0, 0)
         self.seen, self.constants = packed.source_impedance, [element.constants for element in self.elements]
         self.packed = opened(packed, self.elements, openings)
+
+    @cached_property
+    def where(self) -> list[str]:
+        """Places of the lines and elements."""
+        lines, there = self._names
+        names = [*lines]
+        return [place("lines", names[k]) for k in there.tolist()] + [element.where for element in self.elements]
 
     def like(self, description: Description, openings: Mapping[str, float]) -> "Edges | None":
         """Edges with other numbers in their laws; None where the laws of a description are others."""

@@ -24,9 +24,7 @@ from tline.solver.description.description import Description
 from tline.solver.description.elements import Branch, Ports, admittance, capacitive, conductors, inductive
 from tline.solver.description.excitation import just_before
 from tline.solver.description.groups import parts
-from tline.solver.description.lines import distinct
 from tline.solver.steady.balance import Limit, Linear, Sparse
-from tline.solver.steady.edges import falling, pi
 from tline.words.wording import place
 
 NAMED = 4  # elements in a message
@@ -60,20 +58,19 @@ class Wiring(NamedTuple):
 
 def wiring_of(description: Description) -> Wiring:
     """Lines and joins of a scene."""
-    lines, number = description.lines, {name: k for k, name in enumerate(description.nodes)}
-    ends = np.array([[number[node] for node in line.nodes] for line in lines.values()], int)
-    first, like = distinct(lines.values())
-    z0, delay, leak, falls = np.array([(line.z0, line.delay, pi(line)[1], falling(line)) for line in first])[like].T
-    joined = falls <= 0
+    columns, number = description.columns, {name: k for k, name in enumerate(description.nodes)}
+    ends = np.array([number[node] for node in columns.nodes])[columns.ends]
+    z0, delay, falls = columns.z0, columns.delay, columns.falls
+    joined = ~falls
     for bundle in bundles_of(description).values():
         joined[bundle.lines] = False
     shorts = inductive(description.scene)
     pairs = np.array([[number[first], number[second]] for first, second, _ in shorts], int).reshape(-1, 2)
     joins = np.vstack([ends[joined], pairs])
     inertia = np.concatenate([(z0 * delay)[joined], [inertia for *_, inertia in shorts]])
-    names = [name for name, kept in zip(lines, joined.tolist(), strict=True) if kept]
+    names = [name for name, kept in zip(description.lines, joined.tolist(), strict=True) if kept]
     part = parts(joins[:, 0], joins[:, 1], len(number))
-    return Wiring(number, ends, z0, delay, leak, falls > 0, joined, joins, inertia, names, part)
+    return Wiring(number, ends, z0, delay, columns.pi[1], falls, joined, joins, inertia, names, part)
 
 
 def at_nodes(description: Description, lines: Wiring) -> AtNodes:
@@ -211,7 +208,7 @@ def ported(
     the places of flows among the others: those of joins, then into both ends of modes that losses mix.
     """
     falls, number = lines.delay[lines.falls], lines.number
-    rate = 1 / float(np.mean([line.delay for line in description.lines.values()]))
+    rate = 1 / float(np.mean(lines.delay))
     nodes, lossy = list(description.nodes.values()), np.arange(len(falls))
     found = _Equations([*edges, *(f"node '{name}'" for name in number)], len(edges), unit, rate)
     found.add(lossy, lossy, slow=falls * rate)

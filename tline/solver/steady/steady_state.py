@@ -73,7 +73,7 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     lines = parted.lines
     edges = known[Edges].like(description, openings) if Edges in known else None
     if edges is None:
-        edges = known[Edges] = Edges(description, lines.number, openings, lines.falls)
+        edges = known[Edges] = Edges(description, lines.number, openings, lines.falls, lines.ends)
     effort, y, flow, unknowns = _solved(parted, edges)
     lossy = int(lines.falls.sum())
     along = np.empty(len(lines.z0))
@@ -83,7 +83,7 @@ def _under(description: Description, openings: dict[str, float]) -> Before:
     for one in bundles_of(description).values():
         k = len(one.lines)
         flows[one.lines], into = np.column_stack([into[:k], -into[k : 2 * k]]), into[2 * k :]
-    through = dict(zip(edges.where[lossy:], flow[lossy:].tolist(), strict=True))
+    through = dict(zip([element.where for element in edges.elements], flow[lossy:].tolist(), strict=True))
     return Before(dict(zip(lines.number, effort.tolist(), strict=True)), flows, through, openings, unknowns)
 
 
@@ -117,7 +117,7 @@ def _solved(parted: _Parts, edges: Edges) -> tuple[NDArray, NDArray, NDArray, ND
     else:
         total, source = (np.bincount(part, weights) for weights in (at.conductance, at.driven))
         linear, names, flows = Linear(given, total, source, unit), [], None
-        near = _near(description, len(edges.where) + len(given))
+        near = _near(description, len(edges.from_node) + len(given))
     found = balanced(laws, linear, near)
     check_limit(found.limit, names, lines)
     driving = _driving(parted, edges)
@@ -168,7 +168,7 @@ def _check_found(parted: _Parts, edges: Edges, found: Balance, part: NDArray, dr
     """
     if not found.worst <= ACCEPTED_RESIDUAL:
         k = int(np.argmax(np.nan_to_num(found.rest, nan=np.inf)))
-        where = edges.where[k] if k < len(edges.where) else "start"
+        where = edges.where[k] if k < len(edges.from_node) else "start"
         raise InputError(where, "no steady state found: efforts and flows do not settle here", "start = 'rest'")
     if driving > 0 and np.abs(found.flow).max(initial=0.0) > DROWNING * driving:
         problem = "no steady state: nothing limits the flow that an ideal effort drives through it"
@@ -188,7 +188,7 @@ def _driving(parted: _Parts, edges: Edges) -> float:
     """The largest flow of sources, into a line at a held effort, or of a pump or of air at another height by itself."""
     held = np.nanmax(np.abs(parted.at.given), initial=0.0)
     into_line = held / parted.lines.z0.min()
-    by_itself = np.abs(edges.solved(np.zeros(len(edges.where)))[1]).max(initial=into_line)
+    by_itself = np.abs(edges.solved(np.zeros(len(edges.from_node)))[1]).max(initial=into_line)
     return max(np.abs(parted.at.driven).max(), by_itself)
 
 
