@@ -248,6 +248,8 @@ def pass_constants(run, row, count):
     """Advance a line as `pass_line`, for constants in cells of one slab without memory: waves are their projections."""
     diamonds, waves, cells = run.network.diamonds, run.state.waves, run.work.diamonds.cells
     line, begin = diamonds.line[row], due(run, row, count)
+    if begin < -1:
+        return True
     D = run.network.delay[line]
     o, a, b, weight, end = np.uint64(run.network.offset[line]), cells[0], cells[1], cells[2], 0.5 + diamonds.over[row]
     first_a, first_b = places_in_ring(begin, 0, D - 1, D)
