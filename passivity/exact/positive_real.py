@@ -174,17 +174,15 @@ def by_floats(kind: Kind, system: StateSpace) -> Verdict | None:
         look = Modes(FloatSystem.of(kind, system))
         if (found := _refuted(look, system, look.lowest[1])) is not None:
             return found
-        large = kind is Kind.PR and system.states > _STORAGE_MOST
         if kind is Kind.BR:
             storage = strict_storage(system, look)
         else:
-            s = None if large else as_scattering(system)
-            storage = None if s is None else strict_storage(s)
+            s = as_scattering(system) if system.states <= _STORAGE_MOST else None
+            storage = s and strict_storage(s)
     except (OverflowError, UndecidedError, ValueError):  # beyond the doubles, or eigenvalues do not converge
         return None
-    if storage is None:
-        return None
-    return Verdict(kind, system, Status.PROVED, StorageCertificate(kind, system, storage))
+    proof = None if storage is None else StorageCertificate(kind, system, storage)
+    return proof and Verdict(kind, system, Status.PROVED, proof)
 
 
 def _refuted(look: "Modes", system: StateSpace, frequency: float) -> Verdict | None:
