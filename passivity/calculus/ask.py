@@ -299,7 +299,7 @@ def _with_names(made: partial, question: Question, ranges: list[Range], structur
     if found := _by_polynomials(made, question, prover):
         return found[0]
     if parameters:
-        from passivity.symbolic.check import decide
+        from passivity.symbolic.question import decide
 
         with budget(VERDICT):
             verdict = decide(question, made)
