@@ -16,10 +16,10 @@ from passivity.exact.positive_real import check_bounded_real as check_bounded_re
 from passivity.exact.positive_real import check_positive_real as check_positive_real
 from passivity.exact.robustness import Robustness as Robustness
 from passivity.exact.robustness import robustness as robustness
-from passivity.rational.elements import impedances as impedances
-from passivity.rational.elements import scattering as scattering
 from passivity.rational.function import RationalFunction as RationalFunction
 from passivity.rational.matrix import RationalMatrix as RationalMatrix
+from passivity.rational.matrix import impedances as impedances
+from passivity.rational.matrix import scattering as scattering
 from passivity.rational.state_space import StateSpace as StateSpace
 from passivity.sampled.check import SampleVerdict as SampleVerdict
 from passivity.sampled.check import check_samples as check_samples

@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 
 from flint import fmpz_poly
 
-from passivity.exact.positive_real import check
-from passivity.exact.witness import of_multiport, of_one_port
+from passivity.exact.positive_real import check, of_multiport, of_one_port
 from passivity.polynomial.roots import routh_column
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix

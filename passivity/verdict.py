@@ -19,8 +19,8 @@ from passivity.rational.state_space import StateSpace
 from passivity.status import Decided, Kind, Status
 
 if TYPE_CHECKING:
-    from passivity.calculus.pole import Spot
     from passivity.calculus.question import Question
+    from passivity.calculus.values import Spot
     from passivity.floats.axis import AxisAnalysis
     from passivity.floats.system import FloatSystem
     from passivity.symbolic.assumption import Range

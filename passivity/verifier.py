@@ -18,7 +18,7 @@ from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from fractions import Fraction
 from functools import partial, reduce
 from itertools import pairwise, product, zip_longest
-from math import gcd, inf, lcm, prod
+from math import inf, lcm, prod
 from operator import add, mul, truediv
 from random import Random
 
@@ -401,7 +401,7 @@ def composed(f, top, bottom):
     """f(top/bottom) without its denominator."""
     found, power = [], [1]
     for x in reversed(f):
-        found, power = combined(convolved(found, top), power, x), convolved(power, bottom)
+        found, power = combined(convolved(top, found), power, x), convolved(bottom, power)  # the short one first
     return found
 
 
@@ -417,12 +417,12 @@ def is_nonnegative(a, factors, breaks):
 
 
 def is_hurwitz(f):
-    """Whether all roots lie in Re s < 0, by Routh's scheme in whole numbers."""
-    unit = lcm(*(x.denominator for x in f)) * (-1 if f and f[-1] < 0 else 1)
+    """Whether all roots lie in Re s < 0, by Routh's scheme in whole numbers: rows over a pivot before, exactly."""
+    unit, over, pivot = lcm(*(x.denominator for x in f)) * (-1 if f and f[-1] < 0 else 1), 1, 1
     first, second = ([int(x * unit) for x in f[::-1][k::2]] for k in (0, 1))
     while second and min(first[0], second[0]) > 0:
-        rest = [second[0] * x - first[0] * y for x, y in zip_longest(first[1:], second[1:], fillvalue=0)]
-        first, second = second, [x // (gcd(*rest) or 1) for x in rest][: len(first) - 1]
+        rest = [(second[0] * x - first[0] * y) // over for x, y in zip_longest(first[1:], second[1:], fillvalue=0)]
+        first, second, over, pivot = second, rest[: len(first) - 1], pivot, second[0]
     return bool(first and not second) and first[0] > 0
 
 

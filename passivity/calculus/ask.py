@@ -189,7 +189,7 @@ def _of_question(made: partial, question: Question, ranges: list[Range], structu
     graph = question.graph
     left = {graph.nodes[n][1][0] for n in needed(graph, question.value[1]) if graph.nodes[n][0] == "name"}
     if not left:
-        return _with_values(_with_numbers(made, question.kind, question), ranges)
+        return _with_values(_with_numbers(made, question), ranges)
     made = partial(made, ranges=tuple(r for r in ranges if r.name in left and graph.names[r.name][0] == "real"))
     return _with_names(made, question, [r for r in ranges if r.name in left], structured)
 
@@ -198,7 +198,7 @@ def _exact(made: partial, r: RationalFunction) -> Verdict:
     return replace(check(r, made.args[0]), **made.keywords)
 
 
-def _with_numbers(made: partial, kind: Kind, question: Question) -> Verdict:
+def _with_numbers(made: partial, question: Question) -> Verdict:
     """The first of the ways that leads to an answer; each has its own budget."""
     graph, value = question.graph, question.value
     long, prover = len(graph.nodes) > _LONG, Prover(graph)
@@ -219,10 +219,10 @@ def _with_numbers(made: partial, kind: Kind, question: Question) -> Verdict:
     search, active = Search(question, {}), prover.active()
     ways = (
         lambda: _refuted(made, search.glance()),
-        lambda: _in_waves(made, kind, question, search),
+        lambda: _in_waves(made, question, search),
         lambda: _refuted(made, search.behind(active)),
         lambda: _proved(made, question, prover, DEPTHS[1:-1]),
-        lambda: _in_balls(made, kind, question, search, prover, active),
+        lambda: _in_balls(made, question, search, prover, active),
         lambda: _refuted(made, search.hunt()),
         lambda: _proved(made, question, prover, DEPTHS[-1:]),
     )
@@ -239,11 +239,8 @@ def _with_numbers(made: partial, kind: Kind, question: Question) -> Verdict:
 
 def _at_once(made: partial, question: Question, prover: Prover) -> list[Verdict]:
     """Apply the rules along the given structure, with work at most proportional to its length."""
-    try:
-        with budget(_EACH + _EACH_NODE * len(question.graph.nodes)):
-            return _proved(made, question, prover, DEPTHS[:1])
-    except UndecidedError:
-        return []
+    units = _EACH + _EACH_NODE * len(question.graph.nodes)
+    return if_affordable(units, _proved, made, question, prover, DEPTHS[:1]) or []
 
 
 def _proved(made: partial, question: Question, prover: Prover, depths: tuple[int, ...]) -> list[Verdict]:
@@ -256,10 +253,10 @@ def _refuted(made: partial, found: Witness | None) -> list[Verdict]:
     return [made(Status.REFUTED, reason=found.why, witness=found)] if found else []
 
 
-def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> list[Verdict]:
+def _in_waves(made: partial, question: Question, search: Search) -> list[Verdict]:
     """Refuted exactly, as a function of t = tanh(unit s/2), if it is rational in that."""
     found = in_waves(question.graph, question.value[1])
-    point = check(found[1] * question.value[0], kind).witness if found else None
+    point = check(found[1] * question.value[0], question.kind).witness if found else None
     if found is None or point is None:
         return []
     with ctx.workprec(_BITS):
@@ -268,12 +265,7 @@ def _in_waves(made: partial, kind: Kind, question: Question, search: Search) -> 
 
 
 def _in_balls(
-    made: partial,
-    kind: Kind,
-    question: Question,
-    search: Search,
-    prover: Prover,
-    active: list[tuple[int, int, Reading]],
+    made: partial, question: Question, search: Search, prover: Prover, active: list[tuple[int, int, Reading]]
 ) -> list[Verdict]:
     """Prove in balls the load of the farthest line that rules leave undecided, else the whole function."""
     for _, _, (_, _, load) in active[:1]:
@@ -282,7 +274,7 @@ def _in_balls(
         ):
             return found
     try:
-        return _proved(made, question, prover, DEPTHS[:1]) if prover.strictly(kind, question.value) else []
+        return _proved(made, question, prover, DEPTHS[:1]) if prover.strictly(question.kind, question.value) else []
     except UndecidedError as error:
         frequency = getattr(error, "frequency", None)
         if frequency is not None and (witness := search.beside(frequency)):
@@ -307,7 +299,7 @@ def _with_names(made: partial, question: Question, ranges: list[Range], structur
     if found := _by_polynomials(made, question, prover):
         return found[0]
     if parameters:
-        from passivity.symbolic.check import decide
+        from passivity.symbolic.question import decide
 
         with budget(VERDICT):
             verdict = decide(question, made)
@@ -356,10 +348,6 @@ def settling(graph: Graph, value: Value, claim: Fact) -> list[str]:
                 continue
             trial = Graph(graph.names | {name: other})
             trial.share(graph)
-            try:
-                with budget(VERDICT // 10):
-                    if Prover(trial).reach(value, claim) is not None:
-                        found.append(words.format(name))
-            except UndecidedError:
-                continue
+            if if_affordable(VERDICT // 10, Prover(trial).reach, value, claim) is not None:
+                found.append(words.format(name))
     return found

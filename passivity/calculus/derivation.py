@@ -19,14 +19,14 @@ from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict, Witness
 
-# name of the step, left side, right side, substitution
+# name of the step, both sides, what is put into them
 _ALGEBRA = (
-    ("a and b at the input", "(U1 - z0*Y1)/(U1 + z0*Y1)", "B1/A1", {"A1": "U1 + z0*Y1", "B1": "U1 - z0*Y1"}),
-    ("divide by U1", "(1 - z0*Y1/U1)/(1 + z0*Y1/U1)", "(U1 - z0*Y1)/(U1 + z0*Y1)", {}),
-    ("G1 = z0*Y1/U1", "H1", "(1 - G1)/(1 + G1)", {"H1": "(1 - z0*Y1/U1)/(1 + z0*Y1/U1)", "G1": "z0*Y1/U1"}),
-    ("multiply by 1 + G1", "H1*(1 + G1)", "1 - G1", {"H1": "(1 - G1)/(1 + G1)"}),
-    ("collect G1", "G1*(1 + H1)", "1 - H1", {"H1": "(1 - G1)/(1 + G1)"}),
-    ("divide by 1 + H1", "G1", "(1 - H1)/(1 + H1)", {"H1": "(1 - G1)/(1 + G1)"}),
+    ("a and b at the input", "(U1 - z0*Y1)/(U1 + z0*Y1)", "B1/A1", "let A1 = U1 + z0*Y1; let B1 = U1 - z0*Y1; "),
+    ("divide by U1", "(1 - z0*Y1/U1)/(1 + z0*Y1/U1)", "(U1 - z0*Y1)/(U1 + z0*Y1)", ""),
+    ("G1 = z0*Y1/U1", "H1", "(1 - G1)/(1 + G1)", "let G1 = z0*Y1/U1; let H1 = (1 - z0*Y1/U1)/(1 + z0*Y1/U1); "),
+    ("multiply by 1 + G1", "H1*(1 + G1)", "1 - G1", "let H1 = (1 - G1)/(1 + G1); "),
+    ("collect G1", "G1*(1 + H1)", "1 - H1", "let H1 = (1 - G1)/(1 + G1); "),
+    ("divide by 1 + H1", "G1", "(1 - H1)/(1 + H1)", "let H1 = (1 - G1)/(1 + G1); "),
 )
 
 
@@ -126,32 +126,14 @@ def derive(load: str = "Z2", z0: str = "z0", delay: str = "T", assume: Iterable[
 
 @cache
 def _algebra() -> tuple[tuple[str, str, bool], ...]:
-    return tuple(_checked(*step) for step in _ALGEBRA)
-
-
-def _checked(what: str, left: str, right: str, given: dict[str, str]) -> tuple[str, str, bool]:
-    lets = "".join(f"let {name}_ = {text}; " for name, text in given.items())
-
-    def side(text: str) -> str:
-        for name in given:
-            text = text.replace(name, f"{name}_")
-        return lets + text
-
-    return what, f"{left} = {right}", is_equation(side(left), side(right))
+    return tuple((what, f"{a} = {b}", is_equation(lets + a, lets + b)) for what, a, b, lets in _ALGEBRA)
 
 
 def is_equation(left: str, right: str) -> bool:
     """Whether two texts are the same quotient of polynomials in their names, by the rule `equal` of the verifier."""
     names = sorted(free_names(left) | free_names(right))
     graph = Graph(dict.fromkeys(names, ("real", float("-inf"), float("inf"))))
-
-    def side(text: str) -> tuple[dict, dict]:
-        c, n = read(graph, text)
-        p, q = graph.fraction(Fraction(1), n, ())
-        return {key: x * c for key, x in p.items()}, q
-
-    (p, q), (u, v) = side(left), side(right)
-    return graph.multiplied(p, v) == graph.multiplied(u, q)
+    return graph.is_equal(*(graph.fraction(*read(graph, text)) for text in (left, right)))
 
 
 class Identity(NamedTuple):

@@ -22,6 +22,7 @@ from passivity.status import Kind, Status
 from passivity.verdict import Verdict
 
 MAX_DEGREE = 16  # above, only Re >= 0 and modulus <= 1 are tried
+_LONGEST = 150_000_000_000_000  # degree^4 bits^2 of what the verifier brings into Routh's scheme in some ten seconds
 
 _S = RationalFunction(fmpz_poly([0, 1]), fmpz_poly([1]))
 
@@ -82,6 +83,8 @@ def in_waves(graph: Graph, n: int) -> tuple[Fraction, RationalFunction] | None:
 def _proof(z: RationalFunction) -> dict[str, Any] | None:
     """The exact test's proof that a function is positive real; no witness if it is not, for that takes longer."""
     r = z.reduced()
+    if r.degree**4 * r.bits**2 > _LONGEST:
+        return None
     try:
         sign = find_sign(allowance(Kind.PR, r.p, r.q))
     except UndecidedError:

@@ -7,9 +7,8 @@ from typing import Any, Self
 
 from passivity.calculus.fact import BOUNDED_REAL, CLAIMS, Fact, in_texts
 from passivity.calculus.graph import Graph, Value
-from passivity.calculus.pole import Spot, value_at
 from passivity.calculus.read import read
-from passivity.calculus.values import at_point
+from passivity.calculus.values import Spot, at_point, value_at
 from passivity.expression.number import written
 from passivity.status import Kind
 from passivity.verdict import Witness

@@ -10,10 +10,9 @@ from flint import acb, ctx
 from passivity.ball import near
 from passivity.budget import spend
 from passivity.calculus.graph import Value
-from passivity.calculus.pole import Spot
 from passivity.calculus.question import Question
 from passivity.calculus.rewrite import Line
-from passivity.calculus.values import Array, in_balls, in_floats, needed
+from passivity.calculus.values import Array, Spot, in_balls, in_floats, needed
 from passivity.expression.number import double
 from passivity.status import Kind
 from passivity.verdict import Witness

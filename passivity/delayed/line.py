@@ -22,8 +22,7 @@ from passivity.ball import of_fraction, of_point
 from passivity.budget import ASIDE, UndecidedError, budget, spend
 from passivity.calculus.derivation import Derivation
 from passivity.errors import ExpressionError, shown
-from passivity.exact.positive_real import check_bounded_real, check_positive_real
-from passivity.exact.witness import from_axis, from_root, of_one_port
+from passivity.exact.positive_real import check_bounded_real, check_positive_real, from_axis, from_root, of_one_port
 from passivity.expression.number import digits
 from passivity.polynomial.sign import allowance, find_sign
 from passivity.rational.evaluate import Exact, exact, positive

@@ -15,31 +15,39 @@ M. Z. Q. Chen, M. C. Smith, "A note on tests for positive-real functions", IEEE 
 B. D. O. Anderson, S. Vongpanitlerd, "Network Analysis and Synthesis", 1973, chapter 2.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
-from flint import fmpz_poly
+from flint import arb, fmpq, fmpq_mat, fmpz_poly
 
-from passivity.budget import VERDICT, UndecidedError, budget
+from passivity.budget import VERDICT, UndecidedError, bits_of, budget, spend
 from passivity.errors import ExpressionError
-from passivity.exact.storage import lossless_storage
-from passivity.exact.witness import from_axis, from_root, of_multiport, of_one_port
-from passivity.polynomial.roots import routh_column
+from passivity.exact.storage import lossless_storage, negative_direction
+from passivity.polynomial.roots import (
+    candidates,
+    power_of_two,
+    reducing_cost,
+    routh_column,
+    scaled_value,
+    square_roots,
+    to_fmpq,
+)
 from passivity.polynomial.sign import allowance, coprime, find_sign, product
-from passivity.rational.elements import inverted
 from passivity.rational.function import RationalFunction
-from passivity.rational.matrix import RationalMatrix
+from passivity.rational.matrix import RationalMatrix, inverted
 from passivity.rational.polynomial_matrix import axis_sums
-from passivity.rational.state_space import StateSpace
+from passivity.rational.state_space import StateSpace, identity
 from passivity.status import Kind, Status
-from passivity.verdict import AxisSum, Certificate, Network, StorageCertificate, Verdict, Witness
+from passivity.verdict import AxisSum, Certificate, Network, Parts, StorageCertificate, Verdict, Witness
 
 if TYPE_CHECKING:
     from passivity.floats.modes import Modes
 
 _FLOATS_FIRST = 12  # states from which floats are asked before the minors are
 _STORAGE_MOST = 200  # states of impedances up to which it is: more take longer than some seconds
+Test: TypeAlias = Callable[[Fraction, Fraction], Witness | None]  # a point as a witness, None if it is none
 _ONE = fmpz_poly([1])
 BROKEN = {Kind.PR: "Z + Z^H has a negative eigenvalue", Kind.BR: "S has a singular value above 1"}
 
@@ -174,17 +182,15 @@ def by_floats(kind: Kind, system: StateSpace) -> Verdict | None:
         look = Modes(FloatSystem.of(kind, system))
         if (found := _refuted(look, system, look.lowest[1])) is not None:
             return found
-        large = kind is Kind.PR and system.states > _STORAGE_MOST
         if kind is Kind.BR:
             storage = strict_storage(system, look)
         else:
-            s = None if large else as_scattering(system)
-            storage = None if s is None else strict_storage(s)
+            s = as_scattering(system) if system.states <= _STORAGE_MOST else None
+            storage = s and strict_storage(s)
     except (OverflowError, UndecidedError, ValueError):  # beyond the doubles, or eigenvalues do not converge
         return None
-    if storage is None:
-        return None
-    return Verdict(kind, system, Status.PROVED, StorageCertificate(kind, system, storage))
+    proof = None if storage is None else StorageCertificate(kind, system, storage)
+    return proof and Verdict(kind, system, Status.PROVED, proof)
 
 
 def _refuted(look: "Modes", system: StateSpace, frequency: float) -> Verdict | None:
@@ -249,3 +255,80 @@ def _common(p: fmpz_poly, q: fmpz_poly) -> fmpz_poly:
 def _hidden(common: fmpz_poly) -> fmpz_poly | None:
     """A factor, if it has roots in Re s >= 0."""
     return common if common.degree() > 0 and routh_column(common) is None else None
+
+
+def from_axis(test: Test, a: fmpz_poly, x0: Fraction) -> Witness:
+    """Witness s = sigma + jw above a point of the axis with a(x0) < 0: w rational near sqrt(x0), sigma small enough."""
+    w = next(w for w in square_roots(x0) if a(to_fmpq(w * w)) < 0)
+    sigma, witness, step = power_of_two(w) if w else Fraction(1), None, 1
+    while (witness := test(sigma, w)) is None:
+        sigma, step = sigma / 2**step, 2 * step
+    while (step := step // 2) > 1:  # back to the largest that will do: fewer digits
+        larger = test(sigma * 2 ** (step // 2), w)
+        sigma, witness = (larger.re, larger) if larger else (sigma, witness)
+    return witness
+
+
+def from_root(test: Test, f: fmpz_poly) -> Witness:
+    """Witness near a root of f in the right half plane: of f = p + q, where Z = -1, or of f = q, where H has a pole."""
+    for re, im in candidates(f):
+        if re > 0 and (witness := test(re, im)):
+            return witness
+    raise AssertionError("a polynomial that is not Hurwitz has a root in the right half plane")
+
+
+def of_one_port(kind: Kind, p: fmpz_poly, q: fmpz_poly, delay: Fraction = Fraction(0)) -> Test:
+    """Test whether a point is a witness against p/q; with a delay T, of a reflection against exp(-2Ts) p/q."""
+
+    def test(re: Fraction, im: Fraction) -> Witness | None:
+        degree, size = max(p.degree(), q.degree()), max(bits_of(re), bits_of(im))
+        spend(10_000 + 5 * (degree + 1) * ((degree + 1) * size + p.height_bits() + q.height_bits()), "a witness")
+        (a, b), (c, d) = scaled_value(p, re, im, degree), scaled_value(q, re, im, degree)
+        real, size = a * c + b * d, c * c + d * d
+        wrong = real < 0 if kind is Kind.PR else a * a + b * b > size
+        if not wrong or (not size and q):  # a pole of H by chance: its neighbours have values
+            return None
+        if size and delay and not arb(fmpq(a * a + b * b - size, size)) > arb(to_fmpq(4 * delay * re)).expm1():
+            return None
+        if not size:
+            return Witness(kind, re, im, None)
+        spend(reducing_cost(size.bit_length()), "a witness")
+        value = Fraction(int(real), int(size)), Fraction(int(b * c - a * d), int(size))
+        return Witness(kind, re, im, (value,))
+
+    return test
+
+
+def of_multiport(kind: Kind, network: RationalMatrix) -> Test:
+    """Test whether a point is a witness, with a vector of few digits."""
+
+    def test(re: Fraction, im: Fraction) -> Witness | None:
+        value = network.at(re, im) if re > 0 else None
+        if value is None or not (x := negative_direction(form := hermitian_form(kind, value))):
+            return None
+        vector = _short(form, x) if network.size > 1 else fmpq_mat(2, 1, [1, 0])
+        return Witness(kind, re, im, _parts(value * vector), _parts(vector))
+
+    return test
+
+
+def hermitian_form(kind: Kind, value: fmpq_mat) -> fmpq_mat:
+    """Z + Z^H, or I - S^H S, from a value [[U, -V], [V, U]], in the same way of writing."""
+    if kind is Kind.PR:
+        return value + value.transpose()
+    return identity(value.nrows()) - value.transpose() * value
+
+
+def _short(form: fmpq_mat, x: list[fmpq]) -> fmpq_mat:
+    """The vector on the coarsest grid on which the form still is negative."""
+    n, largest, bits = len(x), max(map(abs, x)), 1
+    while True:
+        y = fmpq_mat(n, 1, [fmpq((c * 2**bits / largest + fmpq(1, 2)).floor(), 2**bits) for c in x])
+        if (y.transpose() * form * y)[0, 0] < 0:
+            return y
+        bits *= 2
+
+
+def _parts(column: fmpq_mat) -> tuple[Parts, ...]:
+    parts = [Fraction(int(c.p), int(c.q)) for c in column.entries()]
+    return tuple(zip(parts[: len(parts) // 2], parts[len(parts) // 2 :], strict=True))

@@ -9,9 +9,12 @@ unless H2 = 0.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
+from itertools import islice
 from math import inf
 from typing import Any
 
+from passivity.budget import VERDICT, UndecidedError, budget
 from passivity.calculus.expand import Expansion, ExpansionError, Pair
 from passivity.calculus.fact import CLAIMS, Fact
 from passivity.calculus.graph import Graph, Value
@@ -20,17 +23,20 @@ from passivity.calculus.search import Search
 from passivity.calculus.values import needed
 from passivity.errors import ExpressionError, shorten
 from passivity.exact.positive_real import check
+from passivity.expression.number import written
 from passivity.rational.function import RationalFunction
-from passivity.status import Kind
-from passivity.symbolic.assumption import Range
+from passivity.status import Kind, Status
+from passivity.symbolic.assumption import Range, trials
 from passivity.symbolic.conditions import allowance, as_impedance, low_degree_condition, positivity_condition
 from passivity.symbolic.domain import coefficients
-from passivity.symbolic.formula import Formula, claim, join, polynomial_text, quotient_text, value
-from passivity.verdict import Witness
+from passivity.symbolic.formula import Condition, Formula, claim, join, polynomial_text, quotient_text, value
+from passivity.verdict import Verdict, Witness
 from passivity.verifier import Graph as Nodes
 from passivity.verifier import scaled
 
-_SHOWN = 400  # characters of a line
+MAX_TRIALS = 600
+MAX_WORK = 400_000  # of all trials together: characters read and squares of degrees
+_LINE, _SHOWN = 400, 200  # characters of a step, and of all values in a reason
 _E = 1  # the generator exp(-tau s)
 
 
@@ -121,7 +127,41 @@ class Question:
         a = polynomial_text(allowance(z, self.expansion), "x")
         told.append(f"Re p(jw) conj q(jw) = {a} >= 0, x = w^2")
         told.append(f"p + q = {polynomial_text(z.p + z.q)} has no root in Re s > 0 that p and q do not have in common")
-        return [shorten(line, _SHOWN) for line in told]
+        return [shorten(line, _LINE) for line in told]
+
+
+def decide(asked: Asked, made: partial) -> Verdict:
+    """The verdict by polynomials in the parameters, with a search for values that refute."""
+    free = made.keywords["ranges"]
+    question, formula, limit = None, None, "neither a proof nor a counterexample was found"
+    try:
+        with budget(VERDICT // 3):
+            question = Question.of(asked.kind, asked.graph, asked.value, free)
+            formula = question.formula()
+    except UndecidedError as error:
+        limit = str(error)
+    if question is None:
+        return made(Status.UNDECIDED, reason=f"{limit}; to settle it: values for the parameters")
+    if formula is True:
+        why = "the exact test holds, whatever the parameters are"
+        return made(Status.PROVED, reason=why, steps=tuple(question.lines()), note=question.note())
+    condition, note = Condition(formula, free, question.whole) if formula else None, question.note()
+    work = 0  # done in the trials
+    for values in islice(trials(free), MAX_TRIALS):
+        holds = condition is not None and condition.formula.holds(values)
+        work += len(asked.text) if holds else question.work
+        try:
+            found = None if holds else question.refutation(values, asked)
+        except UndecidedError:
+            break
+        if found:
+            witness, why = found
+            at = shorten(", ".join(f"{name} = {written(x)}" for name, x in witness.names.items()), _SHOWN)
+            return made(Status.REFUTED, reason=f"not for {at}: {why}", condition=condition, witness=witness, note=note)
+        if work > MAX_WORK:
+            break
+    help_ = f"whether the assumptions imply {condition}" if condition else "values for the parameters"
+    return made(Status.UNDECIDED, reason=f"{limit}; to settle it: {help_}", condition=condition, note=note)
 
 
 def rule_parameters(nodes: Nodes, n: int, known: list[Any], data: list[str]) -> list[Fact]:

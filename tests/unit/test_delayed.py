@@ -453,3 +453,9 @@ def test_rightmost_roots_are_roots():
     assert all(a.real >= b.real - 1e-9 for a, b in pairwise(found))
     for s in found:
         assert abs(1 - h(s) * complex(mpmath.exp(-s / 10))) < 1e-9
+
+
+def test_a_proof_of_very_high_degree_is_not_begun():
+    """Rational of degree 299 in exp(-s): Routh's scheme in whole numbers would take hours."""
+    text = "*".join(f"({k} + exp(-{k}*s))" for k in range(2, 25))
+    assert ask(text, Kind.PR).status is Status.UNDECIDED

@@ -16,8 +16,7 @@ from passivity.exact.positive_real import check_bounded_real, check_positive_rea
 from passivity.exact.storage import is_semidefinite, negative_direction
 from passivity.polynomial.roots import violations
 from passivity.polynomial.sign import SignProof
-from passivity.rational.elements import impedances, scattering
-from passivity.rational.matrix import RationalMatrix
+from passivity.rational.matrix import RationalMatrix, impedances, scattering
 from passivity.rational.state_space import StateSpace
 from passivity.report import as_dict, in_words
 from passivity.status import Kind

@@ -19,8 +19,8 @@ from passivity import (
 from passivity.ball import near
 from passivity.budget import MAX_BITS, UndecidedError, budget, if_affordable, powered, spend
 from passivity.calculus.ask import ask
-from passivity.calculus.pole import Spot
 from passivity.calculus.question import check_file
+from passivity.calculus.values import Spot
 from passivity.expression.number import written
 
 
