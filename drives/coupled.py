@@ -31,7 +31,7 @@ from drives.parts import Belt, Pulley, Spool
 from drives.state_space import StateSpace
 from drives.symbolic import INPUTS, OUTPUTS, transfer
 from drives.transfer import TransferFunction
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 
 SPOOL = Spool(Fraction(1, 1000), Fraction(1, 10), Fraction(1, 10))  # the exercise's parts
 BELT = Belt(Fraction(50), Fraction(1, 2))
@@ -73,8 +73,7 @@ class CoupledDrives:
 
     def __post_init__(self):
         for name, kind in PARTS.items():
-            if not isinstance(getattr(self, name), kind):
-                raise InputError(name, "wrong part", f"a {kind.__name__}", repr(getattr(self, name))[:40])
+            check_kind(name, getattr(self, name), kind)
         if self.pulley.mass and len(self.damped) < 2:
             raise InputError("pulley.mass", "beside a belt without damping", "damping in both belts, or no mass")
 

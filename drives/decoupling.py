@@ -19,6 +19,7 @@ from drives.number import rational
 from drives.parts import Spool
 from drives.symbolic import INPUTS
 from drives.transfer import TransferFunction, frequencies
+from tline.errors import check_kind
 
 
 def alike(drives: CoupledDrives) -> CoupledDrives:
@@ -33,6 +34,7 @@ def alike(drives: CoupledDrives) -> CoupledDrives:
     >>> alike(CoupledDrives()) == CoupledDrives()
     True
     """
+    check_kind("drives", drives, CoupledDrives)
     (m1, d1), (m2, d2) = drives.mobility(drives.left), drives.mobility(drives.right)
     m, d = (m1 + m2) / 2, (d1 + d2) / 2
     left, right = (Spool(m * x.radius**2, d * x.radius**2, x.radius) for x in (drives.left, drives.right))

@@ -22,7 +22,7 @@ from drives.discretise import joined, step_matrix
 from drives.number import positive, rational
 from drives.state_space import StateSpace, floats
 from drives.symbolic import OUTPUTS
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 
 CONTROLLED = ("belt_speed", "tension")
 MOST_DELAYED = 100  # periods
@@ -90,6 +90,7 @@ def closed_loop(design: Design, filter_time: float = 0.0, plant: CoupledDrives |
     >>> [round(p.real, 3) for p in loop.poles]
     [-475.341, -100.0, -100.0, -100.0, -20.0, -19.306, -5.353, 0.0]
     """
+    check_kind("design", design, Design)
     lag, drives = positive(filter_time, "filter_time", or_zero=True), plant or design.drives
     law, behind, p = feedback_of(design, lag, plant), SEEN if lag else (), len(OUTPUTS)
     n, on_references = law.a.nrows(), law.torque * law.gain

@@ -13,8 +13,8 @@ from drives.loop import simulate_control
 from drives.simulation import Run
 from drives.symbolic import ALL_UNITS
 from drives.torque import Torque
-from drives.transfer import TransferFunction
-from tline.errors import InputError
+from drives.transfer import TransferFunction, frequencies
+from tline.errors import InputError, check_kind
 from tline.style import COLOURS, DASHES, FAINT, INK, cells_of, styled
 
 WIDE = 100  # largest over smallest real part from which on a linear scale shows only one of them
@@ -43,12 +43,14 @@ def draw_bode(transfers: Sequence[TransferFunction], omega: NDArray, ax: Axes | 
     2
     """
     drawn, both = cells_of(ax, 8.0, 6.0, rows=2, sharex=True)
+    _check_transfers(transfers)
+    w = np.atleast_1d(frequencies(omega))
     for k, h in enumerate(transfers):
-        seen = 20 * np.log10(h.magnitude(omega)), np.degrees(h.phase(omega))
+        seen = 20 * np.log10(h.magnitude(w)), np.degrees(h.phase(w))
         for axes, values in zip(both, seen, strict=False):
-            axes.semilogx(omega, values, color=COLOURS[k % 4], linestyle=DASHES[k % 4], label=h.name)
+            axes.semilogx(w, values, color=COLOURS[k % 4], linestyle=DASHES[k % 4], label=h.name)
     for axes, label in zip(both, ("magnitude [dB]", "phase [°]"), strict=False):
-        axes.set(ylabel=label, xlim=(omega[0], omega[-1]))
+        axes.set(ylabel=label, xlim=(w.min(), w.max()))
         axes.grid(True)
     both[-1].set_xlabel("angular frequency ω [rad/s]")
     both[-1].xaxis.set_major_formatter(lambda w, _: f"{w:g}")
@@ -72,6 +74,7 @@ def draw_poles(transfers: Sequence[TransferFunction]) -> Figure:
     >>> len(draw_poles([CoupledDrives().transfer("w1", "T1")]).axes)
     1
     """
+    _check_transfers(transfers)
     drawn, cells = cells_of(None, 8.0, 0.6 + 2.2 * len(transfers), rows=len(transfers))
     for axes, h in zip(cells, transfers, strict=True):
         for found, mark, name in ((h.poles, "x", "pole"), (h.zeros, "o", "zero")):
@@ -94,6 +97,12 @@ def draw_poles(transfers: Sequence[TransferFunction]) -> Figure:
     return drawn
 
 
+def _check_transfers(transfers: Sequence[TransferFunction]) -> None:
+    check_kind("transfers", transfers, list, tuple)
+    for h in transfers or ("none",):
+        check_kind("transfers", h, TransferFunction)
+
+
 @styled
 def draw_run(run: Run, ax: Axes | None = None) -> Figure | Axes:
     """Belt speed and tension, with their set points under control, and pulley or torques, one above the other.
@@ -110,6 +119,7 @@ def draw_run(run: Run, ax: Axes | None = None) -> Figure | Axes:
     >>> len(draw_run(simulate(CoupledDrives(), Torque.step(0.1), t_end=2.0, step=0.01)).axes)
     3
     """
+    check_kind("run", run, Run)
     drawn, cells = cells_of(ax, 8.0, 6.0, rows=3, sharex=True)
     last = ("T1", "T2") if "T1" in run.outputs else ("x_k",)
     for k, (axes, names) in enumerate(zip(cells, (("belt_speed",), ("tension",), last), strict=False)):

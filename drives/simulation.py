@@ -20,7 +20,7 @@ from drives.parts import Winding
 from drives.symbolic import ALL_UNITS
 from drives.torque import ZERO, Torque
 from drives.witness import doubts
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.history import History
 from tline.presentation import plain
 
@@ -143,6 +143,9 @@ def simulate(
     >>> [float(f) for f in run.outputs["tension"]]
     [0.0, 0.0, 0.0]
     """
+    check_kind("drives", drives, CoupledDrives)
+    for name, torque in (("T1", T1), ("T2", T2)):
+        check_kind(name, torque, Torque)
     t, x0 = sample_times(t_end, step), initial_state(drives.states, initial)
     if slack or winding or any(friction):
         parts = Assembly(drives, x0, slack, winding)

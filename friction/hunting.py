@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from friction.models import Coulomb, Karnopp
 from friction.testbench import Testbench
-from tline.errors import InputError
+from tline.errors import InputError, as_floats, check_kind
 
 SPAN, POINTS = 1e3, 4000  # range of angular frequencies about √(P/m), and their number
 
@@ -56,7 +56,8 @@ def harmonic_damping(model: Coulomb | Karnopp, amplitude: ArrayLike) -> NDArray:
     """
     from scipy.special import dawsn
 
-    v, law = np.asarray(amplitude, float), model.law
+    check_kind("model", model, Coulomb, Karnopp)
+    v, law = as_floats("amplitude", amplitude), model.law
     a = v / law.v_s
     return law.f_v + 4.0 / (np.pi * v) * (law.f_c + (law.f_s - law.f_c) * dawsn(a) / a)
 
@@ -85,6 +86,7 @@ def swings(model: Coulomb | Karnopp, bench: Testbench) -> list[Swing]:
     >>> round(found.amplitude, 9), round(found.period, 9), found.attracts
     (0.063661977, 0.628318531, False)
     """
+    check_kind("bench", bench, Testbench)
     pid, m = bench.controller, float(bench.mass)
     if not isinstance(model, Coulomb | Karnopp) or not pid or not pid.proportional:
         raise InputError("bench.controller", "no harmonic balance", "coulomb or karnopp, and a PID that pulls back")

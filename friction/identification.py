@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from friction.fit import FEWEST, Fit, fit, left_out, measured
 from friction.models import MODELS, UNITS, Model
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.history import History
 from tline.presentation import plain
 
@@ -153,7 +153,8 @@ def identify(
     >>> found.chosen, round(found.model.F_c, 4)
     ('dahl', 2.0)
     """
-    unknown = [name for name in models if name not in MODELS]
+    check_kind("models", models, list, tuple)
+    unknown = [name for name in models if not isinstance(name, str) or name not in MODELS]
     if unknown or not models:
         raise InputError("models", "unknown" if unknown else "none", " or ".join(MODELS), f"'{(*unknown, '')[0]}'")
     if isinstance(folds, bool) or not isinstance(folds, int) or not 2 <= folds <= FEWEST * 2 // 5:

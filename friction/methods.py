@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from friction.models import Coulomb, Dahl, ElastoPlastic, Karnopp, LuGre, Model, Tanh
 from friction.spring_contact import Armstrong, MaxwellSlip, SpringContact
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 
 STATIC, SMOOTH, BRISTLES = (Coulomb, Karnopp), (LuGre, Dahl, ElastoPlastic, Tanh), (LuGre, Dahl, ElastoPlastic)
 ALL, SPRING_CONTACTS = STATIC + SMOOTH, (MaxwellSlip, Armstrong)
@@ -60,6 +60,7 @@ METHODS = {
 
 def method_for(model: Model | SpringContact, name: str | None) -> Method:
     """The method of that name, or the model's default."""
+    check_kind("model", model, *ALL, *SPRING_CONTACTS)
     if name is None:
         name = next(each for each in ("events", "taylor", "rosenbrock") if isinstance(model, METHODS[each].models))
     if name not in METHODS:

@@ -1,9 +1,12 @@
 """Numbers of laws and of the testbench: unit, meaning and range of each, stated once for checks and docstrings."""
 
+from collections.abc import Iterable
 from dataclasses import fields
 from inspect import cleandoc
-from math import inf, isfinite
-from typing import ClassVar, NamedTuple
+from math import inf
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
 
 from tline.errors import InputError
 
@@ -98,13 +101,23 @@ class Parameters:
             raise InputError(f"{self.place}.F_s", "below F_c", f"at least F_c = {least:g}", f"{most:g}")
 
 
-def check_number(where: str, value: object, *, above: float = -inf, least: float = -inf) -> None:
+def check_number(where: str, value: Any, *, above: float = -inf, least: float = -inf) -> None:
     """Raise an error unless a value is a finite number, more than `above` and at least `least`."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating) or not abs(value) < inf:
         raise InputError(where, "not a finite number", "a number", repr(value)[:30])
     if abs(value) > LARGEST:
-        raise InputError(where, "too large", f"at most {LARGEST:g}", f"{value:g}")
+        raise InputError(where, "too large", f"at most {LARGEST:g}", repr(value)[:30])
     if value <= above:
-        raise InputError(where, "too small", f"more than {above:g}", f"{value:g}")
+        raise InputError(where, "too small", f"more than {above:g}", f"{float(value):g}")
     if value < least:
-        raise InputError(where, "too small", f"at least {least:g}", f"{value:g}")
+        raise InputError(where, "too small", f"at least {least:g}", f"{float(value):g}")
+
+
+def numbers(where: str, values: Iterable[Any], *, above: float = -inf, least: float = -inf) -> tuple[float, ...]:
+    """Return numbers as floats; raise an error unless each is one that `check_number` lets pass."""
+    if not isinstance(values, Iterable) or (isinstance(values, np.ndarray) and values.ndim != 1):
+        raise InputError(where, "not a sequence", "numbers in a row", repr(values)[:30])
+    found = list(values)
+    for k, value in enumerate(found):
+        check_number(f"{where}[{k}]", value, above=above, least=least)
+    return tuple(map(float, found))

@@ -7,7 +7,7 @@ import numpy as np
 
 from friction.models import Coulomb, LuGre, Model, Tanh
 from friction.parameters import check_number
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 
 
 class Chatter(NamedTuple):
@@ -162,6 +162,7 @@ def tanh_creep(epsilon: float, F_a: float, F_c: float) -> float:
     """
     check_number("epsilon", epsilon, above=0.0)
     check_number("F_c", F_c, above=0.0)
+    check_number("F_a", F_a)
     if not abs(F_a) < F_c:
         raise InputError("F_a", "breaks away", f"less than F_c = {F_c:g}", f"{F_a:g}")
     return epsilon * atanh(F_a / F_c)
@@ -190,6 +191,9 @@ def lugre_drift(model: LuGre, low: float, high: float) -> float:
     >>> round(lugre_drift(LuGre(), 0.0, 0.6), 9)
     0.000690437
     """
+    check_kind("model", model, LuGre)
+    for name, load in (("low", low), ("high", high)):
+        check_number(name, load)
     if not 0.0 <= low <= high < model.F_s:
         raise InputError("low, high", "out of range", f"0 <= low <= high < F_s = {model.F_s:g}", f"{low}, {high}")
     u1, u2 = low / model.F_s, high / model.F_s
@@ -211,6 +215,7 @@ def passive_damping(model: LuGre) -> float:
     >>> round(passive_damping(LuGre()), 12)
     0.25
     """
+    check_kind("model", model, LuGre)
     peak = model.F_s - model.F_c
     return model.sigma2 * model.F_c / peak if peak > 0.0 else float("inf")
 
@@ -264,6 +269,7 @@ def limits(model: Model, v: float, mass: float = 1.0) -> Limits:
     >>> limits(LuGre(sigma0=500.0), 4.0).euler  # 2g/(σ0·v) = 0.001
     0.001
     """
+    check_kind("model", model, Model)
     check_number("v", v)
     check_number("mass", mass, above=0.0)
     if v == 0.0 and isinstance(model, Coulomb):

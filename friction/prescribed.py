@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.methods import SPRING_CONTACTS, STATIC
+from friction.methods import ALL, SPRING_CONTACTS, STATIC
 from friction.models import MODELS, Karnopp, Model
 from friction.motion import Motion, moved_along, moved_by, moved_with
 from friction.parameters import check_number
 from friction.simulation import checked_times
 from friction.spring_contact import SpringContact
-from friction.testbench import Force
+from friction.testbench import FORCES, Force
 from tline.compiled.structure import pack
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.history import History
 from tline.presentation import plain
 
@@ -141,6 +141,7 @@ def prescribe(
     """
     if (velocity is None) == (position is None):
         raise InputError("motion", "not one", "velocity or position")
+    check_kind("model", model, *ALL, *SPRING_CONTACTS)
     check_number("t_end", t_end, above=0.0)
     check_number("z0", z0)
     at = np.linspace(0.0, t_end, 1001) if times is None else checked_times(times, t_end)
@@ -149,6 +150,7 @@ def prescribe(
     if callable(given):
         motion, rougher, errors["v"] = moved_by(given, t_end, where)
     else:
+        check_kind(where, given, *FORCES)
         motion = rougher = (moved_with if where == "velocity" else moved_along)(given)  # type: ignore[arg-type]
     if isinstance(model, (*STATIC, *SPRING_CONTACTS)) and z0:
         raise InputError("z0", f"the {model.name} model has no bristles", "0", f"{z0:g}")

@@ -16,7 +16,7 @@ from friction.result import COLUMNS, Result, Status, events_of
 from friction.spring_contact import SpringContact
 from friction.testbench import Testbench
 from tline.compiled.structure import pack
-from tline.errors import InputError
+from tline.errors import InputError, as_floats, check_kind
 
 if TYPE_CHECKING:
     from friction.kernel.law import Drive, Law
@@ -87,6 +87,7 @@ def simulate(
     check_number("t_end", t_end, above=0.0)
     law: Any = model
     chosen = method_for(model, method)
+    check_kind("bench", bench, Testbench)
     unknown = "controller" if bench.controller else "play" if bench.spring and bench.spring.play else None
     if unknown and chosen.step != "events":
         raise InputError("method", f"'{chosen.name}' knows no {unknown}", "events, with coulomb or karnopp or springs")
@@ -120,10 +121,7 @@ def simulate(
 def checked_times(times: ArrayLike, t_end: float) -> NDArray:
     """Instants of samples, rising within the run."""
     few = not isinstance(times, Sized) or len(times) <= MOST_SAMPLES
-    try:
-        at = np.array(times, float).ravel() if few else np.empty(0)
-    except (TypeError, ValueError) as error:
-        raise InputError("times", "not numbers", "rising numbers", str(error)[:60]) from error
+    at = as_floats("times", times).ravel() if few else np.empty(0)
     if not at.size or not np.isfinite(at).all() or np.any(np.diff(at) <= 0.0):
         raise InputError("times", "not rising", f"1 to {MOST_SAMPLES} rising numbers")
     if at[0] < 0.0 or at[-1] > t_end * (1.0 + 1e-9):

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.parameters import Parameters, check_number
-from tline.errors import InputError
+from friction.parameters import Parameters, numbers
+from tline.errors import InputError, check_kind
 
 if TYPE_CHECKING:
     from friction.kernel.law import Drive
@@ -74,9 +74,14 @@ class _Points(Parameters):
     sine = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
-        _check_table(self.times, self.values)
-        for name in ("times", "values"):
-            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
+        for name, least in (("times", 0.0), ("values", -inf)):
+            object.__setattr__(self, name, numbers(f"force.{name}", getattr(self, name), least=least))
+        if len(self.times) != len(self.values) or not self.times:
+            given = f"{len(self.values)} values"
+            raise InputError("force", "times and values do not match", "as many values as times", given)
+        for k, (last, t) in enumerate(pairwise(self.times), 1):
+            if t <= last:
+                raise InputError(f"force.times[{k}]", "times do not rise", f"more than {last:g}", f"{t:g}")
 
 
 @dataclass(frozen=True)
@@ -111,6 +116,9 @@ class Table(_Points, example=("Table([0.0, 2.0], [0.0, 1.0]).pieces()[2].tolist(
         if t[0] > 0.0:
             t, f = np.r_[0.0, t], np.r_[f[0], f]
         return t, f, np.r_[np.diff(f) / np.diff(t), 0.0]
+
+
+FORCES = Ramp, Sine, Steps, Table
 
 
 @dataclass(frozen=True)
@@ -196,13 +204,10 @@ class Testbench(Parameters):
 
     def __post_init__(self):
         super().__post_init__()
-        for name, fits, expected in (
-            ("force", hasattr(self.force, "pieces"), "Ramp, Sine, Steps or Table"),
-            ("spring", isinstance(self.spring, Spring | None), "Spring"),
-            ("controller", isinstance(self.controller, PID | None), "PID"),
-        ):
-            if not fits:
-                raise InputError(f"bench.{name}", "something else", expected, repr(getattr(self, name)))
+        check_kind("bench.force", self.force, *FORCES)
+        for name, kind in (("spring", Spring), ("controller", PID)):
+            if getattr(self, name) is not None:
+                check_kind(f"bench.{name}", getattr(self, name), kind)
         if self.spring and self.controller:
             raise InputError("bench.controller", "beside a spring", "one of both")
 
@@ -221,15 +226,3 @@ class Testbench(Parameters):
     def start(self) -> NDArray:
         """x, v, z and both works at t = 0."""
         return np.array([self.x0, self.v0, self.z0, 0.0, 0.0])
-
-
-def _check_table(times: Sequence[float], values: Sequence[float]) -> None:
-    if len(times) != len(values) or not len(times):
-        raise InputError("force", "times and values do not match", "as many values as times", f"{len(values)} values")
-    last = -inf
-    for k, (t, f) in enumerate(zip(times, values, strict=True)):
-        check_number(f"force.times[{k}]", float(t), least=0.0)
-        check_number(f"force.values[{k}]", float(f))
-        if t <= last:
-            raise InputError(f"force.times[{k}]", "times do not rise", f"more than {last:g}", f"{t:g}")
-        last = t

@@ -4,7 +4,11 @@ All four packages use these classes, which survive pickle and copies. Surprises 
 are warnings.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class InputError(ValueError):
@@ -34,6 +38,30 @@ class InputError(ValueError):
         parts += [f"expected {self.expected}"] if self.expected else []
         parts += [f"got {self.got}"] if self.got else []
         return ", ".join(parts)
+
+
+def check_kind(where: str, value: object, *kinds: type) -> None:
+    """Raise an error unless a value is of one of these classes.
+
+    Examples
+    --------
+    >>> check_kind("bench", "heavy", dict)
+    Traceback (most recent call last):
+    tline.errors.InputError: bench: something else, expected dict, got 'heavy'
+    """
+    if not isinstance(value, kinds):
+        *others, last = (kind.__name__ for kind in kinds)
+        raise InputError(where, "something else", ", ".join(others) + " or " * bool(others) + last, repr(value)[:40])
+
+
+def as_floats(where: str, values: Any) -> "NDArray[np.float64]":
+    """Convert numbers to an array of floats; raise an error for anything else."""
+    import numpy as np
+
+    try:
+        return np.asarray(values, float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(where, "not numbers", "a number or an array of them", repr(values)[:40]) from None
 
 
 class SceneError(InputError):

@@ -182,6 +182,18 @@ SENTENCES = [
     (lambda: dead_zone(0.1, 1.0, 0.1, F_a=1.0), "F_a: breaks away"),
     (lambda: tanh_creep(0.1, 2.0, 1.0), "F_a: breaks away"),
     (lambda: lugre_drift(LuGre(), 0.5, 1.3), "low, high: out of range"),
+    (lambda: lugre_drift(Dahl(), 0.5, 0.6), "model: something else, expected LuGre, got Dahl("),
+    (lambda: Tanh(F_c=10**400), "model.F_c: too large, expected at most 1e+12, got 1000"),
+    (lambda: Steps(1.0, [5.0]), "force.times: not a sequence, expected numbers in a row, got 1.0"),
+    (lambda: Steps([1.0], ["five"]), "force.values[0]: not a finite number, expected a number, got 'five'"),
+    (lambda: MaxwellSlip(None, [1.0]), "model.stiffness: not a sequence"),
+    (lambda: Coulomb().steady_force("fast"), "v: not numbers, expected a number or an array of them, got 'fast'"),
+    (lambda: simulate("lugre", Testbench()), "model: something else, expected Coulomb, Karnopp, LuGre"),
+    (lambda: simulate(LuGre(), Ramp()), "bench: something else, expected Testbench, got Ramp("),
+    (
+        lambda: prescribe(LuGre(), velocity=0.5),
+        "velocity: something else, expected Ramp, Sine, Steps or Table",
+    ),
 ]
 
 
