@@ -16,6 +16,7 @@ from tline.scene.held import conflicting_holds, is_capacitive
 from tline.scene.ibis.element import die_of
 from tline.scene.law import NonLinear
 from tline.scene.load import Matched
+from tline.scene.pipe_table import PipeTable
 from tline.scene.quantity import Quantity
 from tline.scene.rational import RationalImpedance
 from tline.scene.regulating import RegulatingValve
@@ -35,14 +36,17 @@ Ends = Mapping[str, list[str]]  # node -> lines that end there, twice if with bo
 
 def misplaced(data: Mapping[str, Any]) -> list[InputError]:
     """Find elements at nodes where no line ends, in tables as read, so that other mistakes do not hide these."""
-    lines, found = _tables(data, "lines"), []
+    lines, found, table = _tables(data, "lines"), [], data.get("lines")
     for section in ("lines", "probes"):
-        if section in data and not data[section]:
+        if section in data and not data[section] and not isinstance(table, str):
             missing = "there is nothing to simulate" if section == "lines" else "nothing would be recorded"
             found.append(InputError(section, missing, f"at least one table [{section}.NAME]"))
-    ends = [_ends(line) for line in lines.values()]
-    known = bool(lines) and all(ends)
-    nodes = sorted({node for pair in ends for node in pair}) if known else []
+    if isinstance(table, PipeTable):
+        lines, known, nodes = table, True, sorted(table.nodes)
+    else:
+        ends = [_ends(line) for line in lines.values()]
+        known = bool(lines) and all(ends)
+        nodes = sorted({node for pair in ends for node in pair}) if known else []
     there, linked = set(nodes), Counter(node for _, _, _, node in _joined(data))
     anywhere = there | linked.keys() | _dies(data)
     if known:
@@ -131,11 +135,7 @@ def conflict_alike(one: Any, other: Any) -> bool:
 
 def conflicts(scene: Scene) -> Iterator[InputError]:
     """Find elements, each valid alone, that exclude each other; misplaced ones do not count."""
-    ends: dict[str, list[str]] = defaultdict(list)
-    for name, line in scene.lines.items():
-        for node in line.nodes:
-            ends[node].append(name)
-    ends.default_factory = None
+    ends = scene.lines_at
     yield from _waveforms(scene)
     yield from conflicting_holds(scene)
     yield from height_mistakes(scene)
@@ -170,17 +170,22 @@ def _slab(scene: Scene, cut: Mapping[str, Stretches]) -> Iterator[InputError]:
         yield InputError("solver.order", "delays are rounded in the first order alone", "1", f"{scene.solver.order}")
     if slab is None or not scene.lines or scene.solver.rounded:
         return
-    delays = {
-        name: line.shortest * min(cut[name].widths if name in cut else [1.0]) for name, line in scene.lines.items()
-    }
-    shortest = min(delays, key=lambda name: delays[name])
-    if slab > delays[shortest] * SAME_DELAY:
-        expected = f"at most that of {place('lines', shortest)}, {delays[shortest]:.6g} s"
+    if isinstance(scene.lines, PipeTable):
+        k = int(scene.lines.delay.argmin())
+        least, shortest = float(scene.lines.delay[k]), scene.lines.names[k]
+    else:
+        widths = {name: min(each.widths) for name, each in cut.items()}
+        delays = ((line.shortest * widths.get(name, 1.0), name) for name, line in scene.lines.items())
+        least, shortest = min(delays, key=lambda each: each[0])
+    if slab > least * SAME_DELAY:
+        expected = f"at most that of {place('lines', shortest)}, {least:.6g} s"
         yield InputError("solver.slab", "longer than the shortest delay", expected, f"{slab:.6g} s")
 
 
 def _coupled(scene: Scene) -> Iterator[InputError]:
     """Find matched loads at coupled conductors, and names that their modes need."""
+    if isinstance(scene.lines, PipeTable):
+        return
     coupled = {node for line in scene.lines.values() if isinstance(line, Coupled) for node in line.nodes}
     modal = {node for end in ends_of(scene.lines) for node in end.modal}
     modal |= {node.rpartition(",")[0] for node in modal}

@@ -3,7 +3,16 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import PrivateAttr, ValidationError, ValidationInfo, model_validator
+from pydantic import (
+    PrivateAttr,
+    SerializerFunctionWrapHandler,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapSerializer,
+    WrapValidator,
+    model_validator,
+)
 
 from tline.errors import InputError
 from tline.line.electrical import LIGHT, LIGHT_ROUNDING
@@ -12,6 +21,7 @@ from tline.scene.cable_loss import Skin
 from tline.scene.element import Element, Name, nodes_of, optional, required
 from tline.scene.line import Cable, Pipe, SceneLine, read_pipe
 from tline.scene.mistakes import Read, mistakes, validator
+from tline.scene.pipe_table import PipeTable
 from tline.scene.quantity import (
     LARGEST,
     SMALLEST,
@@ -22,6 +32,7 @@ from tline.scene.quantity import (
     ResistancePerMetre,
     Role,
 )
+from tline.words.wording import shown
 
 MOST_CONDUCTORS = 16  # conductors
 Row = list[Annotated[Quantity, Role("inductance per length", "H/m")]]
@@ -198,7 +209,9 @@ class End(NamedTuple):
 
 
 def ends_of(lines: Mapping[str, SceneLine | Coupled]) -> list[End]:
-    """Ends of all coupled lines, end 1 and end 2 of each in turn."""
+    """Ends of all coupled lines, end 1 and end 2 of each in turn; tables of pipes have none."""
+    if isinstance(lines, PipeTable):
+        return []
     return [
         End(nodes, tuple(f"{name}, mode {m + 1}, end {end}" for m in range(len(nodes))), line.modes, line.lines)
         for name, line in lines.items()
@@ -239,3 +252,17 @@ def _line_of_medium(value: Any, info: ValidationInfo) -> Any:
 
 # Coupled takes the place of a line: it has nodes and a shortest delay, and its parameters refuse
 Line = Annotated[SceneLine, Read(_line_of_medium, Pipe | Cable | Coupled)]
+
+
+def _table_or_each(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    """Take a table of pipes as it is."""
+    if isinstance(value, str):
+        raise InputError("", "a table of pipes is for hydraulic scenes", "tables of lines", shown(value))
+    return value if isinstance(value, PipeTable) else handler(value)
+
+
+def _as_given(value: Any, handler: SerializerFunctionWrapHandler) -> Any:
+    return value.given if isinstance(value, PipeTable) else handler(value)
+
+
+Lines = Annotated[dict[Name, Line], WrapValidator(_table_or_each), WrapSerializer(_as_given)]

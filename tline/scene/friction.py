@@ -108,7 +108,7 @@ class ByFlow(Friction):
         return self.unsteady.law(density, area) if self.unsteady is not None else None
 
     def flow_law(self, density: float, area: float, length: float) -> FlowLaw:  # noqa: D102
-        law = self.along(density, area).scaled((self.length or length) / length)
+        law = self.along(density, area).scaled(1.0 if self.length is None else self.length / length)
         minor = density * self.minor_loss / (2 * area**2 * length)
         if isinstance(law, PowerLaw) and law.exponent == 2:
             return quadratic(law.strength + minor)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 from pydantic import BeforeValidator
 
 from tline.errors import InputError
-from tline.line import HydraulicLine
 from tline.scene.element import Element, optional
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Multiport
@@ -164,12 +163,8 @@ def _elevations(scene: Scene) -> dict[str, float]:
 
 def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:
     """Densities by line, where they are known."""
-    found = {name: scene.lines[name].parameters for name in lines}
-    return {
-        name: float(line.density)
-        for name, line in found.items()
-        if isinstance(line, HydraulicLine) and line.density is not None
-    }
+    each = ((name, scene.density(name)) for name in lines)
+    return {name: float(density) for name, density in each if density is not None}
 
 
 def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
@@ -182,13 +177,14 @@ def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
             parent[node] = node = parent[parent[node]]
         return node
 
-    for nodes in (*(line.nodes for line in scene.lines.values()), *(nodes for _, nodes in scene.between)):
+    lines = scene.pairs
+    for nodes in (*lines.values(), *(nodes for _, nodes in scene.between)):
         first = root(nodes[0])
         for node in nodes[1:]:
             parent[root(node)] = first
     found: dict[str, tuple[list[str], list[str]]] = {}
     for node in list(parent):
         found.setdefault(root(node), ([], []))[0].append(node)
-    for name, line in scene.lines.items():
-        found[root(line.nodes[0])][1].append(name)
+    for name, nodes in lines.items():
+        found[root(nodes[0])][1].append(name)
     return list(found.values())

@@ -1,6 +1,6 @@
 """Scenes: lines, sources, loads and probes, an end time, and the accuracy."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from math import nan
 from pathlib import Path
@@ -20,7 +20,7 @@ from pydantic import (
 from tline.errors import InputError, SceneError
 from tline.gc_paused import gc_paused
 from tline.scene.check import conflicts, misplaced
-from tline.scene.coupled import Line, single_lines
+from tline.scene.coupled import Lines, single_lines
 from tline.scene.display import as_html, as_text, drawn
 from tline.scene.element import Element, Name, optional, required
 from tline.scene.heights import GRAVITY, Height, Site, heights_of
@@ -32,6 +32,7 @@ from tline.scene.load import Link, Load
 from tline.scene.measure import Measure, Probe
 from tline.scene.medium import MEDIA, check_units
 from tline.scene.mistakes import MOST_MISTAKES, limited, mistakes, validator
+from tline.scene.pipe_table import PipeTable, read_pipes
 from tline.scene.quantity import Duration, Effort
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Shape
@@ -107,7 +108,7 @@ class Scene(Element):
         "rest",
     )
     solver: Solver = optional("tolerance; or order and slab width, if fixed by hand", Solver())
-    lines: dict[Name, Line] = required("lines by name")
+    lines: Lines = required("lines by name; or a CSV or NPZ file with a table of pipes")
     sources: dict[Name, Source] = Field(default_factory=dict, description="sources by name")
     loads: dict[Name, Load] = Field(default_factory=dict, description="loads by name")
     links: dict[Name, Link] = Field(default_factory=dict, description="what stands between nodes, by name")
@@ -129,7 +130,15 @@ class Scene(Element):
         folder = folder if isinstance(folder, Folder) else Folder(Path(folder))
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
-        lines = data.get("lines")
+        lines, unread = data.get("lines"), None
+        if isinstance(lines, str) and medium == "hydraulic":
+            try:
+                data["lines"] = read_pipes(folder.find(lines), lines)
+            except InputError as error:
+                unread = InputError("lines", error.problem, error.expected, error.got)
+                unread = unread if error.where == "file" else error
+        if unread is not None:
+            raise SceneError([unread])
         count = len(lines) if isinstance(lines, dict) else 0
         bar = Progress(count, "line", progress, "reading")
         context = {"folder": folder, "bar": bar} | ({"medium": medium, "units": known.units} if known else {})
@@ -189,6 +198,8 @@ class Scene(Element):
 
     def with_lines(self) -> dict[str, Any]:
         """Table of the scene with pipes as objects, which `Scene` takes without reading them again."""
+        if isinstance(self.lines, PipeTable):
+            return self._as_file({"lines": self.lines})
         return self._as_file({"lines": dict(self.lines)} if self.medium == "hydraulic" and not self._parts else {})
 
     def _as_file(self, known: dict[str, Any]) -> dict[str, Any]:
@@ -275,6 +286,31 @@ class Scene(Element):
         return single_lines(self.lines)
 
     @cached_property
+    def lines_at(self) -> Mapping[str, list[str]]:
+        """Lines that end at each node, twice if with both ends."""
+        if isinstance(self.lines, PipeTable):
+            return self.lines.at
+        found: dict[str, list[str]] = {}
+        for name, line in self.lines.items():
+            for node in line.nodes:
+                found.setdefault(node, []).append(name)
+        return found
+
+    def density(self, line: str) -> float | None:
+        """Density of the liquid in a line, kg/m³, where it is known."""
+        if isinstance(self.lines, PipeTable):
+            return self.lines.density(line)
+        return getattr(self.lines[line].parameters, "density", None)
+
+    @property
+    def pairs(self) -> Mapping[str, Sequence[str]]:
+        """Nodes of each line."""
+        if isinstance(self.lines, PipeTable):
+            nodes, each = self.lines.nodes, zip(self.lines.names, self.lines.ends.tolist(), strict=True)
+            return {name: (nodes[one], nodes[other]) for name, (one, other) in each}
+        return {name: line.nodes for name, line in self.lines.items()}
+
+    @cached_property
     def heights(self) -> Mapping[str, Height]:
         """Height of each node by name; empty in a scene without elevations."""
         return heights_of(self)
@@ -359,7 +395,7 @@ class Scene(Element):
     def probed_line(self, probe: str) -> str | None:
         """Name of the line of a probe, or of the only one that ends at its node; None if several do, or none."""
         place = self.probes[probe]
-        ends = [] if place.line else [name for name, line in self.lines.items() if place.at in line.nodes]
+        ends = [] if place.line else list(dict.fromkeys(self.lines_at.get(place.at or "", ())))
         here = [*{*ends} - self.delay_lines] if len(ends) > 1 else ends
         return place.line or (here[0] if len(here) == 1 else None)
 

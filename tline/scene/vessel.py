@@ -309,5 +309,7 @@ class Cavities(Boiling):
 
 
 def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
-    """Lines that have cavities; coupled conductors never do."""
+    """Lines that have cavities; coupled conductors never do, nor tables of pipes."""
+    if not isinstance(lines, dict):
+        return {}
     return {name: line for name, line in lines.items() if getattr(type(line), "stretches", None) and line.stretches > 1}

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tline.errors import ActiveError, InputError
+from tline.gc_paused import gc_paused
 from tline.scene.file import as_scene
 from tline.scene.quantity import SECONDS, TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
@@ -118,9 +119,11 @@ def simulate(
     >>> bool(abs(result.probes["far"].at(12.34e-9).u) <= 2), result.accuracy.worst <= 1e-9  # at any instant
     (True, True)
     """
-    description, budget = describe(as_scene(scene)), Budget(None if seconds is None else as_seconds(seconds), progress)
-    each = description, asked(description.scene, tol) or 0.0, [*record], progress, budget
-    return simulated(Search(*each, envelope=envelope, ledger=ledger, active=active))
+    budget = Budget(None if seconds is None else as_seconds(seconds), progress)
+    with gc_paused():
+        description = describe(as_scene(scene))
+        each = description, asked(description.scene, tol) or 0.0, [*record], progress, budget
+        return simulated(Search(*each, envelope=envelope, ledger=ledger, active=active))
 
 
 def simulated(search: Search) -> Result:

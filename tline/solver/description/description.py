@@ -19,7 +19,17 @@ from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.elements import Branch, PlacedLaw, active_parts, branches_of, elements_of, impedances
 from tline.solver.description.excitation import Shape
-from tline.solver.description.given import ElementLaw, End, Height, Medium, Scene, Stretches, readable, stretches_of
+from tline.solver.description.given import (
+    ElementLaw,
+    End,
+    Height,
+    Medium,
+    PipeTable,
+    Scene,
+    Stretches,
+    readable,
+    stretches_of,
+)
 from tline.solver.description.groups import Group, LumpedLine, grouped, regrouped, time_scales
 from tline.solver.description.lines import Columns, Line, ProbePlace, columns_of, lines_of, probes_of
 from tline.solver.description.nodes import NONE, Node, nodes_anew, nodes_of
@@ -39,7 +49,7 @@ class Description:
     medium: Medium
     t_end: float
     steady: bool
-    lines: dict[str, Line]  # all that carry waves: single ones, and one for each mode of coupled conductors
+    lines: Mapping[str, Line]  # all that carry waves: single ones, and one for each mode of coupled conductors
     coupled: dict[str, tuple[End, End]]  # ends of coupled conductors
     heights: Mapping[str, Height]  # of nodes; empty without elevations
     # lines cut in slabs, which scenes with other values at the nodes share; kept by `tline.solver.assembly`
@@ -303,7 +313,9 @@ class Beside:
 
 
 def _elements(scene: Scene) -> list[dict[str, Any]]:
-    return [dict(part) for part in (scene.lines, scene.sources, scene.loads, scene.links, scene.probes, scene.nodes)]
+    others = scene.sources, scene.loads, scene.links, scene.probes, scene.nodes
+    lines = scene.lines if isinstance(scene.lines, PipeTable) else dict(scene.lines)
+    return [lines, *map(dict, others)]
 
 
 def describe(scene: Scene) -> Description:
@@ -312,7 +324,7 @@ def describe(scene: Scene) -> Description:
     if known.description is not None and known.description.scene is scene and known.read == _elements(scene):
         return known.description
     ends = ends_of(scene.lines)
-    names = [name for name, line in scene.lines.items() if isinstance(line, Coupled)]
+    names = [name for name, line in scene.lines.items() if isinstance(line, Coupled)] if ends else []
     description = Description(
         scene=scene,
         medium=readable(scene),

@@ -5,10 +5,12 @@ from tline.scene.coupled import End
 from tline.scene.element import Between
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume, kinds_numbered
+from tline.scene.line import SceneLine
 from tline.scene.load import Matched, Reservoir, Resistor, Short
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
+from tline.scene.pipe_table import PipeTable
 from tline.scene.plausible import plausibility_notes
 from tline.scene.rational import Ratio, RationalImpedance
 from tline.scene.scene import Scene

@@ -1,6 +1,6 @@
 """Lines in numbers, one for each mode of coupled conductors, and circuits in place of exact laws; where probes are."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from math import ceil, floor, inf, log, log10, pi
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from tline.loss.flow_law import FlowLaw, side_by_side
 from tline.loss.law import Shape
 from tline.loss.line import Losses
 from tline.loss.realise import FINEST
-from tline.solver.description.given import End, Height, Scene
+from tline.solver.description.given import End, Height, PipeTable, Scene, SceneLine
 from tline.solver.radau import Basis
 from tline.words.wording import place
 
@@ -107,15 +107,6 @@ class Line(NamedTuple):
         return isinstance(series, ConstantLoss) and isinstance(shunt, ConstantLoss) and not shunt.loss
 
 
-def lines_of(scene: Scene) -> dict[str, Line]:
-    """All lines of a scene that carry waves, by name."""
-    found = {}
-    for name, line in scene.single_lines.items():
-        parameters = line.parameters
-        found[name] = Line(line.nodes, parameters.z0, parameters.delay or 0.0, line.losses)
-    return found
-
-
 class Columns(NamedTuple):
     """Lines as arrays, in their order: L lines between N nodes."""
 
@@ -157,8 +148,43 @@ class Columns(NamedTuple):
         return found
 
 
+class LineTable(Mapping[str, Line]):
+    """Lines of a table of pipes, each made only where it is looked up."""
+
+    def __init__(self, table: PipeTable):
+        self._table, n, none = table, len(table), np.zeros(len(table))
+        lossy = np.zeros(n, bool)
+        for rows, _ in table.laws:
+            lossy[rows] = True
+        places, numbers = (table.nodes, table.ends), (table.z0, table.delay, table.length * lossy, none, none)
+        self.columns = Columns(*places, *numbers, lossy, lossy, np.ones(n, bool), table.laws)
+
+    def __getitem__(self, name: str) -> Line:
+        return _line(self._table[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._table)
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+
+def lines_of(scene: Scene) -> Mapping[str, Line]:
+    """All lines of a scene that carry waves, by name."""
+    if isinstance(scene.lines, PipeTable):
+        return LineTable(scene.lines)
+    return {name: _line(line) for name, line in scene.single_lines.items()}
+
+
+def _line(line: SceneLine) -> Line:
+    parameters = line.parameters
+    return Line(line.nodes, parameters.z0, parameters.delay or 0.0, line.losses)
+
+
 def columns_of(lines: Mapping[str, Line]) -> Columns:
     """Columns of lines, those that differ by their nodes alone being looked at once."""
+    if isinstance(lines, LineTable):
+        return lines.columns
     known: dict[tuple[float, float, int], int] = {}
     number, first, like, ends = dict[str, int](), list[Line](), list[int](), list[int]()
     for line in lines.values():
