@@ -15,13 +15,13 @@ and A z' + B z = 0 is left of the first orders: for each y with yᵀA = 0 also y
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import SuperLU
 
 LARGE = 1500  # unknowns up to which singular matrices are dense
 REGULAR = 1e12  # condition below which a matrix is not singular
@@ -60,7 +60,23 @@ class Sparse(NamedTuple):
     values: NDArray
 
     def __matmul__(self, z: NDArray) -> NDArray:
-        return np.bincount(self.rows, self.values * z[self.columns], len(z))
+        return self.of(z, len(z))
+
+    def of(self, z: NDArray, n: int) -> NDArray:
+        """The product of n rows with a vector."""
+        return np.bincount(self.rows, self.values * z[self.columns], n)
+
+    def after(self, other: "Sparse", n: int) -> "Sparse":
+        """The product with a matrix of n rows."""
+        count, order = np.bincount(other.rows, minlength=n), np.argsort(other.rows, kind="stable")
+        each = count[self.columns]
+        own = np.repeat(np.arange(len(each)), each)
+        theirs = order[np.arange(len(own)) + (np.cumsum(count)[self.columns] - np.cumsum(each))[own]]
+        return Sparse(self.rows[own], other.columns[theirs], self.values[own] * other.values[theirs])
+
+    def part(self, of: NDArray, row: int, column: int) -> "Sparse":
+        """Some of the entries, their rows and columns counted from others."""
+        return Sparse(self.rows[of] - row, self.columns[of] - column, self.values[of])
 
     def plus(self, *others: "Sparse") -> "Sparse":
         """The sum with other matrices."""
@@ -73,6 +89,13 @@ class Sparse(NamedTuple):
     def dense(self, n: int) -> NDArray:
         """The matrix as an array, shape (n, n)."""
         return np.bincount(self.rows * n + self.columns, self.values, n * n).reshape(n, n)
+
+    def factors(self, n: int, **given: Any) -> "SuperLU":
+        """Factors of the matrix, shape (n, n); a RuntimeError if it is singular."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.linalg import splu
+
+        return splu(coo_array((self.values, (self.rows, self.columns)), shape=(n, n)).tocsc(), **given)
 
 
 def slow_limit(A: Sparse, B: Sparse, f: NDArray) -> Limit:
@@ -127,11 +150,8 @@ def regular(A: Sparse, f: NDArray) -> NDArray | None:
             return None
         condition = np.abs(matrix).sum(axis=0).max() * np.abs(found[:, 1:]).sum(axis=0).max()
         return found[:, 0] if condition < REGULAR else None
-    from scipy.sparse import coo_array
-    from scipy.sparse.linalg import splu
-
     try:
-        factors = splu(coo_array((A.values, (A.rows, A.columns)), shape=(n, n)).tocsc())
+        factors = A.factors(n)
     except RuntimeError:
         return None
     pivots = np.abs(factors.U.diagonal())
@@ -325,36 +345,35 @@ def _solved(J: Sparse, edges: int, left: NDArray, order: NDArray | None) -> tupl
             return np.linalg.solve(matrix, left), order
         except np.linalg.LinAlgError:
             return np.linalg.lstsq(matrix, left)[0], order
-    from scipy.sparse import coo_array, diags_array
-    from scipy.sparse.linalg import splu
-
-    matrix = coo_array((J.values, (J.rows, J.columns)), shape=(n, n)).tocsr()
-    own, of_ends = matrix[:edges, :edges].diagonal(), matrix[:edges, edges:]
-    of_flows = matrix[edges:, :edges].multiply(1 / own[None, :]).tocsr()
-    schur = (matrix[edges:, edges:] - of_flows @ of_ends).tocsc()
+    of_law, of_drop = J.rows < edges, J.columns < edges
+    own = np.bincount(J.rows[of_law & of_drop], J.values[of_law & of_drop], edges)
+    ends, flows = J.part(of_law & ~of_drop, 0, edges), J.part(~of_law & of_drop, edges, 0)
+    flows = flows._replace(values=-flows.values / own[flows.columns])
+    schur = J.part(~of_law & ~of_drop, edges, edges).plus(flows.after(ends, edges))
     try:
-        parts, cut_off = Factors(schur, order), False
+        parts, cut_off = Factors(schur, n - edges, order), False
     except RuntimeError:  # parts that only a leak ties down
-        tied = schur + diags_array(SINGULAR * np.abs(schur.diagonal())).tocsc()
-        parts, cut_off = Factors(tied, order), True
+        on, every = schur.rows == schur.columns, np.arange(n - edges)
+        tie = SINGULAR * np.abs(np.bincount(schur.rows[on], schur.values[on], n - edges))
+        parts, cut_off = Factors(schur.plus(Sparse(every, every, tie)), n - edges, order), True
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
-        rest = left - matrix @ step
-        level = parts.solve(rest[edges:] - of_flows @ rest[:edges])
-        step += np.concatenate([(rest[:edges] - of_ends @ level) / own, level])
-    exact = np.abs(left - matrix @ step).max() <= EXACT * np.abs(left).max()
-    return step if exact or cut_off else splu(matrix.tocsc()).solve(left), parts.order
+        rest = left - J @ step
+        level = parts.solve(rest[edges:] + flows.of(rest[:edges], n - edges))
+        step += np.concatenate([(rest[:edges] - ends.of(level, edges)) / own, level])
+    exact = np.abs(left - J @ step).max() <= EXACT * np.abs(left).max()
+    return step if exact or cut_off else J.factors(n).solve(left), parts.order
 
 
 class Factors:
     """Factors of a matrix with a symmetric pattern and a large diagonal, in an order that keeps them small."""
 
-    def __init__(self, matrix: "csc_array", order: NDArray | None = None):
-        from scipy.sparse.linalg import splu
-
+    def __init__(self, matrix: Sparse, n: int, order: NDArray | None = None):
         self._known, way = order is not None, "MMD_AT_PLUS_A" if order is None else "NATURAL"
-        matrix = matrix if order is None else matrix[order][:, order]  # pyright: ignore[reportIndexIssue]
-        self._found = splu(matrix, permc_spec=way, relax=RELAXED, panel_size=1, options={"SymmetricMode": True})
+        if order is not None:
+            rank = np.argsort(order)
+            matrix = Sparse(rank[matrix.rows], rank[matrix.columns], matrix.values)
+        self._found = matrix.factors(n, permc_spec=way, relax=RELAXED, panel_size=1, options={"SymmetricMode": True})
         self.order = np.argsort(self._found.perm_c) if order is None else order
 
     def solve(self, right: NDArray) -> NDArray:
