@@ -30,6 +30,7 @@ MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
 AHEAD, EACH_ORDER = 4, 0.06  # orders in one step, at most; share of a difference that an order leaves, or less
 ROUGH, QUARTERS = 1e-2, 4  # larger errors beside smooth laws tell nothing of an order's worth: slabs are so divided
+EARLY, FEW_SAMPLES = 2, 1e4  # halvings of slabs beside smooth laws, where a first run has so few line-end samples
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
 
 NOWHERE = Start(0, SLOWEST)
@@ -72,13 +73,13 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def first_order(description: Description, tol: float) -> int:
+def first_order(description: Description, tol: float, kinked: bool = False) -> int:
     """Order of the first run: of a lower one little would be within the tolerance.
 
-    Laws and cells make orders dear. Without either, what is steady or even between fronts is exact in the lowest.
+    Laws that kink, and cells, make orders dear. What is steady or even between fronts is exact in the lowest.
     """
     digits, rates = -log10(tol) + 1e-9, min(map(min, description.time_scales.values()), default=inf) < inf
-    if rates and not (description.elements or description.dispersive):
+    if (rates or description.elements) and not (kinked or description.dispersive):
         return 1 + int(max(digits / DIGITS_OF_RATES, FIRST))
     return FIRST + max(int(digits / DIGITS) - 1, 0)
 
@@ -167,8 +168,10 @@ class Orders(Grids):
         """The first grid, with slabs halved `halved` times."""
         description, tol = self.search.description, self.search.tol
         given, crowded = description.scene.solver, description.diamonds or description.elements
-        s = given.order or self.start.order or first_order(description, tol)
+        s = given.order or self.start.order or first_order(description, tol, bool(self.cuts.kinked))
         chosen = resolution(description, s, sections=self.sections, settle=self.settle)
+        if self.cuts.elements and not self.cuts.kinked:
+            halved += EARLY * (2 * len(description.lines) * s * description.t_end / chosen.h <= FEW_SAMPLES)
         if halved and not self.fixed:
             chosen = resolution(description, s, chosen.h / 2**halved, self.sections, self.settle)
         return chosen._replace(
