@@ -9,7 +9,7 @@ from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import Resolution, cell_in, resolution, short_lines
-from tline.solver.description.slab import cell_of, cells_in
+from tline.solver.description.slab import breaks_of, cell_of, cells_in, relative_work
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS
@@ -30,7 +30,7 @@ MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
 AHEAD, EACH_ORDER = 4, 0.06  # orders in one step, at most; share of a difference that an order leaves, or less
 ROUGH, QUARTERS = 1e-2, 4  # larger errors beside smooth laws tell nothing of an order's worth: slabs are so divided
-EARLY, FEW_SAMPLES = 2, 1e4  # halvings of slabs beside smooth laws, where a first run has so few line-end samples
+EARLY, FEW = 2, 3e3  # halvings of slabs beside laws that do not kink, where all line ends have so few slabs
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
 
 NOWHERE = Start(0, SLOWEST)
@@ -73,13 +73,14 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def first_order(description: Description, tol: float, kinked: bool = False) -> int:
+def first_order(description: Description, tol: float, early: bool = False) -> int:
     """Order of the first run: of a lower one little would be within the tolerance.
 
-    Laws that kink, and cells, make orders dear. What is steady or even between fronts is exact in the lowest.
+    Laws and cells make orders dear, unless runs are cheap (`early`). Without either, what is steady or even between
+    fronts is exact in the lowest.
     """
     digits, rates = -log10(tol) + 1e-9, min(map(min, description.time_scales.values()), default=inf) < inf
-    if (rates or description.elements) and not (kinked or description.dispersive):
+    if early or (rates and not (description.elements or description.dispersive)):
         return 1 + int(max(digits / DIGITS_OF_RATES, FIRST))
     return FIRST + max(int(digits / DIGITS) - 1, 0)
 
@@ -168,18 +169,24 @@ class Orders(Grids):
         """The first grid, with slabs halved `halved` times."""
         description, tol = self.search.description, self.search.tol
         given, crowded = description.scene.solver, description.diamonds or description.elements
-        s = given.order or self.start.order or first_order(description, tol, bool(self.cuts.kinked))
-        chosen = resolution(description, s, sections=self.sections, settle=self.settle)
-        if self.cuts.elements and not self.cuts.kinked:
-            halved += EARLY * (2 * len(description.lines) * s * description.t_end / chosen.h <= FEW_SAMPLES)
-        if halved and not self.fixed:
-            chosen = resolution(description, s, chosen.h / 2**halved, self.sections, self.settle)
+        h = resolution(description, sections=self.sections, settle=self.settle).h
+        early = self._is_early(h)
+        s = given.order or self.start.order or first_order(description, tol, early)
+        narrowed = None if self.fixed or not (halved or early) else h / 2 ** (halved + EARLY * early)
+        chosen = resolution(description, s, narrowed, self.sections, self.settle)
         return chosen._replace(
             same=JOINED * tol if crowded else 0.0,  # pieces meet all of those across; laws make new ones
             cell=0.0 if given.order or given.slab else cell_of(description, s, chosen.h),
             fit=max(FITTED[0] * tol, FITTED[1]),
             exact=not description.dispersive,
         )
+
+    def _is_early(self, h: float) -> bool:
+        """Whether runs cost so little, beside laws that do not kink, that the first is on narrower slabs at once."""
+        description = self.search.description
+        delays = [line.delay for line in description.lines.values()]
+        work = 2 * len(delays) * description.t_end / h * relative_work(h, delays, breaks_of(description))
+        return bool(self.cuts.elements) and not self.cuts.kinked and work <= FEW
 
     def _finer(self, ladder: Ladder, shown: "Shown") -> Resolution:
         """A higher order if that helps, else narrower slabs: beside pieces, which stay as wide, both."""
