@@ -1,14 +1,15 @@
 """Runs of rising order, on narrower slabs and with more LC sections of lumped lines, until a tolerance is met."""
 
-from collections.abc import Generator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from math import ceil, inf, log, log10
+from typing import NamedTuple
 
 from tline.errors import InputError, NoFlowError
 from tline.solver.description.description import Description
 from tline.solver.description.nodes import NONE
 from tline.solver.description.resolution import Resolution, cell_in, resolution, short_lines
-from tline.solver.description.slab import cell_of, cells_in
+from tline.solver.description.slab import breaks_of, cell_of, cells_in, relative_work
 from tline.solver.result.accuracy import SLOWEST
 from tline.solver.result.result import Result
 from tline.solver.run import NO_KINKS
@@ -29,10 +30,8 @@ MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
 AHEAD, EACH_ORDER = 4, 0.06  # orders in one step, at most; share of a difference that an order leaves, or less
 ROUGH, QUARTERS = 1e-2, 4  # larger errors beside smooth laws tell nothing of an order's worth: slabs are so divided
+EARLY, FEW = 2, 3e3  # halvings of slabs beside laws that do not kink, where all line ends have so few slabs
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
-
-State = tuple[bool, bool, bool, bool, int, int]
-
 
 NOWHERE = Start(0, SLOWEST)
 
@@ -74,13 +73,14 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def first_order(description: Description, tol: float) -> int:
+def first_order(description: Description, tol: float, early: bool = False) -> int:
     """Order of the first run: of a lower one little would be within the tolerance.
 
-    Laws and cells make orders dear. Without either, what is steady or even between fronts is exact in the lowest.
+    Laws and cells make orders dear, unless runs are cheap (`early`). Without either, what is steady or even between
+    fronts is exact in the lowest.
     """
     digits, rates = -log10(tol) + 1e-9, min(map(min, description.time_scales.values()), default=inf) < inf
-    if rates and not (description.elements or description.dispersive):
+    if early or (rates and not (description.elements or description.dispersive)):
         return 1 + int(max(digits / DIGITS_OF_RATES, FIRST))
     return FIRST + max(int(digits / DIGITS) - 1, 0)
 
@@ -100,36 +100,28 @@ class Orders(Grids):
         super().__init__(search)
         self.sections, self.settle, self.start, self.unknown = sections, settle, start, start.left
         self.cuts = Cuts(search.description)
-        self.grids = self._finer(start.halved)
+        self.fixed = search.description.scene.solver.slab is not None or bool(sections)  # width of slabs
 
     def first(self) -> Result:
         """The run on the first grid on which flows are found."""
-        fixed = self.search.description.scene.solver.slab is not None or self.sections
         for halved in range(0, HALVED + 1, 2):
-            self.grids = self._finer(self.start.halved + halved)
+            self.grid = self._coarsest(self.start.halved + halved)
             try:
-                return self.search.run(next(self.grids), laws=self.cuts.places)
+                return self.search.run(self.grid, laws=self.cuts.places)
             except NoFlowError:
-                if fixed or halved == HALVED:
+                if self.fixed or halved == HALVED:
                     raise
         raise AssertionError
 
     def next(self, ladder: Ladder) -> Result:
         """The run on the next finer grid."""
-        last, cuts = ladder.last, self.cuts
-        layered = last.resolution.layers > 0  # the pieces behind fronts do not become more on narrower slabs
-        follow = cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
-        narrowed = ladder.compared > 0 and last.resolution.h < ladder.attempts[-2].slab
-        pieces = cuts.in_pieces(last)
-        smooth = bool(cuts.elements) and not (cuts.kinked or layered or pieces)  # laws: narrower slabs cost less
-        rough = smooth and ladder.compared > 0 and not narrowed and ladder.told.worst > ROUGH
-        helped = (ladder.helps or layered or (smooth and narrowed)) and not (cuts.governed or rough)
-        stay, parts = pieces or cuts.governed, QUARTERS if rough else 2
-        chosen = self.grids.send((helped, layered, ladder.told.met, stay, self._ahead(ladder), parts))
-        stuck = not (ladder.helps or layered or smooth)
-        kinks = united(cuts.after(last, chosen, stuck), cuts.turns(last) if ladder.compared else NO_KINKS)
-        chosen = chosen._replace(layers=FOLLOWED * self.search.tol if follow else 0.0)
-        return self.search.run(chosen, kinks, cuts.places)
+        last, shown = ladder.last, Shown.by(ladder, self.cuts)
+        self.grid = self._finer(ladder, shown)
+        follow = self.cuts.kinked or last.samples <= MOST_FOLLOWED * last.resolution.s
+        turns = self.cuts.turns(last) if ladder.compared else NO_KINKS
+        kinks = united(self.cuts.after(last, self.grid, shown.stuck), turns)
+        chosen = self.grid._replace(layers=FOLLOWED * self.search.tol if follow else 0.0)
+        return self.search.run(chosen, kinks, self.cuts.places)
 
     def _ahead(self, ladder: Ladder) -> int:
         """Orders from the last run to the next, whose error should be within the tolerance, at the pace so far.
@@ -173,40 +165,67 @@ class Orders(Grids):
             return ""
         return f"narrower slabs would reach {reached:.1g} in some minutes, at the pace so far"
 
-    def _finer(self, halved: int) -> Generator[Resolution, State, None]:
-        """Generate ever finer orders and slabs, from slabs halved `halved` times on; `next` has the values sent in.
+    def _coarsest(self, halved: int) -> Resolution:
+        """The first grid, with slabs halved `halved` times."""
+        description, tol = self.search.description, self.search.tol
+        given, crowded = description.scene.solver, description.diamonds or description.elements
+        h = resolution(description, sections=self.sections, settle=self.settle).h
+        early = self._is_early(h)
+        s = given.order or self.start.order or first_order(description, tol, early)
+        narrowed = None if self.fixed or not (halved or early) else h / 2 ** (halved + EARLY * early)
+        chosen = resolution(description, s, narrowed, self.sections, self.settle)
+        return chosen._replace(
+            same=JOINED * tol if crowded else 0.0,  # pieces meet all of those across; laws make new ones
+            cell=0.0 if given.order or given.slab else cell_of(description, s, chosen.h),
+            fit=max(FITTED[0] * tol, FITTED[1]),
+            exact=not description.dispersive,
+        )
 
-        They say whether the last step helped, followed fronts, and met the tolerance, and whether pieces stay as wide
-        as they are when slabs are halved: then the order rises, too. Beside lumped lines slabs are not narrowed:
-        fronts are blurred there for a time of its own.
-        """
-        description, sections, tol = self.search.description, self.sections, self.search.tol
-        given = description.scene.solver
-        s = given.order or self.start.order or first_order(description, tol)
-        chosen = resolution(description, s, sections=sections, settle=self.settle)
-        if halved and given.slab is None and not sections:
-            chosen = resolution(description, s, chosen.h / 2**halved, sections, self.settle)
-        h, fixed, enough = chosen.h, given.slab is not None or bool(sections), False
-        cell = 0.0 if given.order or given.slab else cell_of(description, s, h)
-        fit, exact = max(FITTED[0] * tol, FITTED[1]), not description.dispersive
-        crowded = description.diamonds or description.elements  # pieces meet all of those across; laws make new ones
-        same = JOINED * tol if crowded else 0.0
-        while True:
-            helped, layered, met, stay, ahead, parts = yield chosen._replace(same=same, cell=cell, fit=fit, exact=exact)
-            narrow = description.dispersive and not cell  # no order makes up for cells
-            cell = cell / 2 if cell >= LEAST_CELL * h else 0.0
-            same *= FINER  # so that the difference of two runs shows errors by joining in the first
-            enough |= met
-            if enough:
-                sections = {name: 2 * n for name, n in sections.items()}
-                if max(sections.values(), default=0) > MOST_SECTIONS:
-                    raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
-            last = LAST_BEHIND if layered else LAST
-            if given.order is None and s < last and (helped or fixed) and not narrow:
-                s = min(s + ahead, last)
-            elif not fixed:
-                h /= parts
-                s += stay and given.order is None and s < last and not narrow
-            else:
-                return
-            chosen = resolution(description, s, h, sections, self.settle)
+    def _is_early(self, h: float) -> bool:
+        """Whether runs cost so little, beside laws that do not kink, that the first is on narrower slabs at once."""
+        description = self.search.description
+        delays = [line.delay for line in description.lines.values()]
+        work = 2 * len(delays) * description.t_end / h * relative_work(h, delays, breaks_of(description))
+        return bool(self.cuts.elements) and not self.cuts.kinked and work <= FEW
+
+    def _finer(self, ladder: Ladder, shown: "Shown") -> Resolution:
+        """A higher order if that helps, else narrower slabs: beside pieces, which stay as wide, both."""
+        description, now, sections = self.search.description, self.grid, self.grid.sections
+        if ladder.told.met or sections != self.sections:
+            sections = {name: 2 * n for name, n in sections.items()}
+        if max(sections.values(), default=0) > MOST_SECTIONS:
+            raise InputError("lumped lines", f"more than {MOST_SECTIONS} LC sections would be needed")
+        last, s, h = LAST_BEHIND if shown.layered else LAST, now.s, now.h
+        free = description.scene.solver.order is None and s < last
+        free &= not description.dispersive or now.cell > 0  # no order makes up for cells
+        if free and (self.fixed or (shown.order_helps and not self.cuts.governed)):
+            s = min(s + self._ahead(ladder), last)
+        elif not self.fixed:
+            h /= QUARTERS if shown.rough else 2
+            s += free and (shown.pieces or self.cuts.governed)
+        else:
+            raise StopIteration
+        same = now.same * FINER  # so that the difference of two runs shows errors by joining in the first
+        cell = now.cell / 2 if now.cell >= LEAST_CELL * now.h else 0.0
+        chosen = resolution(description, s, h, sections, self.settle)
+        return chosen._replace(same=same, cell=cell, fit=now.fit, exact=now.exact)
+
+
+class Shown(NamedTuple):
+    """What the last run showed of its grid."""
+
+    layered: bool  # decays behind fronts are followed, in pieces that do not become more on narrower slabs
+    pieces: bool  # slabs are in pieces at laws, which do not become narrower with them
+    rough: bool  # no pieces or kinks beside laws, and an error too large to tell an order's worth: slabs cost less
+    order_helps: bool
+    stuck: bool  # neither a higher order nor narrower slabs without kinks are known to help
+
+    @classmethod
+    def by(cls, ladder: Ladder, cuts: Cuts) -> "Shown":
+        """What the last run of a ladder showed."""
+        last, pieces = ladder.last, cuts.in_pieces(ladder.last)
+        layered = last.resolution.layers > 0
+        narrowed = ladder.compared > 0 and last.resolution.h < ladder.attempts[-2].slab
+        smooth, helps = bool(cuts.elements) and not (cuts.kinked or layered or pieces), ladder.helps or layered
+        rough = smooth and ladder.compared > 0 and not narrowed and ladder.told.worst > ROUGH
+        return cls(layered, pieces, rough, not rough and (helps or (smooth and narrowed)), not (helps or smooth))

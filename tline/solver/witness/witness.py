@@ -25,7 +25,7 @@ from tline.solver.witness.seen import Doubt, Seen, balance_doubts, line_doubts, 
 
 WINDOWS = 8  # windows of integration in the run
 SHARE_OF_RUNS = 0.05  # cost of plain runs, relative to the samples of all runs
-LEAST_SAMPLES, MOST_SAMPLES = 4e3, 2e6  # limits of that cost
+LEAST_SAMPLES, MOST_SAMPLES = 2e3, 2e6  # limits of that cost
 CELLS = 10  # cells of lines with memory that cost as much as a sample
 INSTANTS = 128  # samples of a mean over a window
 FEWEST_SLABS = 16  # slabs in a window at least
