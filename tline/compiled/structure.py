@@ -4,6 +4,7 @@ A structure is declared as a named tuple whose members are `int`, `float`, array
 structures. `pack` writes it once; compiled code gets one address, however many arrays there are.
 """
 
+from collections.abc import Mapping
 from ctypes import addressof, c_char
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -28,6 +29,7 @@ class Field(NamedTuple):
     word: int
     kind: Any  # int, float, the class of a structure, or the type of an array's elements
     dimensions: int  # of an array, whose words are its address and its shape; -1 otherwise
+    shape: tuple[list[str], ...] = ()  # of a workspace: names of sizes, or numbers, whose sum each dimension is
 
     @property
     def words(self) -> int:
@@ -47,12 +49,13 @@ def fields(structure: type) -> tuple[Field, ...]:
     found: list[Field] = []
     word = 0
     for name, hint in get_type_hints(structure, include_extras=True).items():
-        kind, dimensions = hint, -1
+        kind, dimensions, shape = hint, -1, [""]
         if get_origin(hint) is Annotated:
-            _, kind, dimensions = get_args(hint)
+            _, kind, dimensions, *shape = get_args(hint)
         elif hint not in (int, float) and not hasattr(hint, "_fields"):
             raise TypeError(f"{structure.__name__}.{name}: compiled code cannot read {hint}")
-        found.append(Field(name, word, kind, dimensions))
+        sizes = tuple(size.split("+") for each in shape for size in each.split())
+        found.append(Field(name, word, kind, dimensions, sizes))
         word += found[-1].words
     return tuple(found)
 
@@ -75,6 +78,24 @@ def empty(structure: Any) -> Any:
         else:
             found.append(field.kind(0) if field.kind in (int, float) else empty(field.kind))
     return structure(*found)
+
+
+def allocated(structure: Any, sizes: Mapping[str, int], **given: Any) -> Any:
+    """Create a structure of zeros, whose arrays have the shapes that are declared with them, beside members `given`.
+
+    Examples
+    --------
+    >>> class Work(NamedTuple):
+    ...     steps: Annotated[Floats2, "n n+1"]
+    ...     largest: Annotated[Floats, "1"]
+    >>> allocated(Work, {"n": 2}).steps.shape
+    (2, 3)
+    """
+    for name, _, kind, _, shape in fields(structure):
+        if name not in given:
+            sums = [sum([sizes[part] if part in sizes else int(part) for part in size]) for size in shape]
+            given[name] = np.zeros(sums, kind)
+    return structure(**given)
 
 
 class Packed:
@@ -104,7 +125,7 @@ class Packed:
     def write(self, values: Any) -> None:
         """Replace the values of this structure; members that are the same object stay."""
         words, before = self._words, self.values or (None,) * len(values)
-        for (name, word, kind, dimensions), value, old in zip(fields(self.structure), values, before, strict=True):
+        for (name, word, kind, dimensions, _), value, old in zip(fields(self.structure), values, before, strict=True):
             if value is old:
                 continue
             if dimensions >= 0:
