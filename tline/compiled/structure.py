@@ -29,7 +29,7 @@ class Field(NamedTuple):
     word: int
     kind: Any  # int, float, the class of a structure, or the type of an array's elements
     dimensions: int  # of an array, whose words are its address and its shape; -1 otherwise
-    shape: tuple[list[str], ...] = ()  # of a workspace: names of sizes, or numbers, whose sum each dimension is
+    shape: tuple[tuple[str, int], ...] = ()  # of a workspace: each dimension is a size by name, or none, and a number
 
     @property
     def words(self) -> int:
@@ -54,8 +54,9 @@ def fields(structure: type) -> tuple[Field, ...]:
             _, kind, dimensions, *shape = get_args(hint)
         elif hint not in (int, float) and not hasattr(hint, "_fields"):
             raise TypeError(f"{structure.__name__}.{name}: compiled code cannot read {hint}")
-        sizes = tuple(size.split("+") for each in shape for size in each.split())
-        found.append(Field(name, word, kind, dimensions, sizes))
+        sizes = [size.partition("+")[::2] for each in shape for size in each.split()]
+        own = tuple(("", int(size)) if size.isdigit() else (size, int(more or 0)) for size, more in sizes)
+        found.append(Field(name, word, kind, dimensions, own))
         word += found[-1].words
     return tuple(found)
 
@@ -91,11 +92,13 @@ def allocated(structure: Any, sizes: Mapping[str, int], **given: Any) -> Any:
     >>> allocated(Work, {"n": 2}).steps.shape
     (2, 3)
     """
-    for name, _, kind, _, shape in fields(structure):
-        if name not in given:
-            sums = [sum([sizes[part] if part in sizes else int(part) for part in size]) for size in shape]
-            given[name] = np.zeros(sums, kind)
-    return structure(**given)
+    sizes = {"": 0, **sizes}
+    return structure._make(
+        [
+            given[name] if name in given else np.zeros([sizes[size] + more for size, more in shape], kind)
+            for name, _, kind, _, shape in fields(structure)
+        ]
+    )
 
 
 class Packed:

@@ -94,18 +94,12 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
-    modes, laws = len(network.diamonds.moments), network.laws
-    sizes = {
-        "s": s,
-        "r": r,
-        "k_s": widest * s,
-        "parts": PARTS,
-        "E": ends,
-        "K": modes,
-        "M": len(network.diamonds.values),
-    }
-    sizes["kept"] = states + (MOVING + int(laws.states.max(initial=0))) * elements
-    return allocated(DiamondWork, sizes, weight=np.ones((r, r)), rest=np.ones(1), width=np.ones(1))
+    longest = int(network.delay[network.diamonds.line].max(initial=0)) if s == 1 else 0
+    points, modes = network.diamonds.values.shape
+    kept = states + (MOVING + int(network.laws.states.max(initial=0))) * elements
+    sizes = {"s": s, "r": r, "k_s": widest * s, "parts": PARTS, "E": ends, "K": modes, "M": points, "kept": kept}
+    counted = {"weight": np.ones((r, r)), "cells": np.ones((4, longest)), "rest": np.ones(1), "width": np.ones(1)}
+    return allocated(DiamondWork, sizes, **counted)
 
 
 def _of_elements(laws: Laws, state: State, sizes: dict[str, int]) -> tuple[Crossing, Store, CircuitWork]:
