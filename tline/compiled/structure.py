@@ -4,6 +4,7 @@ A structure is declared as a named tuple whose members are `int`, `float`, array
 structures. `pack` writes it once; compiled code gets one address, however many arrays there are.
 """
 
+from collections.abc import Mapping
 from ctypes import addressof, c_char
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -28,6 +29,7 @@ class Field(NamedTuple):
     word: int
     kind: Any  # int, float, the class of a structure, or the type of an array's elements
     dimensions: int  # of an array, whose words are its address and its shape; -1 otherwise
+    shape: tuple[tuple[str, int], ...] = ()  # of a workspace: each dimension is a size by name, or none, and a number
 
     @property
     def words(self) -> int:
@@ -47,12 +49,14 @@ def fields(structure: type) -> tuple[Field, ...]:
     found: list[Field] = []
     word = 0
     for name, hint in get_type_hints(structure, include_extras=True).items():
-        kind, dimensions = hint, -1
+        kind, dimensions, shape = hint, -1, [""]
         if get_origin(hint) is Annotated:
-            _, kind, dimensions = get_args(hint)
+            _, kind, dimensions, *shape = get_args(hint)
         elif hint not in (int, float) and not hasattr(hint, "_fields"):
             raise TypeError(f"{structure.__name__}.{name}: compiled code cannot read {hint}")
-        found.append(Field(name, word, kind, dimensions))
+        sizes = [size.partition("+")[::2] for each in shape for size in each.split()]
+        own = tuple(("", int(size)) if size.isdigit() else (size, int(more or 0)) for size, more in sizes)
+        found.append(Field(name, word, kind, dimensions, own))
         word += found[-1].words
     return tuple(found)
 
@@ -75,6 +79,26 @@ def empty(structure: Any) -> Any:
         else:
             found.append(field.kind(0) if field.kind in (int, float) else empty(field.kind))
     return structure(*found)
+
+
+def allocated(structure: Any, sizes: Mapping[str, int], **given: Any) -> Any:
+    """Create a structure of zeros, whose arrays have the shapes that are declared with them, beside members `given`.
+
+    Examples
+    --------
+    >>> class Work(NamedTuple):
+    ...     steps: Annotated[Floats2, "n n+1"]
+    ...     largest: Annotated[Floats, "1"]
+    >>> allocated(Work, {"n": 2}).steps.shape
+    (2, 3)
+    """
+    sizes = {"": 0, **sizes}
+    return structure._make(
+        [
+            given[name] if name in given else np.zeros([sizes[size] + more for size, more in shape], kind)
+            for name, _, kind, _, shape in fields(structure)
+        ]
+    )
 
 
 class Packed:
@@ -104,7 +128,7 @@ class Packed:
     def write(self, values: Any) -> None:
         """Replace the values of this structure; members that are the same object stay."""
         words, before = self._words, self.values or (None,) * len(values)
-        for (name, word, kind, dimensions), value, old in zip(fields(self.structure), values, before, strict=True):
+        for (name, word, kind, dimensions, _), value, old in zip(fields(self.structure), values, before, strict=True):
             if value is old:
                 continue
             if dimensions >= 0:

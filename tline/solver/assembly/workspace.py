@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tline.compiled.structure import empty, pack
+from tline.compiled.structure import allocated, empty, pack
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.node_maps import SUBSTEPS, Event, settling_step
 from tline.solver.description.excitation import Broken
@@ -43,9 +43,6 @@ from tline.solver.kernel.network import (
 )
 
 SAMPLES = 512  # per tile
-AT_LAWS = "given", "aimed", "start", "safe", "trial", "sent", "flow", "other", "slope", "rest", "drive"  # of a circuit
-ELSEWHERE = "constants", "states", "tools", "system", "integral", "constant", "division"
-AT_POINTS = [name for name in Store._fields if name not in ELSEWHERE]  # of a store
 MOST_PIECES = 16  # pieces of a slab
 AT_NODE, GRADED = 2 * MOST_PIECES, 8 * MOST_PIECES  # pieces of a slab on which a node works, and if cuts are graded
 NEAREST = 2e-11  # slabs from a front to the next cut, at least
@@ -69,26 +66,16 @@ def work_for(network: Network, state: State) -> Work:
     s, laws = state.before.shape[1], network.laws
     nodes, states, elements = largest_group(network)
     tile, ports = max(SAMPLES // s, 1), nodes + elements
-    crossing, store, circuit = _of_elements(laws, state, nodes, elements, tile) if elements else _without_elements()
-    points = elements * s if laws.governed.any() else 0  # of openings
-    each = {name: np.zeros(points) for name in ("rate", "rest", "last", "step", "turned")}
-    kept = np.zeros((elements, int(laws.states.max(initial=0))))
-    govern = GovernWork(np.empty(nodes * s), np.empty(states), kept, **each, inverse=np.zeros((points, points)))
-    return Work(
-        tile=tile,
-        position=np.zeros(len(network.ends), np.int64),
-        u=np.empty(nodes * tile * s),
-        history=np.empty((s, tile + 1)),
-        row=np.empty(max(tile, ports * s + states)),
-        control=np.empty((elements, tile * s)),
-        into=np.empty((elements, tile * s)),
-        crossing=crossing,
-        store=store,
-        circuit=circuit,
-        govern=govern,
-        map=np.empty((ports * s + states) ** 2 if elements and states else 0),
-        diamonds=_of_diamonds(network, s, states, elements),
-    )
+    kept = int(laws.states.max(initial=0))
+    sizes = {"s": s, "tile": tile, "nodes": nodes, "elements": elements, "states": states, "kept": kept}
+    sizes |= {"ends": len(network.ends), "tile_s": tile * s, "nodes_s": nodes * tile * s, "n": tile * s}
+    sizes |= {"row": max(tile, ports * s + states), "map": (ports * s + states) ** 2 if elements and states else 0}
+    governed = bool(laws.governed.any())  # by openings that move
+    crossing, store, circuit = _of_elements(laws, state, sizes) if elements else _without_elements()
+    govern = allocated(GovernWork, sizes | {"nodes_s": nodes * s, "M": elements * s * governed})
+    diamonds = _of_diamonds(network, s, states, elements)
+    parts = {"crossing": crossing, "store": store, "circuit": circuit, "govern": govern, "diamonds": diamonds}
+    return allocated(Work, sizes, tile=tile, **parts)
 
 
 def renew(work: Work, network: Network, s: int) -> None:
@@ -107,53 +94,21 @@ def _of_diamonds(network: Network, s: int, states: int, elements: int) -> Diamon
     ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
-    modes, laws = len(network.diamonds.moments), network.laws
     longest = int(network.delay[network.diamonds.line].max(initial=0)) if s == 1 else 0
-    return DiamondWork(
-        **{name: np.empty((r, r)) for name in ("taken", "along", "base", "value", "slope")},
-        weight=np.ones((r, r)),
-        edges=np.empty((2, PARTS + 1)),
-        parts=np.empty((4, PARTS, r)),
-        slabs=np.empty((2, widest * s)),
-        rest=np.ones(1),
-        cells=np.ones((4, longest)),
-        shape=np.empty((r, widest * s)),
-        shaped=np.zeros(1, np.int64),
-        tangent=np.empty((3, ends, len(network.diamonds.values))),
-        a=np.empty(r),
-        b=np.empty(r),
-        coming=np.empty((ends, s)),
-        tail=np.empty((ends, s)),
-        seen=np.empty((ends, modes)),
-        modes=np.empty((ends, modes)),
-        flow=np.empty(modes),
-        sent=np.empty(s),
-        kept=np.empty(states + (MOVING + int(laws.states.max(initial=0))) * elements),
-        width=np.ones(1),
-        projected=np.zeros(ends, np.int64),
-    )
+    points, modes = network.diamonds.values.shape
+    kept = states + (MOVING + int(network.laws.states.max(initial=0))) * elements
+    sizes = {"s": s, "r": r, "k_s": widest * s, "parts": PARTS, "E": ends, "K": modes, "M": points, "kept": kept}
+    counted = {"weight": np.ones((r, r)), "cells": np.ones((4, longest)), "rest": np.ones(1), "width": np.ones(1)}
+    return allocated(DiamondWork, sizes, **counted)
 
 
-def _of_elements(laws: Laws, state: State, nodes: int, elements: int, tile: int) -> tuple[Crossing, Store, CircuitWork]:
-    """Workspace of laws and stores in groups of at most `nodes` nodes and `elements` elements."""
-    s = state.before.shape[1]
-    at_points = {name: np.empty(s) for name in AT_POINTS}
-    at_points |= {"integral": np.empty(s + 1), "constant": np.empty(1)}
-    known = laws.constants, state.load, laws.tools
-    store = Store(*known, **at_points, system=np.zeros((s, s + 1)), division=np.zeros(3, np.int64))
-    circuit = CircuitWork(
-        **{name: np.zeros(elements * s) for name in AT_LAWS},
-        answer=np.zeros((elements * s, s)),
-        system=np.zeros((elements * s, elements * s + 1)),
-        control=np.zeros((elements, s)),
-        kept=np.zeros((elements, int(laws.states.max(initial=0)))),
-        waves=np.repeat(laws.before, s),
-        held=laws.effort.copy(),
-        part=np.zeros(nodes, np.int64),
-        width=np.zeros(1, np.int64),
-        largest=np.zeros(1),
-    )
-    return Crossing(laws.constants, *np.empty((4, tile * s))), store, circuit
+def _of_elements(laws: Laws, state: State, sizes: dict[str, int]) -> tuple[Crossing, Store, CircuitWork]:
+    """Workspace of laws and stores."""
+    s = sizes["s"]
+    begun = {"waves": np.repeat(laws.before, s), "held": laws.effort.copy()}
+    store = allocated(Store, sizes, constants=laws.constants, states=state.load, tools=laws.tools)
+    circuit = allocated(CircuitWork, sizes | {"M": sizes["elements"] * s}, **begun)
+    return allocated(Crossing, sizes, constants=laws.constants), store, circuit
 
 
 @cache
@@ -167,34 +122,11 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
     nodes, states, elements = largest_group(network)
     ends = int(np.diff(network.first[network.group]).max(initial=0))
     fronts, given = 2 * most * ends + most, max(parts, 2 * most + 2)
-    return Workspace(
-        place=np.zeros(fronts),
-        size=np.zeros(max(fronts, most + 1)),
-        edges=np.zeros(most + 1),
-        own=np.zeros(most + 1),
-        outer=np.zeros(most + 1),
-        unsettled=np.zeros(most, bool),
-        span=np.zeros((given, 2)),
-        given=np.zeros((given, s)),
-        arrived=np.zeros((ends, most, s)),
-        u=np.zeros((nodes, most, s)),
-        control=np.zeros((elements, most, s)),
-        into=np.zeros((elements, most, s)),
-        coef=np.zeros((most + 1, s)),
-        whole=np.zeros(s),
-        part=np.zeros(s),
-        stages=np.zeros((s * states, s * states + (s * (nodes + elements) + states if elements else 1))),
-        steps=Steps(
-            np.zeros(SUBSTEPS + 2),
-            np.array([0.0, 1.0]),
-            np.zeros((nodes, SUBSTEPS + 1, s)),
-            np.zeros(nodes * s),
-            np.zeros((1, s)),
-        ),
-        left=np.zeros((ends, most, s)),
-        pair_edges=np.zeros((2, given + 1)),
-        pair=np.zeros((2, given, s)),
-    )
+    columns = s * states + (s * (nodes + elements) + states if elements else 1)
+    sizes = {"s": s, "m": most, "nodes": nodes, "elements": elements, "ends": ends, "fronts": fronts, "given": given}
+    sizes |= {"stages": s * states, "columns": columns, "steps": SUBSTEPS + 1, "nodes_s": nodes * s}
+    steps = allocated(Steps, sizes, ends=np.array([0.0, 1.0]))
+    return allocated(Workspace, sizes, size=np.zeros(max(fronts, most + 1)), steps=steps)
 
 
 class Tally(NamedTuple):
@@ -221,6 +153,7 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
     first = np.searchsorted(group[order], np.arange(len(network.group)))
     at_node = GRADED if assembly.graded.any() else AT_NODE
     places = max(LOGGED, 2 * assembly.rows * at_node)
+    sizes = {"s": s, "ends": ends, "rows": rows, "most": most, "places": places}
     delays = assembly.grid.columns.delay
     return Fronts(
         LULL,
@@ -243,20 +176,15 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
             first[:-1].copy(),
         ),
         _excitation_rows(network),
-        PiecesUnderWay(
-            np.full(slabs, -1),
-            np.full(ends, -1),
-            np.empty((ends, s)),
-            np.zeros(ends),
-            np.empty(rows, int),
-            np.empty(rows),
-            np.empty((rows, most + 1)),
-            np.empty((rows, most)),
-            np.empty((rows, most, s)),
-            np.arange(rows),
+        allocated(
+            PiecesUnderWay,
+            sizes,
+            of_slab=np.full(slabs, -1),
+            before=np.full(ends, -1),
+            free=np.arange(rows),
         ),
         workspace_for(network, s, at_node, parts),
-        Log(np.empty((places, 2), int), np.empty((places, 2)), np.empty((places, 2, s))),
+        allocated(Log, sizes),
         np.zeros(9, int),
         np.zeros(5),
     )

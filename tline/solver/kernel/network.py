@@ -11,7 +11,7 @@ The two buffers of a line are one ring of twice its delay D: in slab t end 1 wor
 slabs from end 1 in slab t are found at t - p (from end 1) and t + p (from end 2). Losses act there, in place.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers, Integers2
 
@@ -186,10 +186,10 @@ class Crossing(NamedTuple):
     """Input and output of an element's law at n samples."""
 
     constants: Floats  # of all elements
-    v: Floats  # effort of the Thévenin source
-    control: Floats  # control signal
-    flow: Floats  # its flow i
-    slope: Floats  # di/dv
+    v: Annotated[Floats, "n"]  # effort of the Thévenin source
+    control: Annotated[Floats, "n"]  # control signal
+    flow: Annotated[Floats, "n"]  # its flow i
+    slope: Annotated[Floats, "n"]  # di/dv
 
 
 DIVIDED, MISSES, SPENT = range(3)  # places in the division of a store
@@ -201,110 +201,110 @@ class Store(NamedTuple):
     constants: Floats  # of all elements
     states: Floats  # of all groups
     tools: Tools
-    v: Floats  # (s,) effort of the Thévenin source
-    control: Floats  # (s,)
-    flow: Floats  # (s,) into the store; nan at the last point if none was found
-    drive: Floats  # (s,) driving effort, in excess of that of the store
-    y: Floats
-    slope: Floats  # dX/dy
-    rate: Floats  # dX/dt
-    first: Floats
-    safe: Floats
-    rest: Floats
-    system: Floats2  # (s, s + 1)
-    coef: Floats  # Legendre coefficients, as the next three
-    piece: Floats
-    kept: Floats
-    whole: Floats
-    integral: Floats  # (s + 1,)
-    constant: Floats  # (1,)
-    division: Integers  # (3,) whether the slab is divided where a step is too long, whether one was, and parts tried
+    v: Annotated[Floats, "s"]  # effort of the Thévenin source
+    control: Annotated[Floats, "s"]
+    flow: Annotated[Floats, "s"]  # into the store; nan at the last point if none was found
+    drive: Annotated[Floats, "s"]  # driving effort, in excess of that of the store
+    y: Annotated[Floats, "s"]
+    slope: Annotated[Floats, "s"]  # dX/dy
+    rate: Annotated[Floats, "s"]  # dX/dt
+    first: Annotated[Floats, "s"]
+    safe: Annotated[Floats, "s"]
+    rest: Annotated[Floats, "s"]
+    system: Annotated[Floats2, "s s+1"]
+    coef: Annotated[Floats, "s"]  # Legendre coefficients, as the next three
+    piece: Annotated[Floats, "s"]
+    kept: Annotated[Floats, "s"]
+    whole: Annotated[Floats, "s"]
+    integral: Annotated[Floats, "s+1"]
+    constant: Annotated[Floats, "1"]
+    division: Annotated[Integers, "3"]  # whether slabs are divided where a step is too long, one was, and parts tried
 
 
 class CircuitWork(NamedTuple):
     """Workspace of a circuit with laws; M coupled points, law by law."""
 
-    given: Floats  # (M,) waves that nodes and states send to laws
-    aimed: Floats  # (M,) waves into laws
-    start: Floats  # (M,)
-    safe: Floats  # (M,) last waves on the path
-    trial: Floats  # (M,)
-    sent: Floats  # (M,) waves out of them
-    flow: Floats  # (M,)
-    other: Floats  # (M,)
-    slope: Floats  # (M,) of flows without a state over waves
-    drive: Floats  # (M,) of stores
-    rest: Floats  # (M,)
-    answer: Floats2  # (M, s)
-    system: Floats2  # (M, M + 1)
-    control: Floats2  # (elements, s)
-    kept: Floats2  # (elements, 2) states
+    given: Annotated[Floats, "M"]  # waves that nodes and states send to laws
+    aimed: Annotated[Floats, "M"]  # waves into laws
+    start: Annotated[Floats, "M"]
+    safe: Annotated[Floats, "M"]  # last waves on the path
+    trial: Annotated[Floats, "M"]
+    sent: Annotated[Floats, "M"]  # waves out of them
+    flow: Annotated[Floats, "M"]
+    other: Annotated[Floats, "M"]
+    slope: Annotated[Floats, "M"]  # of flows without a state over waves
+    drive: Annotated[Floats, "M"]  # of stores
+    rest: Annotated[Floats, "M"]
+    answer: Annotated[Floats2, "M s"]
+    system: Annotated[Floats2, "M M+1"]
+    control: Annotated[Floats2, "elements s"]
+    kept: Annotated[Floats2, "elements kept"]  # states
     waves: Floats  # (E s,) last waves into all elements, with which the next search begins
     held: Floats  # (N,) last efforts
-    part: Integers  # (nodes,) of the group that a pocket joins, by its first
-    width: Integers  # (1,) of the map
-    largest: Floats  # (1,) wave of the whole run, or 0 where it is not known
+    part: Annotated[Integers, "nodes"]  # of the group that a pocket joins, by its first
+    width: Annotated[Integers, "1"]  # of the map
+    largest: Annotated[Floats, "1"]  # wave of the whole run, or 0 where it is not known
 
 
 class GovernWork(NamedTuple):
     """Workspace of openings that move; M points of a group's elements, law by law."""
 
-    u: Floats  # Thévenin waves of the group
-    states: Floats  # of the group's circuit
-    kept: Floats2  # (elements, 2) states of its stores
-    rate: Floats  # (M,) of openings
-    rest: Floats  # (M,) excess of the rate over that to which it leads
-    last: Floats  # (M,) the same before
-    step: Floats  # (M,)
-    turned: Floats  # (M,)
-    inverse: Floats2  # (M, M) of how the rest answers to rates, about
+    u: Annotated[Floats, "nodes_s"]  # Thévenin waves of the group
+    states: Annotated[Floats, "states"]  # of the group's circuit
+    kept: Annotated[Floats2, "elements kept"]  # states of its stores
+    rate: Annotated[Floats, "M"]  # of openings
+    rest: Annotated[Floats, "M"]  # excess of the rate over that to which it leads
+    last: Annotated[Floats, "M"]  # the same before
+    step: Annotated[Floats, "M"]
+    turned: Annotated[Floats, "M"]
+    inverse: Annotated[Floats2, "M M"]  # of how the rest answers to rates, about
 
 
 class DiamondWork(NamedTuple):
     """Workspace of diamonds, and of their halves at the E ends of a group."""
 
-    taken: Floats2  # (r, r) by friction
-    along: Floats2  # (r, r) the flow that this leaves
-    base: Floats2  # (r, r) the flow at which the next two are
-    value: Floats2  # (r, r) of friction
-    slope: Floats2  # (r, r)
+    taken: Annotated[Floats2, "r r"]  # by friction
+    along: Annotated[Floats2, "r r"]  # the flow that this leaves
+    base: Annotated[Floats2, "r r"]  # the flow at which the next two are
+    value: Annotated[Floats2, "r r"]  # of friction
+    slope: Annotated[Floats2, "r r"]
     weight: Floats2  # (r, r) times that friction counts
-    edges: Floats2  # (2, PARTS + 1) of the parts of two waves in a cell
-    parts: Floats3  # (4, PARTS, r) of these, and their coefficients before they meet
-    slabs: Floats2  # (2, k s) of these waves
+    edges: Annotated[Floats2, "2 parts+1"]  # of the parts of two waves in a cell
+    parts: Annotated[Floats3, "4 parts r"]  # of these, and their coefficients before they meet
+    slabs: Annotated[Floats2, "2 k_s"]  # of these waves
     rest: Floats  # (1,) share of a wave in a cell that is left beside its polynomial
     cells: Floats2  # (4, cells along a line) waves, times that friction counts, and turns of the flow, of constants
-    shape: Floats2  # (r, k s) Legendre polynomials over a part
-    shaped: Integers  # (1,) slabs of that
-    tangent: Floats3  # (3, E, M) the same three of half diamonds
-    a: Floats  # (r,) a wave in a part of a diamond, or in a cell
-    b: Floats
-    coming: Floats2  # (E, s) arriving wave without friction in the triangle
-    tail: Floats2  # (E, s) the rest of a slab
-    seen: Floats2  # (E, K)
-    modes: Floats2  # (E, K) of friction
-    flow: Floats  # (K,)
-    sent: Floats  # (s,)
-    kept: Floats  # states of the group
+    shape: Annotated[Floats2, "r k_s"]  # Legendre polynomials over a part
+    shaped: Annotated[Integers, "1"]  # slabs of that
+    tangent: Annotated[Floats3, "3 E M"]  # the same three of half diamonds
+    a: Annotated[Floats, "r"]  # a wave in a part of a diamond, or in a cell
+    b: Annotated[Floats, "r"]
+    coming: Annotated[Floats2, "E s"]  # arriving wave without friction in the triangle
+    tail: Annotated[Floats2, "E s"]  # the rest of a slab
+    seen: Annotated[Floats2, "E K"]
+    modes: Annotated[Floats2, "E K"]  # of friction
+    flow: Annotated[Floats, "K"]
+    sent: Annotated[Floats, "s"]
+    kept: Annotated[Floats, "kept"]  # states of the group
     width: Floats  # (1,) of the piece of a slab
-    projected: Integers  # (E,) whether the wave that leaves a half diamond is projected
+    projected: Annotated[Integers, "E"]  # whether the wave that leaves a half diamond is projected
 
 
 class Work(NamedTuple):
     """Workspace of a loop, made once for all slabs."""
 
     tile: int  # slabs that a group is advanced at once, at most
-    position: Integers  # (2 L,) first sample at which each line end works
-    u: Floats  # Thévenin waves of a group's nodes, then their efforts, for a tile
-    history: Floats2  # (s, tile + 1)
-    row: Floats
-    control: Floats2  # (elements, tile * s)
-    into: Floats2  # (elements, tile * s) waves into laws, or drives of stores
+    position: Annotated[Integers, "ends"]  # first sample at which each line end works
+    u: Annotated[Floats, "nodes_s"]  # Thévenin waves of a group's nodes, then their efforts, for a tile
+    history: Annotated[Floats2, "s tile+1"]
+    row: Annotated[Floats, "row"]
+    control: Annotated[Floats2, "elements tile_s"]
+    into: Annotated[Floats2, "elements tile_s"]  # waves into laws, or drives of stores
     crossing: Crossing
     store: Store
     circuit: CircuitWork
     govern: GovernWork
-    map: Floats  # of a circuit over a piece of a slab
+    map: Annotated[Floats, "map"]  # of a circuit over a piece of a slab
     diamonds: DiamondWork
 
 

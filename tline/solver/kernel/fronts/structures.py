@@ -5,7 +5,7 @@ polynomial of degree s - 1 in Legendre coefficients; places are in slab time, 0 
 marked as a new start: on a line with a fractional rest its start becomes a breakpoint too.
 """
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, Integers2
 from tline.solver.kernel.network import Run, Tools
@@ -49,57 +49,57 @@ class PiecesUnderWay(NamedTuple):
 
     of_slab: Integers  # (slabs in the wave buffers,) row, -1 for a slab in one piece
     before: Integers  # (2 L,) row of the slab that arrived last
-    last: Floats2  # (2 L, s) the last piece that left an end
-    width: Floats  # (2 L,) and its width; 0 if unknown
-    number: Integers  # (rows,) of pieces
-    anew: Floats  # (rows,) size of the front at the slab's start, 0 for none
-    start: Floats2  # (rows, MOST + 1) edges
-    size: Floats2  # (rows, MOST) of the front at each start
-    coef: Floats3  # (rows, MOST, s)
+    last: Annotated[Floats2, "ends s"]  # the last piece that left an end
+    width: Annotated[Floats, "ends"]  # and its width; 0 if unknown
+    number: Annotated[Integers, "rows"]  # of pieces
+    anew: Annotated[Floats, "rows"]  # size of the front at the slab's start, 0 for none
+    start: Annotated[Floats2, "rows most+1"]  # edges
+    size: Annotated[Floats2, "rows most"]  # of the front at each start
+    coef: Annotated[Floats3, "rows most s"]
     free: Integers  # (rows,) those behind the first LIVE are free
 
 
 class Log(NamedTuple):
     """Recorded pieces."""
 
-    where: Integers2  # (places, 2) row of the record, slab
-    span: Floats2  # (places, 2) start and end in slab time
-    values: Floats3  # (places, 2, s) arriving and leaving waves
+    where: Annotated[Integers2, "places 2"]  # row of the record, slab
+    span: Annotated[Floats2, "places 2"]  # start and end in slab time
+    values: Annotated[Floats3, "places 2 s"]  # arriving and leaving waves
 
 
 class Steps(NamedTuple):
     """A piece in which a group settles, in several steps."""
 
-    edges: Floats  # (steps + 1,)
+    edges: Annotated[Floats, "steps+1"]
     ends: Floats  # (2,) of the piece
-    values: Floats3  # (nodes, steps, s)
-    wave: Floats  # (nodes * s,) of one step
-    out: Floats2  # (1, s)
+    values: Annotated[Floats3, "nodes steps s"]
+    wave: Annotated[Floats, "nodes_s"]  # of one step
+    out: Annotated[Floats2, "1 s"]
 
 
 class Workspace(NamedTuple):
     """Workspace for the largest group, with at most m pieces."""
 
-    place: Floats  # of the fronts that meet
+    place: Annotated[Floats, "fronts"]  # of the fronts that meet
     size: Floats  # of each
-    edges: Floats  # (m + 1,) of the pieces
-    own: Floats  # (m + 1,) of the pieces of one wave
-    outer: Floats  # (m + 1,) without those that only settling needs
-    unsettled: Flags  # (m,)
-    span: Floats2  # (pieces, 2) of a wave that is given
-    given: Floats2  # (pieces, s)
-    arrived: Floats3  # (ends, m, s)
-    u: Floats3  # (nodes, m, s)
-    control: Floats3  # (elements, m, s) control signals
-    into: Floats3  # (elements, m, s) waves into laws, or drives of stores
-    coef: Floats2  # (m + 1, s)
-    whole: Floats  # (s,)
-    part: Floats  # (s,)
-    stages: Floats2  # (states * s, states * s + 1)
+    edges: Annotated[Floats, "m+1"]  # of the pieces
+    own: Annotated[Floats, "m+1"]  # of the pieces of one wave
+    outer: Annotated[Floats, "m+1"]  # without those that only settling needs
+    unsettled: Annotated[Flags, "m"]
+    span: Annotated[Floats2, "given 2"]  # of a wave that is given
+    given: Annotated[Floats2, "given s"]
+    arrived: Annotated[Floats3, "ends m s"]
+    u: Annotated[Floats3, "nodes m s"]
+    control: Annotated[Floats3, "elements m s"]  # control signals
+    into: Annotated[Floats3, "elements m s"]  # waves into laws, or drives of stores
+    coef: Annotated[Floats2, "m+1 s"]
+    whole: Annotated[Floats, "s"]
+    part: Annotated[Floats, "s"]
+    stages: Annotated[Floats2, "stages columns"]  # states * s, and columns of their equations
     steps: Steps
-    left: Floats3  # (ends, m, s) waves that leave half diamonds
-    pair_edges: Floats2  # (2, pieces + 1) of two slabs that meet in a diamond
-    pair: Floats3  # (2, pieces, s) of these
+    left: Annotated[Floats3, "ends m s"]  # waves that leave half diamonds
+    pair_edges: Annotated[Floats2, "2 given+1"]  # of two slabs that meet in a diamond
+    pair: Annotated[Floats3, "2 given s"]  # of these
 
 
 class Fronts(NamedTuple):
