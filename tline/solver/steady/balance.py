@@ -60,23 +60,7 @@ class Sparse(NamedTuple):
     values: NDArray
 
     def __matmul__(self, z: NDArray) -> NDArray:
-        return self.of(z, len(z))
-
-    def of(self, z: NDArray, n: int) -> NDArray:
-        """The product of n rows with a vector."""
-        return np.bincount(self.rows, self.values * z[self.columns], n)
-
-    def after(self, other: "Sparse", n: int) -> "Sparse":
-        """The product with a matrix of n rows."""
-        count, order = np.bincount(other.rows, minlength=n), np.argsort(other.rows, kind="stable")
-        each = count[self.columns]
-        own = np.repeat(np.arange(len(each)), each)
-        theirs = order[np.arange(len(own)) + (np.cumsum(count)[self.columns] - np.cumsum(each))[own]]
-        return Sparse(self.rows[own], other.columns[theirs], self.values[own] * other.values[theirs])
-
-    def part(self, of: NDArray, row: int, column: int) -> "Sparse":
-        """Some of the entries, their rows and columns counted from others."""
-        return Sparse(self.rows[of] - row, self.columns[of] - column, self.values[of])
+        return np.bincount(self.rows, self.values * z[self.columns], len(z))
 
     def plus(self, *others: "Sparse") -> "Sparse":
         """The sum with other matrices."""
@@ -260,14 +244,15 @@ class _System:
 
     def __init__(self, laws: EdgeLaws, linear: Linear, leaking: float):
         self.laws, self.linear, self.edges = laws, linear, len(laws.from_node)
-        matrix, self.f, self.leak = linear.matrix(leaking, self.edges)
+        self.balances, self.f, self.leak = linear.matrix(leaking, self.edges)
         self.least, efforts, flows = NOTHING * _largest(linear), [], []
-        for end, sign in ((laws.from_node, 1.0), (laws.to_node, -1.0)):
+        self.ends = (laws.from_node, 1.0), (laws.to_node, -1.0)
+        for end, sign in self.ends:
             there = np.flatnonzero(end >= 0)
             free = there[np.isnan(linear.given[end[there]])]
             efforts.append(Sparse(there, self.edges + end[there], np.full(len(there), -sign)))
             flows.append(Sparse(self.edges + end[free], free, np.full(len(free), sign * linear.unit)))
-        self.matrix, self.flows = matrix.plus(*efforts), flows[0].plus(flows[1])
+        self.matrix, self.flows = self.balances.plus(*efforts), flows[0].plus(flows[1])
 
 
 class _Point:
@@ -275,8 +260,9 @@ class _Point:
 
     def __init__(self, system: _System, z: NDArray):
         linear, edges, flows = system.linear, system.edges, system.flows
-        self.z, self._system = z, system
-        drop, self.flow, self._steep, self._slope = system.laws.solved(z[:edges])
+        self.z, self.system = z, system
+        drop, self.flow, steep, self._slope = system.laws.solved(z[:edges])
+        self.own = np.maximum(steep, NOTHING)
         if linear.B is not None:
             self._slope = np.maximum(self._slope, SHUT / linear.unit)
         self.left = system.matrix @ z - system.f
@@ -289,16 +275,21 @@ class _Point:
     @property
     def inexact(self) -> float:
         """Largest residual over what rounding leaves of the terms of its equation, be efforts elsewhere far larger."""
-        (rows, columns, values), flows, f = self._system.matrix, self._system.flows, self._system.f
+        (rows, columns, values), flows, f = self.system.matrix, self.system.flows, self.system.f
         own = np.bincount(rows, np.abs(values * self.z[columns]), len(f)) + np.abs(f)
         own += np.bincount(flows.rows, np.abs(flows.values * self.flow[flows.columns]), len(f))
         return float((np.abs(self.left) / (ROUNDED * own + NO_FLOW * self.scale)).max())
 
+    @property
+    def flows(self) -> Sparse:
+        """Derivatives of balances by the unknowns of laws."""
+        flows = self.system.flows
+        return flows._replace(values=flows.values * self._slope[flows.columns])
+
     def jacobian(self) -> Sparse:
         """Jacobian of the residuals: laws first, then balances."""
-        edges, flows = np.arange(len(self.flow)), self._system.flows
-        own = Sparse(edges, edges, np.maximum(self._steep, NOTHING))
-        return self._system.matrix.plus(own, flows._replace(values=flows.values * self._slope[flows.columns]))
+        edges = np.arange(len(self.flow))
+        return self.system.matrix.plus(Sparse(edges, edges, self.own), self.flows)
 
 
 def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> Balance:
@@ -313,7 +304,7 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
                 break
         J = here.jacobian()
         if linear.B is None:
-            step, order = _solved(J, edges, here.left, order)
+            step, order = _solved(here, J, order)
         else:
             limit = slow_limit(J, linear.B, J @ here.z - here.left)
             step = here.z - limit.z
@@ -331,36 +322,38 @@ def _newton(laws: EdgeLaws, linear: Linear, leaking: float, start: NDArray) -> B
     return Balance(here.z, effort, others, here.flow, rest, system.leak * effort, limit)
 
 
-def _solved(J: Sparse, edges: int, left: NDArray, order: NDArray | None) -> tuple[NDArray, NDArray | None]:
+def _solved(here: _Point, J: Sparse, order: NDArray | None) -> tuple[NDArray, NDArray | None]:
     """Newton's step, and the order of its factors.
 
     The first unknowns, one for each law, form a diagonal block of their own. In large networks these are eliminated,
     which leaves a symmetric pattern of parts alone: a quarter of the time and a sixth of the memory. Accuracy
     lost where a drop is nearly flat is restored by a correction, or else all is solved at once.
     """
-    n = len(left)
+    system, own, flows, left, n = here.system, here.own, here.flows, here.left, len(here.left)
     if n <= MOST_DENSE:
         matrix = J.dense(n)
         try:
             return np.linalg.solve(matrix, left), order
         except np.linalg.LinAlgError:
             return np.linalg.lstsq(matrix, left)[0], order
-    of_law, of_drop = J.rows < edges, J.columns < edges
-    own = np.bincount(J.rows[of_law & of_drop], J.values[of_law & of_drop], edges)
-    ends, flows = J.part(of_law & ~of_drop, 0, edges), J.part(~of_law & of_drop, edges, 0)
-    flows = flows._replace(values=-flows.values / own[flows.columns])
-    schur = J.part(~of_law & ~of_drop, edges, edges).plus(flows.after(ends, edges))
+    edges, at = system.edges, system.balances.rows - system.edges
+    values, rows = flows.values / own[flows.columns], flows.rows - edges
+    schur = Sparse(at, at, system.balances.values)
+    for end, sign in system.ends:
+        far = end[flows.columns]
+        schur = schur.plus(Sparse(rows[far >= 0], far[far >= 0], sign * values[far >= 0]))
     try:
-        parts, cut_off = Factors(schur, n - edges, order), False
+        parts, cut_off = Factors(schur, len(at), order), False
     except RuntimeError:  # parts that only a leak ties down
-        on, every = schur.rows == schur.columns, np.arange(n - edges)
-        tie = SINGULAR * np.abs(np.bincount(schur.rows[on], schur.values[on], n - edges))
-        parts, cut_off = Factors(schur.plus(Sparse(every, every, tie)), n - edges, order), True
+        tie = SINGULAR * np.abs(np.bincount(schur.rows, schur.values * (schur.rows == schur.columns)))
+        parts, cut_off = Factors(schur.plus(Sparse(at, at, tie)), len(at), order), True
     step = np.zeros(n)
     for _ in range(CORRECTIONS):
         rest = left - J @ step
-        level = parts.solve(rest[edges:] + flows.of(rest[:edges], n - edges))
-        step += np.concatenate([(rest[:edges] - ends.of(level, edges)) / own, level])
+        level = parts.solve(rest[edges:] - np.bincount(rows, values * rest[flows.columns], len(at)))
+        for end, sign in system.ends:
+            rest[:edges] += sign * np.append(level, 0.0)[end]
+        step += np.concatenate([rest[:edges] / own, level])
     exact = np.abs(left - J @ step).max() <= EXACT * np.abs(left).max()
     return step if exact or cut_off else J.factors(n).solve(left), parts.order
 

@@ -19,13 +19,6 @@ from tline.solver.tolerance.compare import Difference, relative
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Step, limit_of
 
 CAUTION = 2.0  # ratio of errors to differences: rounded delays err at random, and by half as much on half the slab
-CLOSER = 0.1  # tolerance of the next run over the change by the last doubling
-SHARE = 1 / 3  # of the tolerance, for the error of slabs
-OFF = 0.618  # of their spacing: offset of the instants at which two runs are compared, away from round ones
-INSTANTS, PER_SLAB, MOST_INSTANTS = 4001, 4, 200_000
-ROUGH = 1e-3  # tolerance of the slabs of the first runs
-MOST_SAMPLES = 3e7  # line-end samples of all runs
-GROWTH = 6  # times as many samples with each doubling
 
 
 class Rounded(Grids):

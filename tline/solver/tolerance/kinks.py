@@ -54,14 +54,14 @@ class PiecewiseQuantity(NamedTuple):
 class Cuts:
     """Instants at which slabs of the next finer run are cut in pieces, at elements with laws.
 
-    `kinked` are elements whose laws kink, `sharp` those cut beside kinks and knees as well, `middles` middles
-    of pieces that were halved with their slabs, `places` the elements whose waves runs are to record; if `governed`,
+    `kinked` are elements whose laws kink, `middles` middles of pieces that were halved with their slabs, `places` the
+    elements whose waves runs are to record; if `sharp`, all are cut beside kinks and knees as well; if `governed`,
     openings move by themselves.
     """
 
     def __init__(self, description: Description):
-        self.elements, self.kinked, self.middles = description.elements, kinking(description), NO_KINKS
-        self.sharp: Sequence[PlacedLaw] = ()
+        self.elements, self.kinked = description.elements, kinking(description)
+        self.sharp, self.middles = False, NO_KINKS
         held = {node for element in self.kinked for node in element.nodes}  # kinks there are known
         self._ends = [
             (name, node)
@@ -83,15 +83,26 @@ class Cuts:
         Pieces are halved with their slabs if the order stays. From where a higher order did not help, and the search
         is `stuck`, slabs are cut beside kinks and knees as well.
         """
-        self.sharp = self.elements if stuck else self.sharp
+        self.sharp |= stuck
         if chosen.h < last.resolution.h and chosen.s <= last.resolution.s:
             self.middles = united(self.middles, middles_of(last, self.elements))
         self.middles = {where: _thinned(cuts / chosen.h) * chosen.h for where, cuts in self.middles.items()}
-        return united(kinks_of(last, self.kinked, self.sharp), self.middles)
+        return united(kinks_of(last, self.elements if self.sharp else self.kinked, self.sharp), self.middles)
 
     def turns(self, last: Result) -> Kinks:
         """Instants at which flow turned in a run at ends of recorded lines with friction, away from these elements."""
-        return turns_of(last, self._ends)
+        found = {}
+        for name, (end, node) in self._ends:
+            if name not in last.lines:
+                continue
+            line = last.lines[name]
+            a, b = (_in_pieces(wave) for wave in ((line.a2, line.b2) if end else (line.a1, line.b1)))
+            flow = a.values - b.values
+            flow[np.abs(flow) <= STILL * np.abs(a.values).max()] = 0.0
+            instants = _crossings(a._replace(values=flow, before=a.before - b.before), last)
+            if len(instants):
+                found[at_node(node)] = np.union1d(found.get(at_node(node), np.empty(0)), instants)
+        return found
 
 
 def kinking(description: Description) -> list[PlacedLaw]:
@@ -99,13 +110,10 @@ def kinking(description: Description) -> list[PlacedLaw]:
     return [element for element in description.elements if [*element.kind.bends(element.constants, 1.0)]]
 
 
-def kinks_of(result: Result, kinked: Sequence[PlacedLaw], sharp: Sequence[PlacedLaw] = ()) -> Kinks:
-    """Instants at which waves into elements, as a run recorded them, passed kinks of laws, s.
-
-    Of `sharp` ones also those of cuts beside kinks and knees.
-    """
+def kinks_of(result: Result, elements: Sequence[PlacedLaw], sharp: bool) -> Kinks:
+    """Instants at which waves into elements, as a run recorded them, passed kinks, s, and if `sharp` places beside."""
     found = {}
-    for element in sharp or kinked:
+    for element in elements:
         record = result.elements[element.where]
         into = _in_pieces(record.wave)
         factor = element.law.factor
@@ -146,22 +154,6 @@ def _swept(into: PiecewiseQuantity, h: float) -> Callable[[NDArray], NDArray]:
     np.minimum.at(low, slab, into.values.min(axis=1))
     np.maximum.at(high, slab, into.values.max(axis=1))
     return lambda t: (high - low)[np.minimum((t / h).astype(int), slab[-1])]
-
-
-def turns_of(result: Result, ends: Sequence[tuple[str, tuple[int, str]]]) -> Kinks:
-    """Instants at which the flow turned at some ends of lines, each given by its line, number and node, s; by node."""
-    found = {}
-    for line, (end, node) in ends:
-        if line not in result.lines:
-            continue
-        record = result.lines[line]
-        a, b = (_in_pieces(wave) for wave in ((record.a2, record.b2) if end else (record.a1, record.b1)))
-        flow = a.values - b.values
-        flow[np.abs(flow) <= STILL * np.abs(a.values).max()] = 0.0
-        instants = _crossings(a._replace(values=flow, before=a.before - b.before), result)
-        if len(instants):
-            found[at_node(node)] = np.union1d(found.get(at_node(node), np.empty(0)), instants)
-    return found
 
 
 def middles_of(result: Result, elements: Sequence[PlacedLaw]) -> Kinks:
