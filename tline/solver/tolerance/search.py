@@ -17,7 +17,7 @@ from tline.solver.tolerance.kinks import Cuts, united
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
-DIGITS, DIGITS_OF_RATES = 3, 1.5  # digits of the tolerance per order of the first run: beyond three; beside rates
+DIGITS, DIGITS_OF_RATES = 3, 1.5  # digits of the tolerance per order of the first run; where rates alone matter
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
 FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
 MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
@@ -30,7 +30,7 @@ MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
 AHEAD, EACH_ORDER = 4, 0.06  # orders in one step, at most; share of a difference that an order leaves, or less
 ROUGH, QUARTERS = 1e-2, 4  # larger errors beside smooth laws tell nothing of an order's worth: slabs are so divided
-EARLY, FEW = 2, 3e3  # halvings of slabs beside laws that do not kink, where all line ends have so few slabs
+EARLY, FEW = 2, 3e3  # halvings of slabs beside laws that do not kink, if all line ends have so few slabs
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
 
 NOWHERE = Start(0, SLOWEST)
@@ -80,9 +80,8 @@ def first_order(description: Description, tol: float, early: bool = False) -> in
     fronts is exact in the lowest.
     """
     digits, rates = -log10(tol) + 1e-9, min(map(min, description.time_scales.values()), default=inf) < inf
-    if early or (rates and not (description.elements or description.dispersive)):
-        return 1 + int(max(digits / DIGITS_OF_RATES, FIRST))
-    return FIRST + max(int(digits / DIGITS) - 1, 0)
+    dear = not rates or description.elements or description.dispersive
+    return FIRST - 1 + max(int(digits / (DIGITS if dear and not early else DIGITS_OF_RATES)), 1)
 
 
 class Orders(Grids):
@@ -169,11 +168,11 @@ class Orders(Grids):
         """The first grid, with slabs halved `halved` times."""
         description, tol = self.search.description, self.search.tol
         given, crowded = description.scene.solver, description.diamonds or description.elements
-        h = resolution(description, sections=self.sections, settle=self.settle).h
-        early = self._is_early(h)
+        early = bool(self.cuts.elements) and not self.cuts.kinked and self._is_cheap()
         s = given.order or self.start.order or first_order(description, tol, early)
-        narrowed = None if self.fixed or not (halved or early) else h / 2 ** (halved + EARLY * early)
-        chosen = resolution(description, s, narrowed, self.sections, self.settle)
+        chosen, narrowed = resolution(description, s, None, self.sections, self.settle), halved + EARLY * early
+        if narrowed and not self.fixed:
+            chosen = resolution(description, s, chosen.h / 2**narrowed, self.sections, self.settle)
         return chosen._replace(
             same=JOINED * tol if crowded else 0.0,  # pieces meet all of those across; laws make new ones
             cell=0.0 if given.order or given.slab else cell_of(description, s, chosen.h),
@@ -181,12 +180,12 @@ class Orders(Grids):
             exact=not description.dispersive,
         )
 
-    def _is_early(self, h: float) -> bool:
-        """Whether runs cost so little, beside laws that do not kink, that the first is on narrower slabs at once."""
-        description = self.search.description
-        delays = [line.delay for line in description.lines.values()]
-        work = 2 * len(delays) * description.t_end / h * relative_work(h, delays, breaks_of(description))
-        return bool(self.cuts.elements) and not self.cuts.kinked and work <= FEW
+    def _is_cheap(self) -> bool:
+        """Whether runs cost so little that the first may be on narrower slabs at once."""
+        description, h = self.search.description, resolution(self.search.description, sections=self.sections).h
+        delays = description.columns.delay.tolist()
+        work = relative_work(h, delays, breaks_of(description))  # more with fronts inside slabs
+        return 2 * len(delays) * description.t_end / h * work <= FEW
 
     def _finer(self, ladder: Ladder, shown: "Shown") -> Resolution:
         """A higher order if that helps, else narrower slabs: beside pieces, which stay as wide, both."""
