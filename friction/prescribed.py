@@ -181,10 +181,7 @@ def deflection(
 ) -> tuple[NDArray, int]:
     """z [m] and F_f [N] at times, shape (2, n), with steps to a tolerance of the deflection; the number of steps.
 
-    Raises
-    ------
-    InputError
-        It takes more than 5 million steps.
+    Raises InputError: it takes more than 5 million steps.
     """
     from friction.kernel.law import DONE
     from friction.kernel.prescribed import deflect, prescribed_run

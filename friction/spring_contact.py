@@ -49,10 +49,7 @@ class SpringContact(Parameters):
     def moved(self, motion: Motion, times: NDArray, t_end: float) -> NDArray:
         """F_f [N] at times under a prescribed motion, from no force on.
 
-        Raises
-        ------
-        InputError
-            It takes more than 5 million legs, or more than 4096 lie within one lag.
+        Raises InputError: it takes more than 5 million legs, or more than 4096 lie within one lag.
         """
         from friction.kernel.automaton import automaton
         from friction.kernel.law import DONE, STALLED

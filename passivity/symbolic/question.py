@@ -27,8 +27,7 @@ from passivity.symbolic.conditions import allowance, as_impedance, low_degree_co
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Formula, claim, join, polynomial_text, quotient_text, value
 from passivity.verdict import Witness
-from passivity.verifier import Graph as Nodes
-from passivity.verifier import scaled
+from passivity.verifier import Graph as Nodes, scaled
 
 _SHOWN = 400  # characters of a line
 _E = 1  # the generator exp(-tau s)

@@ -8,8 +8,7 @@ from itertools import pairwise
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe

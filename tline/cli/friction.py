@@ -324,8 +324,7 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
     """
     import sys
 
-    from friction import MODELS
-    from friction import identify as fitted
+    from friction import MODELS, identify as fitted
 
     record = read_columns(file, file, RECORDED)
     moved = [name for name in ("v", "x") if name in record]

@@ -12,8 +12,7 @@ from typing import Any, cast
 
 import numba
 from numba import types
-from numba.core import typed_passes as typed
-from numba.core import untyped_passes as untyped
+from numba.core import typed_passes as typed, untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
@@ -132,10 +131,7 @@ def dispatcher_of(code: Any) -> Any:
 def compile_unit(code: Any, parameters: list[Any]) -> Any:
     """Compile a function with parameters `int`, `float` or of a structure; returns numba's result.
 
-    Raises
-    ------
-    TypeError
-        The function does not return an integer.
+    Raises TypeError: the function does not return an integer.
     """
     kinds = [{int: types.int64, float: types.float64}.get(kind) or Reference(kind) for kind in parameters]
     dispatcher = dispatcher_of(code)

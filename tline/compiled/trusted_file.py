@@ -20,12 +20,8 @@ class UntrustedError(Exception):
 def read_trusted(path: Path) -> bytes:
     """Content of a file that nobody else can have written.
 
-    Raises
-    ------
-    UntrustedError
-        Somebody else can, or it is a link, or not a file.
-    OSError
-        The file is missing, or cannot be read.
+    Raises UntrustedError: somebody else can, or it is a link, or not a file. Raises OSError: the file is missing, or
+    cannot be read.
     """
     if os.name != "posix":  # where owners and modes have no meaning
         return path.read_bytes()
@@ -43,12 +39,7 @@ def read_trusted(path: Path) -> bytes:
 def check_folder(path: Path) -> None:
     """Raise an error for a folder into which somebody else can write.
 
-    Raises
-    ------
-    UntrustedError
-        Somebody else can.
-    OSError
-        It is not there, or cannot be read.
+    Raises UntrustedError: somebody else can. Raises OSError: it is not there, or cannot be read.
     """
     if os.name == "posix":
         os.close(_opened_folder(path))

@@ -20,10 +20,7 @@ HIGHEST = 12  # order; the coefficients of higher ones are too far apart for flo
 def pade_state_space(scene: Scene, probe: str, quantity: str, order: int) -> "StateSpace":
     """State space from a source of final level 1, all others being silent, to u, y, a or b at a probe.
 
-    Raises
-    ------
-    InputError
-        The order is out of range, or the scene has no state space with Padé delays.
+    Raises InputError: the order is out of range, or the scene has no state space with Padé delays.
     """
     control = import_extra("control", "python-control", "control", "state space")
     from scipy.linalg import block_diag

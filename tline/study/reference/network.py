@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import count as count_from
-from itertools import pairwise, takewhile
+from itertools import count as count_from, pairwise, takewhile
 from math import inf
 
 from flint import acb, acb_poly, arb
