@@ -27,7 +27,7 @@ FACTOR = 2  # an error is told by a difference of two runs, which may be that mu
 
 @pytest.mark.parametrize(("seed", "kind", "tol"), [(k, kind, 10.0 ** -(3 + k % 4)) for k, kind in enumerate(KINDS)])
 def test_errors_are_as_told_at_any_instant(seed, kind, tol):
-    """`python -m benchmarks.attack tolerance` tries hundreds."""
+    """`python tests/attack.py tolerance` tries hundreds."""
     found = kept(random_kinks(seed, kind), tol)
     assert found.inside <= FACTOR
     assert found.extreme <= 1
