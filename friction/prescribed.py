@@ -16,8 +16,7 @@ from friction.spring_contact import SpringContact
 from friction.testbench import Force
 from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.history import History
-from tline.presentation import plain
+from tline.presentation import History, plain
 
 if TYPE_CHECKING:
     from friction.kernel.prescribed import Course

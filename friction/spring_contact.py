@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.kernel.signals import ARMSTRONG, F_C, F_S, F_V, MAXWELL, STIFFNESS
+from friction.kernel.structures import ARMSTRONG, F_C, F_S, F_V, MAXWELL, STIFFNESS
 from friction.motion import Motion
 from friction.parameters import Parameters, check_number
 from tline.compiled.structure import pack
@@ -53,7 +53,7 @@ class SpringContact(Parameters):
         """
         from friction.kernel.automaton import automaton
         from friction.kernel.law import DONE, STALLED
-        from friction.kernel.signals import Inputs
+        from friction.kernel.structures import Inputs
         from friction.mechanism import MOST_PAST, Mechanism
 
         m = Mechanism()

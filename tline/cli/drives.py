@@ -8,7 +8,7 @@ import click
 from tline.cli.drives_parts import LOOSE, MECHANISM, loosely, mechanism, quantity, torques
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
-from tline.words.aligned import aligned
+from tline.words.wording import aligned
 
 EXAMPLES = """\b
 Examples:

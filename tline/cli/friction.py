@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from friction.parameters import TOLD
-from tline.cli.columns import read_columns
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
-from tline.cli.options import check_partners, options_named
+from tline.cli.options import check_partners, options_named, read_columns
 from tline.errors import InputError
 from tline.units import engineering, to_si
 from tline.words.progress import Progress

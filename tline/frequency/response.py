@@ -22,8 +22,7 @@ from tline.solver.description.lines import ProbePlace, probes_of
 from tline.solver.stability.growth import growth_sentence
 from tline.solver.stability.scattering import Scattering, answers, inside
 from tline.units import to_si
-from tline.words.aligned import aligned
-from tline.words.wording import nearest, place
+from tline.words.wording import aligned, nearest, place
 
 MOST_POINTS = 1_000_000
 PARTS = {"re": np.real, "im": np.imag}

@@ -14,7 +14,13 @@ from tline.scene.friction import (
 )
 from tline.scene.heights import Site as Site
 from tline.scene.line import Cable as Cable, Creep as Creep, Pipe as Pipe
-from tline.scene.load import Matched as Matched, NoFlow as NoFlow, Reservoir as Reservoir, Short as Short
+from tline.scene.load import (
+    Matched as Matched,
+    NoFlow as NoFlow,
+    Reservoir as Reservoir,
+    Short as Short,
+    Switch as Switch,
+)
 from tline.scene.measure import Probe as Probe
 from tline.scene.multiport import (
     ControlledSource as ControlledSource,
@@ -36,7 +42,6 @@ from tline.scene.rational import (
 from tline.scene.scene import Scene as Scene, Solver as Solver
 from tline.scene.shape import Constant as Constant, Step as Step
 from tline.scene.source import Source as Source
-from tline.scene.switch import Switch as Switch
 from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport, Touchstone as Touchstone
 from tline.scene.user_defined import UserLink as UserLink, UserLoad as UserLoad
 from tline.scene.valve import CheckValve as CheckValve, Orifice as Orifice, ReliefValve as ReliefValve

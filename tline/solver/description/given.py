@@ -5,7 +5,7 @@ from tline.scene.coupled import End
 from tline.scene.element import Between
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume, kinds_numbered
-from tline.scene.load import Matched, Reservoir, Resistor, Short
+from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
@@ -15,6 +15,5 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
-from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import GAS_VOLUME, AirVessel
