@@ -18,9 +18,7 @@ from typing import Any
 from circuit_decks import DECKS, in_ngspice
 from electrical_by_hand import ELECTRICAL
 from hydraulic_by_hand import HYDRAULIC
-from imported_decks import DECKS as FILES
-from imported_decks import change, distance
-from imported_decks import in_ngspice as deck_in_ngspice
+from imported_decks import DECKS as FILES, change, distance, in_ngspice as deck_in_ngspice
 from numpy.typing import NDArray
 
 from benchmarks.harness import ROOT, table, timed, write

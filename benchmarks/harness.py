@@ -51,12 +51,8 @@ class Spent(NamedTuple):
 def spent(call: list, environment: Mapping[str, Any] | None = None, limit: float = 600.0) -> Spent:
     """Run a program to its end.
 
-    Raises
-    ------
-    subprocess.CalledProcessError
-        It failed; an exit status of 1 is an answer.
-    subprocess.TimeoutExpired
-        It takes longer than the limit, s.
+    Raises subprocess.CalledProcessError: it failed; an exit status of 1 is an answer. Raises subprocess.TimeoutExpired:
+    it takes longer than the limit, s.
     """
     own = os.environ | {key: str(value) for key, value in (environment or {}).items()}
     own.pop("PYTHONDONTWRITEBYTECODE", None)

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import warnings
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,90 +33,9 @@ class Mutant(NamedTuple):
     wrong: str
 
 
-MOVES = "if events.row[i] != SAME_MAP:"
-BACK = "if events.row[i] == SAME_MAP:\n            network.step_row[g] = max(network.step_row[g] - 1, 0)\n        else:"
-FILLING = "return y, 1.0, y, 1.0 / c[at + 2]"
-MUTANTS = (
-    Mutant("moves inside slabs are lost", "fronts/gather.py", MOVES, MOVES.replace("!=", "<")),
-    Mutant("a move is forgotten where a law kinks", "fronts/gather.py", MOVES, BACK),
-    Mutant("moves happen in the next slab", "fronts/gather.py", "<= begin + MERGE", "<= begin - 1.0"),
-    Mutant("flow of an orifice doubled", "laws/quadratic.py",
-           "    return i, capacity**2", "    return 2.0 * i, capacity**2"),
-    Mutant("an orifice lets flow pass one way", "laws/quadratic.py", "(one_way > 0.0 and d < 0.0)", "d < 0.0"),
-    Mutant("laws see the sample before", "laws/crossing.py", "v[i] - c[at], z", "v[max(i - 1, 0)] - c[at], z"),
-    Mutant("openings are of the sample before", "laws/crossing.py", "control[i], v[i]", "control[0], v[i]"),
-    Mutant("relief valve without its band", "laws/relief.py", "if d - z * i >= high:", "if d >= least:"),
-    Mutant("demand without a limit", "laws/outflow.py", "if d - z * control * c[at + 1] >= c[at + 2]:", "if False:"),
-    Mutant("table continued flat", "laws/table.py", "return last - slope * (stop - d), slope",
-           "return min(last - slope * (stop - d), last), slope"),
-    Mutant("diode at twice its temperature", "laws/diode.py", "c[at + 1], c[at + 2], d",
-           "c[at + 1], 2.0 * c[at + 2], d"),
-    Mutant("a tank half as wide", "stores/tank.py", FILLING, FILLING.replace("1.0 / c", "2.0 / c")),
-    Mutant("gas of half the volume", "stores/gas.py", "c[at + 2] * effort, ratio / c[at + 3]",
-           "c[at + 2] * effort, 2.0 * ratio / c[at + 3]"),
-    Mutant("wrong sign of a store", "stores/tank.py", FILLING, FILLING.replace("1.0, y", "1.0, -y")),
-    Mutant("a circuit forgets its state", "blocks.py", "states[np.uint64(x + i)] = 0.0 if abs(total) < TINY else total",
-           "states[np.uint64(x + i)] = 0.5 * total"),
-    Mutant("a rest of a delay is left out", "blocks.py",
-           "row[k] += now * history[s - 1, k + 1] + then * history[s - 1, k]",
-           "row[k] += now * history[s - 1, k + 1] + then * history[s - 1, k + 1]"),
-    Mutant("fronts of sources are skipped", "fronts/gather.py",
-           "if n < place.size and (sources.start[j] > 0.0 or sources.anew[now]):", "if False:"),
-    Mutant("travelling fronts are skipped", "fronts/gather.py", "if strength > 0.0 and -MERGE / 2",
-           "if strength < 0.0 and -MERGE / 2"),
-    Mutant("a wave comes back with half its effort", "blocks.py", "back = 2.0 * u[q", "back = 1.98 * u[q"),
-    Mutant("a piece is restricted at the wrong place", "fronts/gather.py", "span[j, 1], edges[k], edges[k + 1]",
-           "span[j, 1], edges[k] * 0.99, edges[k + 1]"),
-)  # fmt: skip
-
-
-def water(loads: dict[str, Any], **more: Any) -> dict[str, Any]:
-    """Two pipes from a reservoir; the last node is the third."""
-    pipe = {"wave_speed": "1000 m/s", "diameter": "0.2 m", "density": "1000 kg/m^3"}
-    return {
-        "medium": "hydraulic", "t_end": "1 s", "start": "steady", "probes": {"end": {"at": "c"}, "mid": {"at": "b"}},
-        "lines": {
-            "p": pipe | {"nodes": ["a", "b"], "length": "100 m"}, "q": pipe | {"nodes": ["b", "c"], "length": "87 m"},
-        },
-        "loads": {"lake": {"at": "a", "kind": "reservoir", "pressure": "2 bar"}} | loads,
-    } | more  # fmt: skip
-
-
-def cable(loads: dict[str, Any], delay: str = "3.3 ns", at: str = "1 ns") -> dict[str, Any]:
-    """Cable behind 50 ohm."""
-    line = {"nodes": ["near", "far"], "z0": 50, "delay": delay}
-    value = {"shape": "step", "to": 1.0, "at": at}
-    return {
-        "medium": "electrical", "t_end": "40 ns", "probes": {"far": {"at": "far"}},
-        "lines": {"l": line, "m": line | {"nodes": ["far", "end"], "delay": "4.51 ns", "z0": 70}},
-        "sources": {"s": {"at": "near", "kind": "voltage", "value": value, "resistance": 30}},
-        "loads": loads,
-    }  # fmt: skip
-
-
-VALVE = {"at": "c", "kind": "valve", "before": 1e7, "after": 1e8, "time": "0.2 s"}
-RATED = {"flow": "5 L/s", "pressure_drop": "1 bar"}
-SHUT = {"shape": "ramp", "from": 1, "to": 0, "at": "0.1 s", "duration": "0.13 s"}
-SCENES = {
-    "valve, orifice": water({"v": VALVE, "o": {"at": "c", "kind": "orifice", "back_pressure": "3 bar"} | RATED}),
-    "valve, relief": water(
-        {"v": VALVE, "o": {"at": "c", "kind": "relief valve", "set_pressure": "2.2 bar", "band": "1 bar"} | RATED}
-    ),
-    "valve, demand": water(
-        {"v": VALVE, "o": {"at": "c", "kind": "demand", "flow": "4 L/s", "required_pressure": "1.5 bar"}}
-    ),
-    "closing orifice": water({"o": {"at": "c", "kind": "orifice", "opening": SHUT} | RATED}),
-    "tank": water({"v": VALVE, "t": {"at": "b", "kind": "surge tank", "tank_diameter": "1 cm", "density": 1000}}),
-    "gas": water({"v": VALVE, "g": {"at": "b", "kind": "air vessel", "gas_volume": "10 L", "gas_pressure": "2 bar"}}),
-    "RC": cable({"c": {"at": "end", "kind": "parallel", "resistance": 100, "capacitance": "20 pF"}}),
-    "diode": cable({"d": {"at": "end", "kind": "diode", "saturation": "1 nA"}}),
-    "switch, table": cable(
-        {
-            "s": {"at": "end", "kind": "switch", "before": 1000, "after": 50, "time": "17.7 ns"},
-            "t": {"at": "end", "kind": "table", "points": [[-1, 0], [0.3, 0], [0.6, 0.001]]},
-        }
-    ),
-}
+DATA = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+MUTANTS = [Mutant(**each) for each in DATA["mutants"]]
+SCENES: dict[str, dict[str, Any]] = DATA["scenes"]
 
 
 def answers() -> dict[str, Any]:

@@ -1,53 +1,50 @@
-from drives.control import PI as PI
-from drives.control import Bandwidth as Bandwidth
-from drives.control import Design as Design
-from drives.control import Margins as Margins
-from drives.control import design as design
-from drives.control import margins as margins
+from drives.control import (
+    PI as PI,
+    Bandwidth as Bandwidth,
+    Design as Design,
+    Margins as Margins,
+    design as design,
+    margins as margins,
+)
 from drives.coupled import CoupledDrives as CoupledDrives
-from drives.decoupling import Share as Share
-from drives.decoupling import alike as alike
-from drives.decoupling import decoupled as decoupled
-from drives.decoupling import decoupler as decoupler
-from drives.decoupling import relative_gain_array as relative_gain_array
-from drives.derivation import PulleyCheck as PulleyCheck
-from drives.derivation import check_pulley as check_pulley
-from drives.derivation import wrong_sign as wrong_sign
+from drives.decoupling import (
+    Share as Share,
+    alike as alike,
+    decoupled as decoupled,
+    decoupler as decoupler,
+    relative_gain_array as relative_gain_array,
+)
+from drives.derivation import PulleyCheck as PulleyCheck, check_pulley as check_pulley, wrong_sign as wrong_sign
 from drives.energy import Energy as Energy
-from drives.feedback import closed_loop as closed_loop
-from drives.feedback import sampled_poles as sampled_poles
-from drives.linearise import Artefact as Artefact
-from drives.linearise import artefact as artefact
-from drives.linearise import forward_difference as forward_difference
-from drives.linearise import literal_jacobian as literal_jacobian
-from drives.linearise import zero_eigenvalues as zero_eigenvalues
+from drives.feedback import (
+    Sensitivities as Sensitivities,
+    closed_loop as closed_loop,
+    sampled_poles as sampled_poles,
+    sensitivities as sensitivities,
+)
+from drives.linearise import (
+    Artefact as Artefact,
+    artefact as artefact,
+    forward_difference as forward_difference,
+    literal_jacobian as literal_jacobian,
+    zero_eigenvalues as zero_eigenvalues,
+)
 from drives.loop import simulate_control as simulate_control
-from drives.modes import HiddenMode as HiddenMode
-from drives.modes import hidden_modes as hidden_modes
-from drives.parts import Belt as Belt
-from drives.parts import Pulley as Pulley
-from drives.parts import Spool as Spool
-from drives.parts import Winding as Winding
-from drives.picture import draw_bode as draw_bode
-from drives.picture import draw_poles as draw_poles
-from drives.picture import draw_run as draw_run
-from drives.resonance import Peak as Peak
-from drives.resonance import effective_stiffness as effective_stiffness
-from drives.resonance import largest_friction_with_peak as largest_friction_with_peak
-from drives.resonance import peak as peak
-from drives.resonance import undamped_frequency as undamped_frequency
-from drives.sensitivity import Sensitivities as Sensitivities
-from drives.sensitivity import sensitivities as sensitivities
-from drives.simulation import Run as Run
-from drives.simulation import simulate as simulate
-from drives.simulation import steady_state as steady_state
+from drives.parts import Belt as Belt, Pulley as Pulley, Spool as Spool, Winding as Winding
+from drives.picture import draw_bode as draw_bode, draw_poles as draw_poles, draw_run as draw_run
+from drives.resonance import (
+    HiddenMode as HiddenMode,
+    Peak as Peak,
+    effective_stiffness as effective_stiffness,
+    hidden_modes as hidden_modes,
+    largest_friction_with_peak as largest_friction_with_peak,
+    peak as peak,
+    undamped_frequency as undamped_frequency,
+)
+from drives.simulation import Run as Run, simulate as simulate, steady_state as steady_state
 from drives.state_space import StateSpace as StateSpace
-from drives.symbolic import INPUTS as INPUTS
-from drives.symbolic import OUTPUTS as OUTPUTS
-from drives.symbolic import UNITS as UNITS
-from drives.symbolic import symbolic_transfer as symbolic_transfer
+from drives.symbolic import INPUTS as INPUTS, OUTPUTS as OUTPUTS, UNITS as UNITS, symbolic_transfer as symbolic_transfer
 from drives.torque import Torque as Torque
-from drives.torque_limit import Reach as Reach
-from drives.torque_limit import reach as reach
+from drives.torque_limit import Reach as Reach, reach as reach
 from drives.transfer import TransferFunction as TransferFunction
 from tline.errors import InputError as InputError

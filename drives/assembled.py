@@ -132,7 +132,7 @@ class Assembly:
     ) -> "tuple[NDArray, list[NDArray], dict[str, NDArray], dict[str, list[Event]]]":
         """Run; return states, shape (n, states); heat and work; other recorded signals; events of the spools."""
         from friction.kernel.law import BUDGET, DONE
-        from friction.kernel.signals import Inputs
+        from friction.kernel.structures import Inputs
         from friction.result import events_of
 
         corners = np.array(sorted({time for one in inputs for time in one.times}))

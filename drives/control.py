@@ -19,8 +19,7 @@ from flint import fmpq_poly
 
 from drives.coupled import CoupledDrives
 from drives.decoupling import decoupled
-from drives.number import Number, exact, fill, positive, rational, written
-from drives.roots import positive_roots, roots, squared
+from drives.number import Number, exact, fill, positive, positive_roots, rational, roots, squared, written
 from drives.transfer import TransferFunction
 from tline.errors import InputError
 from tline.presentation import Presentation, plain

@@ -21,8 +21,7 @@ from drives.symbolic import ALL_UNITS
 from drives.torque import ZERO, Torque
 from drives.witness import doubts
 from tline.errors import InputError, check_kind
-from tline.history import History
-from tline.presentation import plain
+from tline.presentation import History, plain
 
 if TYPE_CHECKING:
     from friction import Event

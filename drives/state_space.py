@@ -9,8 +9,7 @@ import numpy as np
 from flint import fmpq_mat, fmpq_poly
 from numpy.typing import NDArray
 
-from drives.number import written
-from drives.roots import roots
+from drives.number import roots, written
 from tline.errors import import_extra
 from tline.presentation import Presentation, plain
 
@@ -79,7 +78,7 @@ class StateSpace(Presentation):
 
     @cached_property
     def poles(self) -> list[complex]:
-        """Eigenvalues of A with their multiplicity, rad/s; zeros are exact zeros, see `drives.roots.roots`.
+        """Eigenvalues of A with their multiplicity, rad/s; zeros are exact zeros, see `drives.number.roots`.
 
         Examples
         --------

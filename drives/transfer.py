@@ -11,8 +11,7 @@ import numpy as np
 from flint import acb, ctx, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
-from drives.number import written
-from drives.roots import roots
+from drives.number import roots, written
 from tline.errors import InputError, as_floats, import_extra
 from tline.presentation import Presentation, plain
 

@@ -1,45 +1,47 @@
 from friction.fit import Fit as Fit
-from friction.hunting import Swing as Swing
-from friction.hunting import harmonic_damping as harmonic_damping
-from friction.hunting import swings as swings
-from friction.identification import Identification as Identification
-from friction.identification import identify as identify
-from friction.methods import METHODS as METHODS
-from friction.methods import Method as Method
-from friction.models import MODELS as MODELS
-from friction.models import Coulomb as Coulomb
-from friction.models import Dahl as Dahl
-from friction.models import ElastoPlastic as ElastoPlastic
-from friction.models import Karnopp as Karnopp
-from friction.models import LuGre as LuGre
-from friction.models import Model as Model
-from friction.models import Tanh as Tanh
-from friction.predict import Chatter as Chatter
-from friction.predict import DeadZone as DeadZone
-from friction.predict import Limits as Limits
-from friction.predict import dead_zone as dead_zone
-from friction.predict import euler_chatter as euler_chatter
-from friction.predict import limits as limits
-from friction.predict import lugre_drift as lugre_drift
-from friction.predict import passive_damping as passive_damping
-from friction.predict import tanh_creep as tanh_creep
-from friction.prescribed import Prescribed as Prescribed
-from friction.prescribed import prescribe as prescribe
-from friction.result import Cycle as Cycle
-from friction.result import Event as Event
-from friction.result import Kind as Kind
-from friction.result import Ledger as Ledger
-from friction.result import Result as Result
-from friction.result import Status as Status
+from friction.hunting import Swing as Swing, harmonic_damping as harmonic_damping, swings as swings
+from friction.identification import Identification as Identification, identify as identify
+from friction.methods import METHODS as METHODS, Method as Method
+from friction.models import (
+    MODELS as MODELS,
+    Coulomb as Coulomb,
+    Dahl as Dahl,
+    ElastoPlastic as ElastoPlastic,
+    Karnopp as Karnopp,
+    LuGre as LuGre,
+    Model as Model,
+    Tanh as Tanh,
+)
+from friction.predict import (
+    Chatter as Chatter,
+    DeadZone as DeadZone,
+    Limits as Limits,
+    dead_zone as dead_zone,
+    euler_chatter as euler_chatter,
+    limits as limits,
+    lugre_drift as lugre_drift,
+    passive_damping as passive_damping,
+    tanh_creep as tanh_creep,
+)
+from friction.prescribed import Prescribed as Prescribed, prescribe as prescribe
+from friction.result import (
+    Cycle as Cycle,
+    Event as Event,
+    Kind as Kind,
+    Ledger as Ledger,
+    Result as Result,
+    Status as Status,
+)
 from friction.simulation import simulate as simulate
-from friction.spring_contact import Armstrong as Armstrong
-from friction.spring_contact import MaxwellSlip as MaxwellSlip
-from friction.testbench import PID as PID
-from friction.testbench import Force as Force
-from friction.testbench import Ramp as Ramp
-from friction.testbench import Sine as Sine
-from friction.testbench import Spring as Spring
-from friction.testbench import Steps as Steps
-from friction.testbench import Table as Table
-from friction.testbench import Testbench as Testbench
+from friction.spring_contact import Armstrong as Armstrong, MaxwellSlip as MaxwellSlip
+from friction.testbench import (
+    PID as PID,
+    Force as Force,
+    Ramp as Ramp,
+    Sine as Sine,
+    Spring as Spring,
+    Steps as Steps,
+    Table as Table,
+    Testbench as Testbench,
+)
 from tline.errors import InputError as InputError

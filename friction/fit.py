@@ -45,10 +45,7 @@ class Measured(NamedTuple):
 def measured(t: ArrayLike, force: ArrayLike, velocity: ArrayLike | None, position: ArrayLike | None) -> Measured:
     """The record of a test, its velocity by a smoothing spline.
 
-    Raises
-    ------
-    InputError
-        Samples are missing or out of order, or nothing moves or changes.
+    Raises InputError: samples are missing or out of order, or nothing moves or changes.
     """
     if (velocity is None) == (position is None):
         raise InputError("motion", "not one", "velocity or position")

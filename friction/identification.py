@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from friction.fit import FEWEST, Fit, fit, left_out, measured
 from friction.models import MODELS, UNITS, Model
 from tline.errors import InputError, check_kind
-from tline.history import History
-from tline.presentation import plain
+from tline.presentation import History, plain
 
 CERTAIN = 1.96  # standard deviations on each side of an interval of 95 %
 HOPELESS = 1.5  # times the least misfit to all samples: beyond it the law misses even the samples of its fit

@@ -10,7 +10,7 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from friction.kernel import signals as d
+from friction.kernel import structures as d
 from friction.kernel.automaton import automaton
 from friction.models import Model
 from friction.spring_contact import SpringContact

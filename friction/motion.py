@@ -55,13 +55,7 @@ class Motion:
         return x + amplitude / omega * (cos(phase) - np.cos(omega * t + phase)) if amplitude else x
 
     def course(self, t_end: float) -> "Course":
-        """Motion up to an end, in the form of the kernels.
-
-        Raises
-        ------
-        InputError
-            It reverses more than a million times.
-        """
+        """Motion up to an end, in the form of the kernels. Raises InputError: it reverses more than a million times."""
         from friction.kernel.prescribed import Course
 
         inside = self.start[(self.start > 0.0) & (self.start < t_end)]
@@ -115,13 +109,7 @@ def moved_with(velocity: Force) -> Motion:
 
 
 def moved_along(position: Force) -> Motion:
-    """A place [m] over time.
-
-    Raises
-    ------
-    InputError
-        It jumps.
-    """
+    """A place [m] over time. Raises InputError: it jumps."""
     start, value, slope = position.pieces()
     jumps = value[1:] - value[:-1] - slope[:-1] * np.diff(start)
     if np.any(np.abs(jumps) > 1e-9 * (np.abs(value[1:]) + np.abs(value[:-1]))):
@@ -142,10 +130,7 @@ def moved_by(formula: Callable[[NDArray], ArrayLike], t_end: float, where: str) 
     """Approximate a velocity [m/s] or position [m] by a spline; return it, one of half the pieces, and their difference
     relative to the largest velocity.
 
-    Raises
-    ------
-    InputError
-        It is not finite, or has a corner or a jump.
+    Raises InputError: it is not finite, or has a corner or a jump.
     """
     is_position, rough, count = where == "position", None, FEWEST_PIECES
     while count <= MOST_PIECES:

@@ -16,8 +16,7 @@ from friction.spring_contact import SpringContact
 from friction.testbench import FORCES, Force
 from tline.compiled.structure import pack
 from tline.errors import InputError, check_kind
-from tline.history import History
-from tline.presentation import plain
+from tline.presentation import History, plain
 
 if TYPE_CHECKING:
     from friction.kernel.prescribed import Course
@@ -183,10 +182,7 @@ def deflection(
 ) -> tuple[NDArray, int]:
     """z [m] and F_f [N] at times, shape (2, n), with steps to a tolerance of the deflection; the number of steps.
 
-    Raises
-    ------
-    InputError
-        It takes more than 5 million steps.
+    Raises InputError: it takes more than 5 million steps.
     """
     from friction.kernel.law import DONE
     from friction.kernel.prescribed import deflect, prescribed_run

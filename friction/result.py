@@ -12,8 +12,7 @@ from friction.methods import Method
 from friction.models import Model
 from friction.spring_contact import SpringContact
 from friction.testbench import Testbench
-from tline.history import History
-from tline.presentation import plain
+from tline.presentation import History, plain
 
 SHOWN, LISTED = 12, 1000  # events in the text, and as plain data
 CYCLE = 0.01  # by which cycles may differ that are called the same

@@ -20,7 +20,7 @@ from tline.errors import InputError, as_floats, check_kind
 
 if TYPE_CHECKING:
     from friction.kernel.law import Drive, Law
-    from friction.kernel.signals import HybridRun
+    from friction.kernel.structures import HybridRun
     from friction.mechanism import Mechanism
 
 MOST_STEPS, MOST_SAMPLES, FEW_EVENTS, MOST_EVENTS = 5_000_000, 200_000, 1000, 1_000_000
@@ -245,7 +245,7 @@ def on_testbench(
 
     It shows x, v, F_a, F_f and both works, then the forces of the springs of a law that has some.
     """
-    from friction.kernel.signals import Inputs
+    from friction.kernel.structures import Inputs
     from friction.mechanism import Mechanism
 
     m, drive, pid, play = Mechanism(), bench.drive, bench.controller, bench.spring and bench.spring.play

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.kernel.signals import ARMSTRONG, F_C, F_S, F_V, MAXWELL, STIFFNESS
+from friction.kernel.structures import ARMSTRONG, F_C, F_S, F_V, MAXWELL, STIFFNESS
 from friction.motion import Motion
 from friction.parameters import Parameters, check_number, numbers
 from tline.compiled.structure import pack
@@ -49,14 +49,11 @@ class SpringContact(Parameters):
     def moved(self, motion: Motion, times: NDArray, t_end: float) -> NDArray:
         """F_f [N] at times under a prescribed motion, from no force on.
 
-        Raises
-        ------
-        InputError
-            It takes more than 5 million legs, or more than 4096 lie within one lag.
+        Raises InputError: it takes more than 5 million legs, or more than 4096 lie within one lag.
         """
         from friction.kernel.automaton import automaton
         from friction.kernel.law import DONE, STALLED
-        from friction.kernel.signals import Inputs
+        from friction.kernel.structures import Inputs
         from friction.mechanism import MOST_PAST, Mechanism
 
         m = Mechanism()

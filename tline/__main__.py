@@ -1,5 +1,5 @@
 """Run ``tline`` as ``python -m tline``."""
 
-from tline.cli.terminal import program
+from tline.cli.main import program
 
 program()

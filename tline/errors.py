@@ -120,13 +120,7 @@ class MissingExtraError(InputError):
 
 
 def import_extra(module: str, package: str, extra: str, where: str = "") -> Any:
-    """Import a module of a package that an extra brings.
-
-    Raises
-    ------
-    MissingExtraError
-        The package is not installed.
-    """
+    """Import a module of a package that an extra brings. Raises MissingExtraError: the package is not installed."""
     from importlib import import_module
 
     try:

@@ -11,12 +11,11 @@ from math import copysign, floor, inf, nan, pi
 
 import numpy as np
 
-from friction.kernel import signals as sig
+from friction.kernel import structures as sig
 from friction.kernel.diagram import expand, first_guard, trusted_step
 from friction.kernel.law import BLOWN_UP, BUDGET, DONE, STALLED, put, row_of
 from friction.kernel.roots import value
-from friction.kernel.signals import HybridRun, N
-from friction.kernel.structures import EVENTS, STEPS
+from friction.kernel.structures import EVENTS, STEPS, HybridRun, N
 from tline.compiled.unit import function, unit
 
 FOREVER = 1e13  # s, more than any run may last

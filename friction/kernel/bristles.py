@@ -8,8 +8,7 @@ in the direction of the motion, which is its break-away, until the velocity vani
 
 from math import copysign, inf, isfinite
 
-from friction.kernel import law as laws
-from friction.kernel import series
+from friction.kernel import law as laws, series
 from friction.kernel.law import applied, friction, gap, note, piece, put, steady
 from friction.kernel.rodas import STAGES, TERMS, continue_into, inside, rodas
 from friction.kernel.structures import EVENTS, REFUSED, RUN, STEPS, STRIDE

@@ -12,9 +12,9 @@ from math import copysign, cos, exp, expm1, factorial, inf, isnan, pi, sin
 
 import numpy as np
 
-from friction.kernel import signals as sig
+from friction.kernel import structures as sig
 from friction.kernel.roots import first_root_within, shifted
-from friction.kernel.signals import N
+from friction.kernel.structures import N
 from tline.compiled.unit import function
 
 FAR = 6.0  # multiples of v_s at which e^(−(v/v_s)²) begins to count: 2e-16

@@ -40,8 +40,7 @@ from passivity.delayed.roots import (
 from passivity.errors import ExpressionError
 from passivity.expression.number import written
 from passivity.status import Kind
-from passivity.verifier import Graph as Nodes
-from passivity.verifier import scaled
+from passivity.verifier import Graph as Nodes, scaled
 
 _PLACES = ((Fraction(37, 29), Fraction(17, 23)), (Fraction(5, 3), Fraction(0)), (Fraction(1, 7), Fraction(9, 11)))
 _DIGITS = 4096  # binary, of the comparison: enough for a term of 1e-400 and its square

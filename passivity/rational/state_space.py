@@ -14,8 +14,7 @@ from passivity.polynomial.sign import UndecidedError
 from passivity.rational.evaluate import Exact, exact
 from passivity.rational.function import RationalFunction
 from passivity.rational.matrix import RationalMatrix, check_shape, table
-from passivity.rational.polynomial_matrix import MAX_WORK as MINORS
-from passivity.rational.polynomial_matrix import check_work
+from passivity.rational.polynomial_matrix import MAX_WORK as MINORS, check_work
 from passivity.status import Kind
 
 MAX_STATES = 400

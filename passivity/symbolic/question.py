@@ -31,8 +31,7 @@ from passivity.symbolic.conditions import allowance, as_impedance, low_degree_co
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Condition, Formula, claim, join, polynomial_text, quotient_text, value
 from passivity.verdict import Verdict, Witness
-from passivity.verifier import Graph as Nodes
-from passivity.verifier import scaled
+from passivity.verifier import Graph as Nodes, scaled
 
 MAX_TRIALS = 600
 MAX_WORK = 400_000  # of all trials together: characters read and squares of degrees

@@ -47,7 +47,7 @@ def workplace(tmp_path, monkeypatch):
     (tmp_path / "scenes").symlink_to(ROOT / "scenes")
     (tmp_path / "out").mkdir()
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tline.live.server.IDLE", 0.0)
+    monkeypatch.setattr("tline.live.desk.IDLE", 0.0)
     monkeypatch.setattr("webbrowser.open", bool)
     monkeypatch.setattr(
         "tline.surge.study.read_plan", lambda given: (plan := read_plan(given))._replace(scenarios=plan.scenarios[:2])

@@ -13,8 +13,7 @@ from click.testing import CliRunner
 
 import tline as tl
 from tline.cli.main import main
-from tline.live.desk import MOST_SLIDERS, Desk, sliders
-from tline.live.server import Server
+from tline.live.desk import MOST_SLIDERS, Desk, Server, sliders
 from tline.solver.result.dense_output import curve
 
 PIPE = Desk(tl.examples["water_pipe"], 'tl.examples["water_pipe"]')
@@ -137,7 +136,7 @@ def test_sliders_of_networks_loops_and_parts_of_files():
 def test_the_command_says_the_address_and_what_is_wrong(monkeypatch):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
-    monkeypatch.setattr("tline.live.server.IDLE", 0.0)
+    monkeypatch.setattr("tline.live.desk.IDLE", 0.0)
     shown = CliRunner().invoke(main, ["live", "water_pipe"], catch_exceptions=False).output
     assert shown == f"{opened[0]}  (Ctrl-C ends it)\n"
     assert CliRunner().invoke(main, ["live", "water_pipe", "--no-browser"]).exit_code == 0

@@ -14,7 +14,7 @@ from command_line import call, tline
 from tline.cli.main import COMMANDS, main
 from tline.errors import SceneError
 from tline.scene.file import read_scene
-from tline.words.printable import CONTROL
+from tline.words.wording import CONTROL
 
 CABLE = """
 medium = "electrical"
@@ -46,7 +46,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     inside = tmp_path / "scenes"
     inside.mkdir()
     monkeypatch.chdir(inside)
-    monkeypatch.setattr("tline.live.server.IDLE", 0.0)
+    monkeypatch.setattr("tline.live.desk.IDLE", 0.0)
     (tmp_path / "secret.csv").write_text("0,0\n1e-9,1\n")
     (inside / "table.csv").write_text("0,0\n1e-9,1\n")
     (inside / "out.toml").write_text(CABLE.replace("FILE", "../secret.csv"))

@@ -33,7 +33,7 @@ LOWER = {
     ("tline.solver.tolerance.ladder", "MOST_SECONDS"): 0.3,
     ("friction.simulation", "MOST_STEPS"): 20_000,
     ("drives.simulation", "MOST_STEPS"): 5_000,
-    ("tline.live.server", "IDLE"): 0.0,
+    ("tline.live.desk", "IDLE"): 0.0,
     ("webbrowser", "open"): bool,
 }
 

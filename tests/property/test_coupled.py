@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from energy import InLoads, on_lines
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tline import Scene, simulate
 from tline.solver.assembly.assemble import assemble

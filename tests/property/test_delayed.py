@@ -4,8 +4,7 @@ import math
 from fractions import Fraction
 
 import mpmath
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from passivity import Kind, Status, verify
 from passivity.calculus.ask import ask

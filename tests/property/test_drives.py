@@ -7,8 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import fmpq_mat
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from drives import Belt, CoupledDrives, Pulley, Spool, Torque, simulate
 from drives.energy import open_torques, powers, storage

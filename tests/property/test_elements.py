@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from energy import in_pieces, never_grows, on_lines, silent
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from random_elements import random_elements
 from random_pockets import random_pockets
 

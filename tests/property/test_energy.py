@@ -6,8 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from energy import InLoads, in_pieces, on_lines, silent
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from random_scenes import random_scene
 
 from tline.scene.scene import Scene

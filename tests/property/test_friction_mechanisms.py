@@ -55,7 +55,7 @@ def test_energy_never_grows_and_goes_into_friction_and_dampers(masses):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_states_and_events_are_those_of_an_independent_integrator(seed):
-    """`python -m benchmarks.attack mechanisms` has more of them; 1000 seeds agree to 2e-11."""
+    """`python tests/attack.py mechanisms` has more of them; 1000 seeds agree to 2e-11."""
     row, times = random_row(seed), np.linspace(0.0, END, TIMES)
     status, found = by_friction(row, times)
     exact = by_steps(row, times)

@@ -1,4 +1,4 @@
-"""Hostile input through every door, as many as seconds allow; `python -m benchmarks.fuzz` takes a million."""
+"""Hostile input through every door, as many as seconds allow; `python tests/fuzz_commands.py` takes a million."""
 
 from collections.abc import Iterator
 from importlib import import_module

@@ -1,8 +1,7 @@
 """The ledger of any network adds up; lines only ever lose; and what makes energy is named."""
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from one_line import FAR, one_line
 from random_elements import random_elements
 from random_scenes import random_scene

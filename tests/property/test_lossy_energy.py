@@ -6,9 +6,7 @@ from math import floor
 import numpy as np
 import pytest
 from energy import InLoads, on_lines
-from hypothesis import given, settings
-from hypothesis import strategies as some
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as some, strategies as st
 from random_scenes import random_scene
 from remembering_scenes import SCENES
 

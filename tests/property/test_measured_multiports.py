@@ -7,8 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from energy import on_lines, silent
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from touchstone_files import FILTER, SHIPPED, frequencies, stretch, write, write_ports
 
 import tline.scene.touchstone as touchstone

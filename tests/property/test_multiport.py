@@ -4,8 +4,7 @@ from fractions import Fraction
 from itertools import permutations
 
 from flint import fmpq_mat
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from passivity import Kind, RationalFunction, RationalMatrix, StateSpace, Status, impedances, scattering
 from passivity.exact.certificate import verify

@@ -2,8 +2,7 @@
 
 import numpy as np
 from energy import InLoads, on_lines
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from random_multiports import multiport_scenes
 
 from tline.scene.scene import Scene

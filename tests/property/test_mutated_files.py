@@ -1,4 +1,4 @@
-"""Files with words and lines torn out, doubled and moved; `python -m benchmarks.attack decks` takes thousands."""
+"""Files with words and lines torn out, doubled and moved; `python tests/attack.py decks` takes thousands."""
 
 import pytest
 from mutated_files import DECKS, DIALECTS, IBIS, TOUCHSTONE, mutated, outcome

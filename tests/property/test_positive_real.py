@@ -3,8 +3,7 @@
 import math
 from fractions import Fraction
 
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from passivity import RationalFunction, Status, check_bounded_real, check_positive_real, robustness, verify
 

@@ -7,8 +7,7 @@ import control
 import flint
 import numpy as np
 import scipy.signal
-from hypothesis import assume, example, given
-from hypothesis import strategies as st
+from hypothesis import assume, example, given, strategies as st
 
 from passivity import ExpressionError, RationalFunction
 from passivity.expression.parse import parse

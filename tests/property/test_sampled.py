@@ -3,8 +3,7 @@
 from fractions import Fraction
 
 import numpy as np
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from passivity import PoleResidueModel, SampledResponse, Status, check_samples, enforce, fit, verify
 

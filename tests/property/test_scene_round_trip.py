@@ -8,19 +8,17 @@ from itertools import pairwise
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from tline.scene.file import scene_from, scene_text, schema
 from tline.scene.line import Cable, Pipe
-from tline.scene.load import Matched, NoFlow, Reservoir, Short
+from tline.scene.load import Matched, NoFlow, Reservoir, Short, Switch
 from tline.scene.measure import Probe
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Transformer
 from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.source import Source
-from tline.scene.switch import Switch
-from tline.words.printable import one_line
+from tline.words.wording import one_line
 
 
 def quantity(*units: str, least: float = 1e-3, most: float = 1e3, signed: bool = False):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from flint import fmpq_mat
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import passivity
 from passivity import Kind, SampledResponse, StateSpace, Status, check_positive_real, fit_scattering, verify

@@ -4,8 +4,7 @@ from fractions import Fraction
 from random import Random
 
 from flint import fmpz_mpoly
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from passivity import ExpressionError, Kind, Range, RationalFunction, Status, check_positive_real, parse_assumption
 from passivity.calculus.ask import of_text as check_symbolic

@@ -5,8 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from kept import kept
 from one_line import FAR, one_line
 from random_kinks import KINDS, random_kinks
@@ -28,7 +27,7 @@ FACTOR = 2  # an error is told by a difference of two runs, which may be that mu
 
 @pytest.mark.parametrize(("seed", "kind", "tol"), [(k, kind, 10.0 ** -(3 + k % 4)) for k, kind in enumerate(KINDS)])
 def test_errors_are_as_told_at_any_instant(seed, kind, tol):
-    """`python -m benchmarks.attack tolerance` tries hundreds."""
+    """`python tests/attack.py tolerance` tries hundreds."""
     found = kept(random_kinks(seed, kind), tol)
     assert found.inside <= FACTOR
     assert found.extreme <= 1

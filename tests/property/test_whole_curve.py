@@ -1,4 +1,4 @@
-"""A tolerance that is met is met wherever a user looks; `python -m benchmarks.attack curve` tries more."""
+"""A tolerance that is met is met wherever a user looks; `python tests/attack.py curve` tries more."""
 
 import numpy as np
 import pytest

@@ -28,7 +28,7 @@ from drives import (
     symbolic_transfer,
     undamped_frequency,
 )
-from drives.roots import roots
+from drives.number import roots
 from drives.symbolic import SYMBOLS
 
 EXERCISE = CoupledDrives()

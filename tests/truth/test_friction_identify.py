@@ -1,4 +1,4 @@
-"""Parameters of laws moved by SciPy, from force with 1 % noise; `benchmarks.attack identification` has more."""
+"""Parameters of laws moved by SciPy, from force with 1 % noise; `python tests/attack.py identification` has more."""
 
 import numpy as np
 import pytest

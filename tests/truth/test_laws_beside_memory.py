@@ -137,7 +137,7 @@ def test_a_ramp_between_edges_of_slabs_beside_a_switch(corner):
 
 @pytest.mark.parametrize(("seed", "tol"), [(0, 1e-3), (8, 1e-3), (18, 1e-3), (12, 1e-5)])
 def test_what_is_told_of_a_tree_or_a_bundle_is_no_less_than_a_third_of_the_error(seed, tol):
-    """Beyond what two grids of BDF2 differ by; `python -m benchmarks.attack memory` has more seeds, and laws."""
+    """Beyond what two grids of BDF2 differ by; `python tests/attack.py memory` has more seeds, and laws."""
     found = judge(random_memory(seed), tol)
     assert found.met
     assert found.over < 3

@@ -4,8 +4,7 @@ import math
 
 import pytest
 import scipy.constants
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from iapws._iapws import _Liquid
 from pint import UnitRegistry
 

@@ -98,7 +98,7 @@ def test_a_switch_moves_beside_a_table():
 
 @pytest.mark.parametrize("seed", range(6))
 def test_nothing_is_more_wrong_than_told(seed):
-    """`python -m benchmarks.attack events` has thousands more."""
+    """`python tests/attack.py events` has thousands more."""
     scene, tol = random_events(seed), TOLERANCES[seed % 3]
     result = simulate(scene.scene, tol=tol)
     assert result.accuracy is not None

@@ -13,8 +13,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from passivity import Status
-from passivity import verify as verify_one_port
+from passivity import Status, verify as verify_one_port
 from passivity.delayed.line import check_line_two_port
 from passivity.exact.certificate import verify
 from passivity.exact.margin import margin

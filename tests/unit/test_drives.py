@@ -10,8 +10,7 @@ import drives
 from drives import Belt, CoupledDrives, Pulley, Spool, Torque, design, hidden_modes, simulate, simulate_control
 from drives.discretise import energy_matrix, step_matrix
 from drives.linearise import literal_rates
-from drives.number import exact
-from drives.roots import roots
+from drives.number import exact, roots
 from drives.state_space import floats
 
 EXERCISE = CoupledDrives()

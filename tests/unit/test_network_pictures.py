@@ -10,10 +10,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from tline import InputError, Result, Scene, simulate
-from tline.pictures import Route, animated, lines_to_map, plot_map, plot_profile, route, surges
-from tline.pictures import layout as laying
+from tline.pictures import Route, animated, lines_to_map, network as laying, plot_map, plot_profile, route, surges
 from tline.pictures.bounds import bounds
-from tline.pictures.layout import course, layout
+from tline.pictures.network import course, layout
 from tline.pictures.path import extremes_along
 from tline.scene.file import read_scene, scene_from
 from tline.scene.heights import GRAVITY

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tline.compiled.trusted_file import UntrustedError, check_folder, read_trusted
+from tline.compiled.object_code import UntrustedError, check_folder, read_trusted
 
 NOBODY = 65534
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="owners and modes are those of POSIX")

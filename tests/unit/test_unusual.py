@@ -3,8 +3,7 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tline import ElectricalLine, HydraulicLine, InputError, Scene
 from tline.interchange.water_scene import read_inp

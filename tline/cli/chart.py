@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tline.cli.from_signature import Command, Output, command, drawn, picture, table
-from tline.words.aligned import aligned
+from tline.words.wording import aligned
 
 if TYPE_CHECKING:
     from tline.study.charts.measure import ChartTable

@@ -97,9 +97,9 @@ def _public(package: str, name: str) -> str:
     if not _folder(package).is_dir():
         return f"{package}:{name}"
     stub = _folder(package).joinpath("__init__.pyi").read_text(encoding="utf-8")
-    found = re.search(rf"^from (\S+) import {name} as {name}$", stub, re.MULTILINE)
-    assert found is not None, f"{package}.{name}"
-    return f"{found[1]}:{name}"
+    found = [each for each in ast.parse(stub).body if isinstance(each, ast.ImportFrom)]
+    home = next(each.module for each in found if name in (alias.name for alias in each.names))
+    return f"{home}:{name}"
 
 
 def _folder(module: str) -> Path:

@@ -8,7 +8,7 @@ import click
 from tline.cli.drives_parts import LOOSE, MECHANISM, loosely, mechanism, quantity, torques
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
 from tline.errors import InputError
-from tline.words.aligned import aligned
+from tline.words.wording import aligned
 
 EXAMPLES = """\b
 Examples:
@@ -220,8 +220,7 @@ def control(*, t_end: str = "2 s", sensitivities: bool = False, **given: Any) ->
     sensitivities
         Print the effect of 1 % more of each parameter on poles and overshoots of the linear, continuous loop.
     """
-    from drives import Torque, design, simulate_control
-    from drives import sensitivities as sensitivities_of
+    from drives import Torque, design, sensitivities as sensitivities_of, simulate_control
 
     rubs, flags = loosely(given), {}
     found, end = mechanism(given), quantity("--t-end", t_end, "s")

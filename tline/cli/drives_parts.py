@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from tline.cli.columns import read_columns
 from tline.cli.docstrings import arguments_of
-from tline.cli.options import check_partners, options_named
+from tline.cli.options import check_partners, options_named, read_columns
 from tline.errors import InputError
 from tline.scene.text_file import read_toml
 from tline.units import to_si

@@ -36,8 +36,7 @@ def exercise(letter: str = "", *, figures: str | None = None, files: dict[str, s
     figures : FOLDER
         Where to write the figure of the letter, or without one those of all letters.
     """
-    from tline.exercises.answer import exercise as answered
-    from tline.exercises.answer import letters
+    from tline.exercises.answer import exercise as answered, letters
 
     known = letters()
     if given and not letter:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from friction.parameters import TOLD
-from tline.cli.columns import read_columns
 from tline.cli.from_signature import Output, command, drawn, picture, table, tabled
-from tline.cli.options import check_partners, options_named
+from tline.cli.options import check_partners, options_named, read_columns
 from tline.errors import InputError
 from tline.units import engineering, to_si
 from tline.words.progress import Progress
@@ -324,8 +323,7 @@ def identify(file: str, *, models: tuple[str, ...] = (), folds: int = 5) -> Outp
     """
     import sys
 
-    from friction import MODELS
-    from friction import identify as fitted
+    from friction import MODELS, identify as fitted
 
     record = read_columns(file, file, RECORDED)
     moved = [name for name in ("v", "x") if name in record]

@@ -14,7 +14,7 @@ from tline.line import ElectricalLine, HydraulicLine, electrical, hydraulic
 from tline.line.electrical import in_air
 from tline.line.parameters import LineParameters, LineQuantity, read
 from tline.units import engineering
-from tline.words.aligned import aligned
+from tline.words.wording import aligned
 
 if TYPE_CHECKING:
     from tline.loss import LossyLine

@@ -1,19 +1,139 @@
-"""Command `tline`: finds a subcommand by name, imports only that one, and reports errors in one sentence."""
+"""Command `tline`: finds a subcommand by name, imports only that one, and reports errors in one sentence.
 
+Text cannot steer the terminal, and closed or full streams do no harm.
+"""
+
+import atexit
 import gc
+import io
+import os
 import sys
 import traceback
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from threading import active_count
+from typing import Any, TextIO
 
 import click
 
-from tline.cli.terminal import UnreadError, forsake_stdout, terminal
 from tline.errors import ActiveError, InputError, LeftOutWarning, NotKeptWarning
+from tline.words.wording import printable
+
+
+class UnreadError(Exception):
+    """The reader of the output is gone."""
+
+
+class Printable(io.TextIOBase):
+    """Stream that writes control characters as ``\\u001b``; a carriage return in front, of a progress bar, stays.
+
+    Parameters
+    ----------
+    stream : TextIO
+        Target of the text.
+    optional : bool
+        Whether text that cannot be written there is dropped.
+    """
+
+    encoding, errors = "utf-8", "replace"
+
+    def __init__(self, stream: TextIO, optional: bool):
+        self.stream, self.optional = stream, optional
+        self.encoding = stream.encoding or "utf-8"
+
+    def writable(self) -> bool:  # noqa: D102
+        return True
+
+    def isatty(self) -> bool:  # noqa: D102
+        return self.stream.isatty()
+
+    def fileno(self) -> int:  # noqa: D102
+        return self.stream.fileno()
+
+    def write(self, text: str | bytes) -> int:  # noqa: D102
+        text = text.decode() if isinstance(text, bytes) else text  # click writes shell completions as bytes
+        front = "\r" if text.startswith("\r") else ""
+        with self._tolerant():
+            self.stream.write(front + printable(text[len(front) :]))
+        return len(text)
+
+    def flush(self) -> None:  # noqa: D102
+        with self._tolerant():
+            self.stream.flush()
+
+    @contextmanager
+    def _tolerant(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            if not self.optional:
+                raise (UnreadError() if isinstance(error, BrokenPipeError) else error) from None
+
+
+@contextmanager
+def terminal() -> Iterator[None]:
+    """Replace closed streams, and pass all text through `Printable`, while a command runs.
+
+    Printing to a closed stdout is an error at that time; text for a closed or full stderr is lost.
+    """
+    _open_descriptors()
+    before = sys.stdout, sys.stderr
+    out, err = before[0] or _stream(1), before[1] or _stream(2)
+    for stream in (out, err):
+        if isinstance(stream, io.TextIOWrapper):  # '?' replaces Greek letters that cannot be printed
+            stream.reconfigure(errors="replace")
+    sys.stdout, sys.stderr = Printable(out, False), Printable(err, True)
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+
+
+def forsake_stdout() -> None:
+    """Discard output not flushed yet, after the reader is gone."""
+    with suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _open_descriptors() -> None:
+    """Occupy the descriptors 0 to 2, so that no file of the program gets one of them and is overwritten."""
+    for number, mode in enumerate((os.O_RDONLY, os.O_RDONLY, os.O_WRONLY)):  # writing to stdout shall fail
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, mode)
+
+
+def _stream(number: int) -> TextIO:
+    return io.TextIOWrapper(io.FileIO(number, "w", closefd=False), "utf-8", write_through=True)  # pyright: ignore[reportArgumentType]
+
+
+def program() -> None:
+    """Run `tline`, and exit.
+
+    When all is written the system frees memory at once; clearing every module and collecting garbage before would
+    take a tenth of the time of a small scene. While threads are alive, Python waits for them as usual.
+    """
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else pydantic reads the metadata of all packages
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait for each other longer than small matrices take
+    try:
+        main()
+    except SystemExit as end:
+        if not isinstance(end.code, int) or active_count() > 1:
+            raise
+        code = end.code
+    else:
+        return
+    atexit._run_exitfuncs()
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    finally:
+        os._exit(code)
+
 
 COMMANDS = {
     "line": (
@@ -21,10 +141,13 @@ COMMANDS = {
         "z0, wave speed and the rest of a pipe or a cable, from what is known of it.",
     ),
     "run": ("tline.cli.run:run", "Simulate a scene."),
-    "live": ("tline.cli.examples:live", "A scene as a page on this machine: sliders for its numbers, and all follows."),
-    "demo": ("tline.cli.examples:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
+    "live": (
+        "tline.cli.scene_files:live",
+        "A scene as a page on this machine: sliders for its numbers, and all follows.",
+    ),
+    "demo": ("tline.cli.scene_files:demo", "A valve shuts on a water pipe: numbers, pictures and an animation."),
     "exercise": ("tline.cli.exercise:exercise", "The exercise tline grew out of, answered letter by letter."),
-    "examples": ("tline.cli.examples:examples", "The scenes that come with tline, to look at or to start from."),
+    "examples": ("tline.cli.scene_files:examples", "The scenes that come with tline, to look at or to start from."),
     "surge": ("tline.cli.surge:surge", "Operate a water network without editing a file: the worst of a surge."),
     "study": ("tline.cli.surge:study", "Many surges of a water network, and variants of it, from one file."),
     "design": ("tline.cli.design:design", "Size an air vessel, a closure, a relief valve or a flywheel."),

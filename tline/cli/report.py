@@ -19,8 +19,7 @@ from tline.solver.result.quantities import Bounds, in_tables
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.simulate import judged
 from tline.units import handy
-from tline.words.aligned import aligned
-from tline.words.wording import place
+from tline.words.wording import aligned, place
 
 MOST_JUDGED = 1e8  # line-end samples; a run with fixed order and slab below this is repeated to estimate its error
 

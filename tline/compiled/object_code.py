@@ -1,8 +1,8 @@
 """Object code of compiled units on disk: found, checked, and loaded by llvmlite alone, without numba.
 
 A file is valid while all source code of the unit has the same meaning (`tline.compiled.stamp`), for one
-processor, one version of numba and one set of its options. It is read only if nobody else can have written it
-(`tline.compiled.trusted_file`). The C library's functions that it needs must be found before it is loaded.
+processor, one version of numba and one set of its options. It is read only if nobody else, but root, can have
+written it. The C library's functions that it needs must be found before it is loaded.
 
 A wheel for one platform brings code of all its units (`.ci/wheel`), made for any processor that has `BASELINE`. It
 does not depend on numba's version, and anyone able to change it could change the program next to it.
@@ -13,6 +13,7 @@ import hashlib
 import json
 import os
 import platform
+import stat
 import sys
 import warnings
 from contextlib import suppress
@@ -23,9 +24,61 @@ from typing import Any
 from uuid import uuid4
 
 from tline.compiled.stamp import SourceText, are_unchanged, digests, sources_of
-from tline.compiled.trusted_file import UntrustedError, check_folder, read_trusted
 
-COMPILING = "tline.compiled.by_reference", "tline.compiled.compiler"  # affect all code, though no unit imports them
+OTHERS = stat.S_IWGRP | stat.S_IWOTH
+BEYOND_LINKS = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+
+
+class UntrustedError(Exception):
+    """Somebody else can have written this."""
+
+
+def read_trusted(path: Path) -> bytes:
+    """Content of a file that nobody else can have written.
+
+    Raises UntrustedError: somebody else can, or it is a link, or not a file. Raises OSError: the file is missing, or
+    cannot be read.
+    """
+    if os.name != "posix":  # where owners and modes have no meaning
+        return path.read_bytes()
+    folder = _opened_folder(path.parent)
+    try:
+        if not stat.S_ISREG(os.stat(path.name, dir_fd=folder, follow_symlinks=False).st_mode):
+            raise UntrustedError(f"{path} is a link, or no file")
+        with open(os.open(path.name, BEYOND_LINKS, dir_fd=folder), "rb") as file:
+            _check(os.fstat(file.fileno()), path)
+            return file.read()
+    finally:
+        os.close(folder)
+
+
+def check_folder(path: Path) -> None:
+    """Raise an error for a folder into which somebody else can write.
+
+    Raises UntrustedError: somebody else can. Raises OSError: it is not there, or cannot be read.
+    """
+    if os.name == "posix":
+        os.close(_opened_folder(path))
+
+
+def _opened_folder(path: Path) -> int:
+    folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        _check(os.fstat(folder), path)
+    except UntrustedError:
+        os.close(folder)
+        raise
+    return folder
+
+
+def _check(found: os.stat_result, path: Path) -> None:
+    if found.st_uid not in (os.geteuid(), 0):
+        raise UntrustedError(f"{path} belongs to another user")
+    if found.st_mode & OTHERS:
+        raise UntrustedError(f"other users may write to {path}")
+
+
+COMPILING = "tline.compiled.compiler", "tline.compiled.compiler"  # affect all code, though no unit imports them
 NO_MATTER = {"NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_THREADING_LAYER"}  # numba's settings without effect on code
 SHIPPED = Path(__file__).with_name("shipped")  # code that came with a wheel
 BASELINE = {"x86_64": {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}}  # x86-64-v3; no requirement for others

@@ -39,13 +39,7 @@ class Field(NamedTuple):
 
 @cache
 def fields(structure: type) -> tuple[Field, ...]:
-    """Members of a structure in order.
-
-    Raises
-    ------
-    TypeError
-        A member has a type that compiled code cannot read.
-    """
+    """Members of a structure in order. Raises TypeError: a member has a type that compiled code cannot read."""
     found: list[Field] = []
     word = 0
     for name, hint in get_type_hints(structure, include_extras=True).items():

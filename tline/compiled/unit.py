@@ -43,16 +43,16 @@ def function(code: Callable[..., Any]) -> Any:
 
 
 class _Intrinsic:
-    """Name in compiled code, defined in `tline.compiled.by_reference`."""
+    """Name in compiled code, defined in `tline.compiled.compiler`."""
 
     def __init__(self, name: str):
         self._name = name
 
     @property
     def _numba_type_(self) -> Any:
-        from tline.compiled import by_reference
+        from tline.compiled import compiler
 
-        return by_reference.type_of(getattr(by_reference, self._name))
+        return compiler.type_of(getattr(compiler, self._name))
 
 
 invoke: Any = _Intrinsic("invoke")

@@ -17,8 +17,8 @@ from tline.solver.prepared import Prepared, prepare
 from tline.solver.result.result import Result
 from tline.solver.simulate import UnresolvedWarning
 from tline.units import engineering
-from tline.words.aligned import aligned
 from tline.words.progress import Progress
+from tline.words.wording import aligned
 
 USUAL_TOL, USUAL_RUNS = 1e-3, 20
 NO_SEARCH = "even the smallest size that was tried keeps the limits"

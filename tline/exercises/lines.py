@@ -7,8 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from drives.picture import draw_bode as draw_bode
-from drives.picture import draw_run as draw_run
+from drives.picture import draw_bode as draw_bode, draw_run as draw_run
 from friction.pictures import draw_panels as draw_panels
 from passivity.exact.picture import draw_smith
 from tline.exercises.answer import Found

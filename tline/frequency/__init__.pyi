@@ -1,10 +1,9 @@
 from tline.frequency.delay_system import DelaySystem as DelaySystem
-from tline.frequency.oscillations import Resonance as Resonance
-from tline.frequency.oscillations import resonances as resonances
-from tline.frequency.ports import ScatteringParameters as ScatteringParameters
-from tline.frequency.ports import impedance as impedance
-from tline.frequency.ports import scattering_parameters as scattering_parameters
-from tline.frequency.response import ProbeResponse as ProbeResponse
-from tline.frequency.response import Response as Response
-from tline.frequency.response import respond as respond
+from tline.frequency.oscillations import Resonance as Resonance, resonances as resonances
+from tline.frequency.ports import (
+    ScatteringParameters as ScatteringParameters,
+    impedance as impedance,
+    scattering_parameters as scattering_parameters,
+)
+from tline.frequency.response import ProbeResponse as ProbeResponse, Response as Response, respond as respond
 from tline.solver.description.passive import taken_power as taken_power

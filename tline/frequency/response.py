@@ -22,8 +22,7 @@ from tline.solver.description.lines import ProbePlace, probes_of
 from tline.solver.stability.growth import growth_sentence
 from tline.solver.stability.scattering import Scattering, answers, inside
 from tline.units import to_si
-from tline.words.aligned import aligned
-from tline.words.wording import nearest, place
+from tline.words.wording import aligned, nearest, place
 
 MOST_POINTS = 1_000_000
 PARTS = {"re": np.real, "im": np.imag}
@@ -43,13 +42,7 @@ class Curves(Presentation):
 
     @property
     def f(self) -> NDArray:
-        """Frequencies, Hz.
-
-        Raises
-        ------
-        InputError
-            They do not rise, or s is not on the imaginary axis.
-        """
+        """Frequencies, Hz. Raises InputError: they do not rise, or s is not on the imaginary axis."""
         f = np.imag(np.atleast_1d(self.s)) / (2 * np.pi)
         if f.ndim > 1 or np.any(np.real(self.s)) or f[0] < 0 or np.any(np.diff(f) <= 0):
             raise InputError("s", "no frequencies in rising order", "2j*pi*f")
@@ -109,10 +102,7 @@ class Curves(Presentation):
     def save(self, path: str | Path) -> None:
         """Write frequency in Hz, then real and imaginary part of each curve, as CSV.
 
-        Raises
-        ------
-        InputError
-            The file cannot be written.
+        Raises InputError: the file cannot be written.
         """
         columns = {
             f"{part} {name} [{self.unit}]": of(c) for name, c in self.curves.items() for part, of in PARTS.items()
@@ -296,10 +286,7 @@ def _on_line(
 def source_named(scene: Scene, name: str | None) -> str:
     """Return the name, or that of the only source.
 
-    Raises
-    ------
-    InputError
-        There is no such source, or several and none is named.
+    Raises InputError: there is no such source, or several and none is named.
     """
     sources = {key: each for key, each in scene.sources.items() if ("sources", key) not in scene.parts}
     if name is None:

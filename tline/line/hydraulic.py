@@ -4,9 +4,7 @@ import math
 from collections.abc import Mapping
 
 from tline.errors import InputError
-from tline.line.materials import fluid as named_fluid
-from tline.line.materials import metastable
-from tline.line.materials import youngs_modulus as named_modulus
+from tline.line.materials import fluid as named_fluid, metastable, youngs_modulus as named_modulus
 from tline.line.parameters import LineParameters, LineQuantity, read
 from tline.line.plausible import PIPES, unusual
 from tline.line.relations import AGREE, Given, Relation, Relations, determine

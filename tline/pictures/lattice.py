@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from tline.errors import InputError
 from tline.scene.heights import words
+from tline.scene.load import Switch
 from tline.scene.refuse import refuse_cavities, refuse_coupled, refuse_losses
 from tline.scene.scene import Scene
-from tline.scene.switch import Switch
 from tline.solver.result.dense_output import drawable
 from tline.solver.result.result import Result
 from tline.solver.result.wave import LineRecord, Wave

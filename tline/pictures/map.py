@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.pictures.bounds import scale, spread
-from tline.pictures.layout import Places, course, has_positions, layout, refuse_too_many
+from tline.pictures.network import Places, course, has_positions, layout, refuse_too_many
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.load import linked_pairs

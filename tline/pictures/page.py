@@ -73,10 +73,7 @@ FONTS = {"": "DejaVuSans", "b": "DejaVuSans-Bold"}  # those of Matplotlib: they 
 def print_page(text: str, where: str) -> bytes:
     """Set a page of HTML, made by `tline.pictures.page`, as PDF; errors name `where`.
 
-    Raises
-    ------
-    MissingExtraError
-        fpdf2 is not installed.
+    Raises MissingExtraError: fpdf2 is not installed.
     """
     fpdf = import_extra("fpdf", "fpdf2", "pdf", where)
     paper = fpdf.FPDF(format="A4")

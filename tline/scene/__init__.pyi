@@ -1,66 +1,63 @@
 from tline.scene.air_valve import AirValve as AirValve
-from tline.scene.cable_loss import CableTable as CableTable
-from tline.scene.cable_loss import LossTangent as LossTangent
-from tline.scene.cable_loss import Skin as Skin
-from tline.scene.cable_loss import Wire as Wire
-from tline.scene.characteristic import Curve as Curve
-from tline.scene.characteristic import Diode as Diode
-from tline.scene.coupled import Coupled as Coupled
-from tline.scene.coupled import OneMode as OneMode
-from tline.scene.coupled import SkinMatrix as SkinMatrix
+from tline.scene.cable_loss import CableTable as CableTable, LossTangent as LossTangent, Skin as Skin, Wire as Wire
+from tline.scene.characteristic import Curve as Curve, Diode as Diode
+from tline.scene.coupled import Coupled as Coupled, OneMode as OneMode, SkinMatrix as SkinMatrix
 from tline.scene.elements import *  # noqa: F403
 from tline.scene.file import schema as schema
-from tline.scene.friction import Darcy as Darcy
-from tline.scene.friction import Laminar as Laminar
-from tline.scene.friction import Linear as Linear
-from tline.scene.friction import QuasiSteady as QuasiSteady
-from tline.scene.friction import VardyBrown as VardyBrown
-from tline.scene.friction import Zielke as Zielke
+from tline.scene.friction import (
+    Darcy as Darcy,
+    Laminar as Laminar,
+    Linear as Linear,
+    QuasiSteady as QuasiSteady,
+    VardyBrown as VardyBrown,
+    Zielke as Zielke,
+)
 from tline.scene.heights import Site as Site
-from tline.scene.line import Cable as Cable
-from tline.scene.line import Creep as Creep
-from tline.scene.line import Pipe as Pipe
-from tline.scene.load import Matched as Matched
-from tline.scene.load import NoFlow as NoFlow
-from tline.scene.load import Reservoir as Reservoir
-from tline.scene.load import Short as Short
+from tline.scene.line import Cable as Cable, Creep as Creep, Pipe as Pipe
+from tline.scene.load import (
+    Matched as Matched,
+    NoFlow as NoFlow,
+    Reservoir as Reservoir,
+    Short as Short,
+    Switch as Switch,
+)
 from tline.scene.measure import Probe as Probe
-from tline.scene.multiport import ControlledSource as ControlledSource
-from tline.scene.multiport import CoupledInductors as CoupledInductors
-from tline.scene.multiport import Gyrator as Gyrator
-from tline.scene.multiport import Junction as Junction
-from tline.scene.multiport import Transformer as Transformer
-from tline.scene.outflow import Demand as Demand
-from tline.scene.outflow import Leak as Leak
+from tline.scene.multiport import (
+    ControlledSource as ControlledSource,
+    CoupledInductors as CoupledInductors,
+    Gyrator as Gyrator,
+    Junction as Junction,
+    Transformer as Transformer,
+)
+from tline.scene.outflow import Demand as Demand, Leak as Leak
 from tline.scene.pump import Pump as Pump
-from tline.scene.rational import Capacitor as Capacitor
-from tline.scene.rational import Impedance as Impedance
-from tline.scene.rational import Inductor as Inductor
-from tline.scene.rational import Parallel as Parallel
-from tline.scene.rational import Resistor as Resistor
-from tline.scene.rational import Series as Series
-from tline.scene.scene import Scene as Scene
-from tline.scene.scene import Solver as Solver
-from tline.scene.shape import Constant as Constant
-from tline.scene.shape import Step as Step
+from tline.scene.rational import (
+    Capacitor as Capacitor,
+    Impedance as Impedance,
+    Inductor as Inductor,
+    Parallel as Parallel,
+    Resistor as Resistor,
+    Series as Series,
+)
+from tline.scene.scene import Scene as Scene, Solver as Solver
+from tline.scene.shape import Constant as Constant, Step as Step
 from tline.scene.source import Source as Source
-from tline.scene.switch import Switch as Switch
-from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport
-from tline.scene.touchstone import Touchstone as Touchstone
-from tline.scene.user_defined import UserLink as UserLink
-from tline.scene.user_defined import UserLoad as UserLoad
-from tline.scene.valve import CheckValve as CheckValve
-from tline.scene.valve import Orifice as Orifice
-from tline.scene.valve import ReliefValve as ReliefValve
-from tline.scene.vessel import AirVessel as AirVessel
-from tline.scene.vessel import Cavities as Cavities
-from tline.scene.vessel import Cavity as Cavity
-from tline.scene.vessel import SurgeTank as SurgeTank
-from tline.scene.vessel import VapourCavity as VapourCavity
-from tline.scene.waveform import DoubleExponential as DoubleExponential
-from tline.scene.waveform import Exponential as Exponential
-from tline.scene.waveform import PiecewiseLinear as PiecewiseLinear
-from tline.scene.waveform import Pulses as Pulses
-from tline.scene.waveform import Ramp as Ramp
-from tline.scene.waveform import Sine as Sine
-from tline.scene.waveform import Table as Table
+from tline.scene.touchstone import MeasuredMultiport as MeasuredMultiport, Touchstone as Touchstone
+from tline.scene.user_defined import UserLink as UserLink, UserLoad as UserLoad
+from tline.scene.valve import CheckValve as CheckValve, Orifice as Orifice, ReliefValve as ReliefValve
+from tline.scene.vessel import (
+    AirVessel as AirVessel,
+    Cavities as Cavities,
+    Cavity as Cavity,
+    SurgeTank as SurgeTank,
+    VapourCavity as VapourCavity,
+)
+from tline.scene.waveform import (
+    DoubleExponential as DoubleExponential,
+    Exponential as Exponential,
+    PiecewiseLinear as PiecewiseLinear,
+    Pulses as Pulses,
+    Ramp as Ramp,
+    Sine as Sine,
+    Table as Table,
+)

@@ -47,13 +47,7 @@ Name = Annotated[str, AfterValidator(_readable)]
 
 
 class Element(BaseModel):
-    """Table of a scene file.
-
-    Raises
-    ------
-    SceneError
-        With every mistake of the element.
-    """
+    """Table of a scene file. Raises SceneError: with every mistake of the element."""
 
     model_config = ConfigDict(
         extra="forbid",

@@ -8,8 +8,7 @@ from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from tline.errors import InputError
 from tline.line import ElectricalLine, HydraulicLine
-from tline.line.electrical import QUANTITIES as ELECTRICAL
-from tline.line.electrical import in_air
+from tline.line.electrical import QUANTITIES as ELECTRICAL, in_air
 from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.materials import FLUIDS, WALLS
 from tline.line.parameters import LineQuantity

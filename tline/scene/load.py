@@ -1,4 +1,4 @@
-"""Loads at a node and links between two nodes, without a delay."""
+"""Loads at a node and links between two nodes, without a delay; switches are both."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import ValidationInfo, field_validator
 from tline.scene import elements
 from tline.scene.air_valve import AirValve
 from tline.scene.characteristic import Curve, Diode
-from tline.scene.element import AtNode, OneMedium, required
+from tline.scene.element import AtNode, OneMedium, Placed, required
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
 from tline.scene.medium import check_word
@@ -18,10 +18,9 @@ from tline.scene.mistakes import OneOf
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
 from tline.scene.outflow import Demand, Leak
 from tline.scene.pump import Pump
-from tline.scene.quantity import Pressure
+from tline.scene.quantity import Pressure, Resistance, Time
 from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
 from tline.scene.regulating import RegulatingValve
-from tline.scene.switch import Switch
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import UserLink, UserLoad, or_user_defined
 from tline.scene.valve import CheckValve, Orifice, ReliefValve
@@ -60,6 +59,20 @@ class Matched(AtNode):
     """Resistor equal to z0 of the only line at its node: no reflection."""
 
     kind: Literal["matched"] = "matched"
+
+
+class Switch(Placed):
+    """A valve or switch whose resistance changes from one value to another at an instant."""
+
+    kind: Literal["switch", "valve"]
+    before: Resistance = required("resistance before the instant")
+    after: Resistance = required("resistance from the instant on")
+    time: Time = required("the instant")
+
+    @field_validator("kind")
+    @classmethod
+    def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
+        return check_word(kind, info, "switch")
 
 
 LOADS = (

@@ -8,9 +8,9 @@ from typing import Any
 from tline.scene.coupled import Coupled
 from tline.scene.element import Element
 from tline.scene.heights import taken_as_zero
+from tline.scene.load import Switch
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
-from tline.scene.switch import Switch
 from tline.words.wording import place
 
 EVERYDAY = {"ohm", "V", "A", ""}  # units that a bare number commonly has

@@ -41,9 +41,8 @@ from tline.scene.source import Source
 from tline.scene.text_file import Folder
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import user_elements
-from tline.words.printable import one_line
 from tline.words.progress import Progress
-from tline.words.wording import place, shown
+from tline.words.wording import one_line, place, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

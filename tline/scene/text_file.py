@@ -15,8 +15,7 @@ from pydantic import ValidationInfo
 
 from tline.errors import InputError
 from tline.scene.quantity import LARGEST
-from tline.words.printable import one_line
-from tline.words.wording import shown
+from tline.words.wording import one_line, shown
 
 LARGEST_FILE = 100_000_000  # bytes
 

@@ -53,13 +53,7 @@ class Examples(Mapping[str, Scene]):
         return {name: tomllib.loads(self.path(name).read_text(encoding="utf-8"))["title"] for name in self}
 
     def path(self, name: str) -> Path:
-        """The file of a scene.
-
-        Raises
-        ------
-        InputError
-            There is no scene of that name.
-        """
+        """The file of a scene. Raises InputError: there is no scene of that name."""
         if name not in self:
             raise InputError("examples", "no such scene", nearest(str(name), self.names), shown(name))
         return FOLDER / f"{name}.toml"

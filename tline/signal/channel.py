@@ -62,7 +62,7 @@ class Channel(Presentation):
     found: "DelayedModel"
     title: str = ""
     tol: float = np.inf
-    picture = "tline.pictures.channel:plot_channel"
+    picture = "tline.pictures.signals:plot_channel"
 
     @cached_property
     def verdict(self) -> "SampleVerdict":
@@ -230,7 +230,7 @@ class Channel(Presentation):
 
         suffix_of(path, REPORTS)
         profile = self.reflections(0.5 / self.measured.f[-1] if rise is None else rise)
-        pages, parts = import_module("tline.pictures.page"), import_module("tline.pictures.channel").report
+        pages, parts = import_module("tline.pictures.page"), import_module("tline.pictures.signals").report
         whole = pages.page(f"Channel {self.title}".rstrip(), parts(self, profile, seen, margin, inputs or {}))
         pages.save_page(whole, path)
 

@@ -18,7 +18,7 @@ from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.description.nodes import Node
 from tline.solver.steady.steady_state import above_level, rest
-from tline.words.aligned import aligned
+from tline.words.wording import aligned
 
 
 class LoadLine(NamedTuple):

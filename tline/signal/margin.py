@@ -50,7 +50,7 @@ class OperatingMargin(Presentation):
     cases: tuple[float, ...] = ()
     lacking: tuple[str, ...] = ()
     title: str = ""
-    picture = "tline.pictures.channel:plot_margin"
+    picture = "tline.pictures.signals:plot_margin"
 
     @property
     def margin(self) -> float:

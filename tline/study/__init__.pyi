@@ -1,3 +1,2 @@
-from tline.study.charts.work_precision import peers as peers
-from tline.study.charts.work_precision import work_precision as work_precision
+from tline.study.charts.work_precision import peers as peers, work_precision as work_precision
 from tline.study.reference.lossy import lossy_response as lossy_response

@@ -12,7 +12,7 @@ from tline.surge.band import Band
 from tline.surge.columns import Columns
 from tline.surge.worst import Extreme, Worst, class_of, extremes, worst
 from tline.units import to_si
-from tline.words.aligned import aligned
+from tline.words.wording import aligned
 
 BAR, NAMED, DECIMALS = 1e5, 5, 6  # Pa; nodes in a sentence; of a spread
 STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "at [s]", "at the end"], 20

@@ -23,8 +23,8 @@ from tline.surge.worst import extremes
 from tline.sweeps.design import whole
 from tline.sweeps.executors import Batch, NoWorkers, Queue, on_executor, on_processes, workers_of
 from tline.sweeps.runs import MOST_WORKERS
-from tline.words.aligned import aligned
 from tline.words.progress import Progress
+from tline.words.wording import aligned
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,8 +15,7 @@ from tline.solver.description.given import Scene
 from tline.solver.result.quantities import Quantity, in_sweeps
 from tline.sweeps.keep import ESTIMATE, EXTREMES
 from tline.units import handy
-from tline.words.aligned import aligned
-from tline.words.wording import nearest, shown
+from tline.words.wording import aligned, nearest, shown
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -1,8 +1,9 @@
-"""Words of messages: the place of a key, a value as it was given, and the known words nearest to a typed one."""
+"""Words of messages: place of a key, value as it was given, known words nearest to a typed one; tables of text."""
 
 import json
 import re
 import reprlib
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 SEARCHED, LISTED = 2000, 16  # known words that are searched for a near one, and that are listed
@@ -52,3 +53,49 @@ def listed(known: list[str]) -> str:
     """List all known words, or some."""
     words = ", ".join(f"'{name}'" for name in known[:LISTED])
     return "one of " * (len(known) > 1) + words + f" and {len(known) - LISTED} more" * (len(known) > LISTED)
+
+
+def aligned(rows: Sequence[Sequence[str]], words: int) -> list[str]:
+    """Align rows in columns of one width, the first ones of words to the left and numbers to the right.
+
+    Examples
+    --------
+    >>> print(*aligned([["name", "size"], ["a", "1.5"]], 1), sep="\\n")
+    name  size
+    a      1.5
+    """
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.ljust(width) if k < words else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
+
+
+# C0 and C1 controls but tab and line feed, line and paragraph separators, and reversals of the writing direction
+CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+BREAK = re.compile(rf"(?:\s|{CONTROL.pattern})+")
+
+
+def printable(text: str) -> str:
+    r"""Write control characters in a text as ``\u001b``, the escape for the character in JSON.
+
+    Examples
+    --------
+    >>> printable("red \x1b[31m, next\n")
+    'red \\u001b[31m, next\n'
+    """
+    return CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def one_line(text: str) -> str:
+    r"""Replace control characters and line breaks in a text by spaces.
+
+    Examples
+    --------
+    >>> one_line(" A \x1b[2Jtitle\nin two lines")
+    'A [2Jtitle in two lines'
+    """
+    return BREAK.sub(" ", text).strip()

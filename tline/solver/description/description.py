@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.law import NonLinear
+from tline.scene.load import Switch
 from tline.scene.multiport import Multiport
 from tline.scene.rational import RationalImpedance
 from tline.scene.refuse import refuse_coupled
 from tline.scene.stretches import expanded
-from tline.scene.switch import Switch
 from tline.scene.user_defined import user_elements
 from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.elements import Branch, PlacedLaw, active_parts, branches_of, elements_of, impedances

@@ -6,7 +6,7 @@ from tline.scene.element import Between
 from tline.scene.heights import NO_HEIGHT, Height
 from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume, kinds_numbered
 from tline.scene.line import SceneLine
-from tline.scene.load import Matched, Reservoir, Resistor, Short
+from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Ports
@@ -17,6 +17,5 @@ from tline.scene.scene import Scene
 from tline.scene.shape import Constant, Shape
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
-from tline.scene.switch import Switch
 from tline.scene.touchstone import Touchstone
 from tline.scene.vessel import GAS_VOLUME, AirVessel

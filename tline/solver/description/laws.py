@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
 from tline.errors import InputError
-from tline.scene.switch import Switch
+from tline.scene.load import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape, Straight, just_before, varies

@@ -151,8 +151,7 @@ def search(
 
     Values are those at the points of an order, shape (edges - 1, points), `first` is the value before.
     """
-    from tline.solver.kernel.finished import TIE, find_extremes
-    from tline.solver.kernel.finished import extremes as searching
+    from tline.solver.kernel.finished import TIE, extremes as searching, find_extremes
 
     wave, found = np.ascontiguousarray(values - first)[:, :, None], np.empty((4, 1))  # what is sought begins at zero
     begin, length = edges[0], edges[-1] - edges[0]

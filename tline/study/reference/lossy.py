@@ -20,9 +20,9 @@ from tline.scene.refuse import refuse_cavities, refuse_heights
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
 from tline.study.reference.exact import Exact
-from tline.study.reference.lattice import instant
 from tline.study.reference.motion import rational
 from tline.study.reference.network import decimal, straight
+from tline.study.reference.rays import instant
 from tline.words.wording import place
 
 MOST_DIGITS, MOST_PASSAGES, MOST_TERMS = 100, 1_000, 100_000

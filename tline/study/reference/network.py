@@ -3,19 +3,17 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import count as count_from
-from itertools import pairwise, takewhile
+from itertools import count as count_from, pairwise, takewhile
 from math import inf
 
 from flint import acb, acb_poly, arb
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short
+from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
 from tline.scene.rational import RationalImpedance
 from tline.scene.refuse import refuse_floating, refuse_heights, refuse_losses
 from tline.scene.scene import Scene
-from tline.scene.switch import Switch
 from tline.scene.waveform import Constant, DoubleExponential, Exponential, Points, Pulses, Shape, Sine, Step
 from tline.study.reference.motion import ExponentialSum, rate, rational, rotation
 from tline.words.wording import nearest, place

@@ -1,7 +1,7 @@
-"""Random inputs by seed, each judged: ``python -m benchmarks.attack KIND [FROM TO]``.
+"""Random inputs by seed, each judged: ``python tests/attack.py KIND [FROM TO]``.
 
 Prints each seed with a wrong answer, the number of answers of each kind, and the largest of each measure with its seed.
-Inputs and judges are those of the tests, which take a few seeds; `python -m benchmarks.fuzz` attacks the commands.
+Inputs and judges are those of the tests, which take a few seeds; `python tests/fuzz_commands.py` attacks the commands.
 """
 
 import argparse
@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from benchmarks import harness  # noqa: F401 (finds the helpers of the tests)
 from tline.errors import InputError, NoFlowError
 
 

@@ -1,4 +1,4 @@
-"""Hostile input by the million: `python -m benchmarks.fuzz` asks all commands, and prints the seed of each bad answer.
+"""Hostile input by the million: `python tests/fuzz_commands.py` asks all commands, prints the seed of each bad answer.
 
 Cases (`tests/fuzz`) run in forked processes with a limit of time and of memory: a process that dies names its
 case. For any input, a command must answer in time, in bounds, and touch nothing else.
@@ -26,8 +26,6 @@ from fuzz.case import Case
 from fuzz.doors import DOORS, case_of
 from fuzz.judge import verdict
 from fuzz.warm import lower_limits, warm_up
-
-from benchmarks import harness  # noqa: F401 (finds the helpers of the tests)
 
 SIZE = 250  # cases of a process
 SECONDS, WALL = 5.0, 120.0  # of processor time that a case may take, and until one that waits for ever is given up
@@ -180,7 +178,7 @@ def main() -> int:
 
 
 def _asked() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.fuzz", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python tests/fuzz_commands.py", description=__doc__)
     parser.add_argument("--seed", type=int, default=17)
     parser.add_argument("--count", type=int, default=1_000_000, help="cases over all doors that are asked for")
     parser.add_argument("--door", action="append", choices=DOORS, help="may be repeated; all if not given")
