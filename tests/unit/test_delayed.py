@@ -18,8 +18,7 @@ from passivity.calculus.expand import Expansion
 from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, width_of
 from passivity.calculus.graph import Graph
 from passivity.calculus.proof import prove, verify
-from passivity.calculus.question import Question
-from passivity.calculus.read import read
+from passivity.calculus.question import Question, read
 from passivity.calculus.values import in_ball, in_floats
 from passivity.delayed import boxes
 from passivity.delayed.boxes import UnresolvedError, prove_in_balls, rule_balls
