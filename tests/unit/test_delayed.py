@@ -139,6 +139,7 @@ PROOFS = [
     ("function", "BR", "exp(-sqrt((1 + 2*s)*(3 + s)))"),
     ("function", "PR", "exp(4/5*log(s))"),
     ("mean", "PR", "log(1 + s)/s"),
+    ("mean", "PR", "s/log(1 + s)"),
     ("mean", "BR", "(1 - exp(-3*s))/(3*s)"),
     ("mean", "PR", "s/(s + 1 - exp(-s))"),
     ("equal", "PR", "(s + 1 - exp(-2*s))/(s + 1 + exp(-2*s))"),
