@@ -130,7 +130,7 @@ class Prover:
         """Apply a rule, keep its new facts, and return their steps."""
         try:
             found = ALL_RULES[rule](self.graph, n, [self.steps[k][:2] for k in premises], data)
-        except (ValueError, TypeError, ZeroDivisionError):
+        except (ValueError, TypeError, ZeroDivisionError, RecursionError):
             return []
         fresh = []
         for fact in found:

@@ -459,3 +459,9 @@ def test_a_proof_of_very_high_degree_is_not_begun():
     """Rational of degree 299 in exp(-s): Routh's scheme in whole numbers would take hours."""
     text = "*".join(f"({k} + exp(-{k}*s))" for k in range(2, 25))
     assert ask(text, Kind.PR).status is Status.UNDECIDED
+
+
+def test_a_function_too_deep_to_be_multiplied_out_is_no_error():
+    """A ladder of 80 steps, of which Python's stack does not hold all."""
+    steps = "".join(f"let z{k + 1} = 1 + 1/(s + 1/z{k}); " for k in range(80))
+    assert ask(f"let z0 = 1; {steps}z80*(2 + exp(-s))", Kind.PR).status is not Status.REFUTED
