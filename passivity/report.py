@@ -60,11 +60,10 @@ def as_dict(verdict: Verdict, margins: Margins, robust: Robustness | None = None
         verified = if_affordable(VERDICT, verify, found)
         proof = {"proof": found, "verified": verified}
         told |= proof if verdict.proof else {"certificate": _certificate(found) | {"verified": verified}}
-    told |= {"note": verdict.note} if verdict.note else {}
+    told |= {"note": verdict.note} if verdict.note or function is None else {}
     if function is None:
         condition = str(verdict.condition) if verdict.condition else None
-        told |= {"assumed": [str(r) for r in verdict.ranges], "condition": condition}
-        told |= {"steps": list(verdict.steps), "note": verdict.note}
+        told |= {"assumed": [str(r) for r in verdict.ranges], "condition": condition, "steps": list(verdict.steps)}
     if robust:
         told["robustness"] = {"tolerance": written(robust.tolerance), "same": robust.same}
         told["robustness"]["exception"] = robust.exception and _fraction(robust.exception)

@@ -16,8 +16,7 @@ from passivity.calculus.graph import ONE, Graph, Value
 from passivity.calculus.leaf import function_of, in_waves
 from passivity.calculus.proof import prove
 from passivity.calculus.prove import DEPTHS, Prover
-from passivity.calculus.question import Question
-from passivity.calculus.read import free_names, is_discrete, trees
+from passivity.calculus.question import Question, free_names, is_discrete, trees
 from passivity.calculus.rewrite import Line as Reading
 from passivity.calculus.search import Scales, Search
 from passivity.calculus.values import in_ball, needed
@@ -67,7 +66,7 @@ def is_positive_real(
     Raises
     ------
     ExpressionError
-        For any other argument, and where `passivity.calculus.read.read` raises it.
+        For any other argument, and where `passivity.calculus.question.read` raises it.
 
     References
     ----------
@@ -159,7 +158,7 @@ def of_text(
     ------
     ExpressionError
         For a name without value and assumption, for a value or an assumption of a name that is not in the text, and
-        where `passivity.calculus.read.read` raises it.
+        where `passivity.calculus.question.read` raises it.
     """
     numbers = {name: exact(x, f"parameter {name}") for name, x in (values or {}).items()}
     assume = list(assume)

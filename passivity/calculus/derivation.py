@@ -14,7 +14,7 @@ from flint import acb
 
 from passivity.calculus.ask import is_bounded_real, is_positive_real
 from passivity.calculus.graph import Graph
-from passivity.calculus.read import free_names, read
+from passivity.calculus.question import free_names, read
 from passivity.expression.number import digits, written
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict, Witness

@@ -156,13 +156,13 @@ class Texts:
 
     def __init__(self, nodes: list[Any]):
         self.nodes = nodes
-        self._known: dict[int, str] = {}
+        self._known: list[str] = []
+        for n in range(len(nodes)):  # what a node is made of comes before it
+            text = self.written_out(n)
+            self._known.append(text if len(text) <= LONGEST else f"#{n}")
 
     def of(self, n: int) -> str:
         """A node in text."""
-        if n not in self._known:
-            text = self.written_out(n)
-            self._known[n] = text if len(text) <= LONGEST else f"#{n}"
         return self._known[n]
 
     def written_out(self, n: int) -> str:

@@ -130,7 +130,7 @@ class Prover:
         """Apply a rule, keep its new facts, and return their steps."""
         try:
             found = ALL_RULES[rule](self.graph, n, [self.steps[k][:2] for k in premises], data)
-        except (ValueError, TypeError, ZeroDivisionError):
+        except (ValueError, TypeError, ZeroDivisionError, RecursionError):
             return []
         fresh = []
         for fact in found:
@@ -285,6 +285,8 @@ class Prover:
                 yield graph.nodes[b][1][0][1]
                 for k in list(self.known[graph.nodes[b][1][0][1]]):
                     self.follow(n, "function", [k])
+        if len(powers) > 1 and any(e == -1 and graph.nodes[b][0] == "log" for b, e in powers.items()):
+            yield graph.inverse((Fraction(1), n))[1]  # which may be a mean
         for k in list(self.known.get(graph.opposite(n) or 0, ())):
             self.follow(n, "product", [k], [-1])
         yield from self._means(n, powers)

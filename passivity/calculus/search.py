@@ -32,6 +32,7 @@ _LENGTHS = 24, 53, 120, 240, 480, 960, 1920, 3840, 7680, 15360  # of a witness, 
 _SURE = 1.5  # bits of precision for each neper that is lost on the way of a wave to the input and back
 _Term = tuple[int, float, tuple[tuple[str, int], ...]]
 _DISTANCES, _NEARER = (4, 8, 16, 32), (64, 256, 1024, 4096)  # binary, in parts of the modulus
+_BESIDE = *_DISTANCES, 64, 128  # of the frequency
 _RADII = (16, 64, 512, 2048)  # of discs, likewise
 _EXPONENTS = 16, 2**12, 2**40, 2**1400  # of the size of a part near its zero
 _USUAL = 1e-2, 1e2  # moduli of zeros of which the coefficients do not tell, as of sqrt(s) - 2
@@ -254,12 +255,12 @@ class Search:
 
     def beside(self, w: float) -> Witness | None:
         """A witness near a frequency on the axis."""
-        return next(filter(None, (self.check(*place) for place in _beside(w))), None)
+        return self.around(acb(0, w), _BESIDE, 1)
 
     def around(self, root: acb, distances: Iterable[int] = _DISTANCES, directions: int | None = None) -> Witness | None:
         """A witness ever nearer to a pole or a zero in Re s >= 0, in some directions, or in all."""
         re, im = near(root.real), near(root.imag)
-        for unit in (_short(max(re, im, key=abs), 1) / 2**distance for distance in distances):
+        for unit in (_short(max(re, im, key=abs) or Fraction(1), 1) / 2**distance for distance in distances):
             for x, y in _DIRECTIONS[:directions]:
                 if found := self.check(round(re / unit + x) * unit, round(im / unit + y) * unit):
                     return found
@@ -359,14 +360,6 @@ def _nearest(s: Array, size: float) -> Array:
     import numpy as np
 
     return s[np.argsort(np.abs(np.log(np.abs(s) / size)))[:3]]
-
-
-def _beside(w: float) -> Iterator[tuple[Fraction, Fraction]]:
-    """Points ever nearer to the axis at a frequency."""
-    for distance in (4, 8, 16, 32, 64, 128):
-        for bits in (6, 24, 50):
-            near = _short(w, bits)
-            yield (near or Fraction(1)) / 2**distance, near
 
 
 def _short(x: float | Fraction, bits: int) -> Fraction:

@@ -11,7 +11,7 @@ from flint import fmpq
 from passivity.budget import granted
 from passivity.calculus.ask import ask
 from passivity.calculus.given import given
-from passivity.calculus.read import statements
+from passivity.calculus.question import statements
 from passivity.discrete import Discrete
 from passivity.errors import ExpressionError, shown
 from passivity.expression.number import square_root, written

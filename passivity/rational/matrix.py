@@ -10,12 +10,12 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, Self, TypeAlias
 
-from flint import fmpq, fmpq_mat, fmpz_poly
+from flint import fmpq_mat, fmpz_poly
 
 from passivity.errors import ExpressionError, shown
 from passivity.expression.parse import parse
 from passivity.expression.tree import symbols
-from passivity.polynomial.roots import value
+from passivity.polynomial.roots import to_fmpq, value
 from passivity.polynomial.sign import UndecidedError, coprime
 from passivity.rational.evaluate import Exact, evaluate, positive
 from passivity.rational.function import RationalFunction
@@ -135,7 +135,8 @@ class RationalMatrix:
         parts = [[value(x, re, im) for x in row] for row in n]
         u = [[(a * c + b * e) / size for a, b in row] for row in parts]
         v = [[(b * c - a * e) / size for a, b in row] for row in parts]
-        return real_form(u, v)
+        rows = [[*a, *(-x for x in b)] for a, b in zip(u, v, strict=True)]
+        return fmpq_mat([[*map(to_fmpq, row)] for row in [*rows, *([*b, *a] for a, b in zip(u, v, strict=True))]])
 
     def __call__(self, s: complex) -> list[list[complex]]:
         """Evaluate at a finite `s`, entry by entry (see `RationalFunction`)."""
@@ -165,13 +166,6 @@ def check_shape(name: str, rows: Sequence[Sequence[object]]) -> None:
     for k, row in enumerate(rows, 1):
         if len(row) != len(rows):
             raise ExpressionError(f"{name}, row {k}", "not square", f"{len(rows)} entries", f"{len(row)}")
-
-
-def real_form(u: list[list[Fraction]], v: list[list[Fraction]]) -> fmpq_mat:
-    """[[U, -V], [V, U]]."""
-    upper = [[*a, *(-x for x in b)] for a, b in zip(u, v, strict=True)]
-    lower = [[*b, *a] for a, b in zip(u, v, strict=True)]
-    return fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in upper + lower])
 
 
 def _entry(given: Any, parameters: Mapping[str, Exact], variable: str, used: set[str], where: str) -> RationalFunction:

@@ -183,24 +183,17 @@ class StateSpace:
         >>> integrator.image(one, one, [(one, Fraction(0))])  # 1/(1 + j)
         ((Fraction(1, 2), Fraction(-1, 2)),)
         """
-        entries = [fmpq(x.numerator, x.denominator) for parts in vector for x in parts]
-        v = fmpq_mat(self.size, 2, entries)
-        found = self._value(re, im, self.b * v, self.d * v)
-        if found is None:
+        v = fmpq_mat(self.size, 2, [fmpq(x.numerator, x.denominator) for parts in vector for x in parts])
+        one, w = identity(self.states), fmpq(im.numerator, im.denominator)
+        shifted = one * fmpq(re.numerator, re.denominator) - self.a
+        try:  # (G + jw)^-1 b = (G - jw) X
+            x = (shifted * shifted + one * (w * w)).solve(self.b * v)
+        except ZeroDivisionError:
             return None
+        found = self.d * v + self.c * (shifted * x), self.c * x * -w
         u, w = (x.tolist() for x in found)  # of real and imaginary part of the vector
         sums = [(a[0] - b[1], b[0] + a[1]) for a, b in zip(u, w, strict=True)]
         return tuple((Fraction(int(a.p), int(a.q)), Fraction(int(b.p), int(b.q))) for a, b in sums)
-
-    def _value(self, re: Fraction, im: Fraction, b: fmpq_mat, d: fmpq_mat) -> tuple[fmpq_mat, fmpq_mat] | None:
-        """Real and imaginary part of d + C (sI - A)^-1 b."""
-        n = self.states
-        w, shifted = fmpq(im.numerator, im.denominator), identity(n) * fmpq(re.numerator, re.denominator) - self.a
-        try:  # (G + jw)^-1 b = (G - jw) X
-            x = (shifted * shifted + identity(n) * (w * w)).solve(b)
-        except ZeroDivisionError:
-            return None
-        return d + self.c * (shifted * x), self.c * x * -w
 
     def markov(self, number: int) -> list[fmpq_mat]:
         """Return C B, C A B, C A^2 B, ...: the coefficients of the transfer matrix without D in powers of 1/s."""

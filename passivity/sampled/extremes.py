@@ -32,19 +32,18 @@ Place: TypeAlias = tuple[float, float, NDArray, NDArray]  # frequency, how far b
 @lru_cache(maxsize=8)
 def verdict_of(model: PoleResidueModel) -> Verdict:
     """Exact: of the function, of the matrix up to FEW_PORTS ports and MANY_POLES poles, else of a state space."""
-    if model.ports == 1 or np.any(model.proportional) or (model.ports <= FEW_PORTS and model.order <= MANY_POLES):
-        return check(model.rational(), model.parameter.kind)
-    if model.parameter is not Parameter.S:
-        return check(_state_space(model), model.parameter.kind)
-    if (found := _by_storage(model)) is not None:
+    if (found := _decided(model)) is not None:
         return found
     return refuted_or_undecided(Kind.BR, _state_space(model), "no storage function was found")
 
 
 @lru_cache(maxsize=8)
-def _by_storage(model: PoleResidueModel) -> Verdict | None:
-    """The verdict on S that a storage function gives, or a point that floats suggest; no minors."""
-    return by_floats(Kind.BR, _state_space(model))
+def _decided(model: PoleResidueModel) -> Verdict | None:
+    """The verdict; on S of many poles by a storage function, or at a point that floats suggest: None without either."""
+    if model.ports == 1 or np.any(model.proportional) or (model.ports <= FEW_PORTS and model.order <= MANY_POLES):
+        return check(model.rational(), model.parameter.kind)
+    system, kind = _state_space(model), model.parameter.kind
+    return by_floats(kind, system) if kind is Kind.BR else check(system, kind)
 
 
 def _state_space(model: PoleResidueModel) -> StateSpace:
@@ -53,10 +52,7 @@ def _state_space(model: PoleResidueModel) -> StateSpace:
 
 def is_proved(model: PoleResidueModel) -> bool:
     """Whether a model is proved passive, without looking for the reason if S of many poles is not."""
-    many = model.ports > FEW_PORTS or (model.ports > 1 and model.order > MANY_POLES)
-    if many and model.parameter is Parameter.S:
-        return (found := _by_storage(model)) is not None and found.proved
-    return verdict_of(model).proved
+    return (found := _decided(model)) is not None and found.proved
 
 
 def is_passive(model: PoleResidueModel, w: NDArray) -> bool:
