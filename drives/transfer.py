@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drives.number import written
 from drives.roots import roots
-from tline.errors import InputError, as_floats, import_extra
+from tline.errors import InputError, as_numbers, import_extra
 from tline.presentation import Presentation, plain
 
 
@@ -171,7 +171,7 @@ class TransferFunction(Presentation):
 
 def frequencies(omega: ArrayLike) -> NDArray[np.float64]:
     """Angular frequencies as an array of floats."""
-    w = as_floats("omega", omega)
+    w = as_numbers("omega", omega)
     if not np.isfinite(w).all() or (w < 0).any():
         raise InputError("omega", "no angular frequencies", "finite values in rad/s, 0 or more", f"{omega!r:.40}")
     return w
