@@ -4,10 +4,7 @@ All four packages use these classes, which survive pickle and copies. Surprises 
 are warnings.
 """
 
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from typing import Any
 
 
 class InputError(ValueError):
@@ -53,7 +50,7 @@ def check_kind(where: str, value: object, *kinds: type) -> None:
         raise InputError(where, "something else", ", ".join(others) + " or " * bool(others) + last, repr(value)[:40])
 
 
-def as_numbers(where: str, values: Any, kind: type = float) -> "NDArray":
+def as_numbers(where: str, values: Any, kind: type = float) -> Any:
     """Convert numbers to an array of floats, or of another kind of numbers; raise an error for anything else."""
     import numpy as np
 
