@@ -12,7 +12,7 @@ from flint import acb, ctx, fmpq_poly
 from numpy.typing import ArrayLike, NDArray
 
 from drives.number import roots, written
-from tline.errors import InputError, as_floats, import_extra
+from tline.errors import InputError, as_numbers, import_extra
 from tline.presentation import Presentation, plain
 
 
@@ -170,7 +170,7 @@ class TransferFunction(Presentation):
 
 def frequencies(omega: ArrayLike) -> NDArray[np.float64]:
     """Angular frequencies as an array of floats."""
-    w = as_floats("omega", omega)
+    w = as_numbers("omega", omega)
     if not np.isfinite(w).all() or (w < 0).any():
         raise InputError("omega", "no angular frequencies", "finite values in rad/s, 0 or more", f"{omega!r:.40}")
     return w

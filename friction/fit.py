@@ -12,7 +12,7 @@ from friction.methods import STATIC
 from friction.models import Model
 from friction.motion import Motion, splined
 from friction.prescribed import deflection
-from tline.errors import InputError
+from tline.errors import InputError, as_numbers
 
 if TYPE_CHECKING:
     from friction.kernel.prescribed import Course
@@ -73,10 +73,7 @@ def measured(t: ArrayLike, force: ArrayLike, velocity: ArrayLike | None, positio
 
 
 def _column(name: str, values: ArrayLike | None) -> NDArray:
-    try:
-        column = np.array(values, float).ravel()
-    except (TypeError, ValueError) as error:
-        raise InputError(name, "not numbers", "a number for each sample", str(error)[:60]) from error
+    column = as_numbers(name, values).ravel()
     bad = np.flatnonzero(~np.isfinite(column))
     if bad.size:
         raise InputError(f"{name}[{bad[0]}]", "a gap", "a number for each sample", f"{bad.size} without")

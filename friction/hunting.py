@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from friction.models import Coulomb, Karnopp
 from friction.testbench import Testbench
-from tline.errors import InputError, as_floats, check_kind
+from tline.errors import InputError, as_numbers, check_kind
 
 SPAN, POINTS = 1e3, 4000  # range of angular frequencies about √(P/m), and their number
 
@@ -57,7 +57,7 @@ def harmonic_damping(model: Coulomb | Karnopp, amplitude: ArrayLike) -> NDArray:
     from scipy.special import dawsn
 
     check_kind("model", model, Coulomb, Karnopp)
-    v, law = as_floats("amplitude", amplitude), model.law
+    v, law = as_numbers("amplitude", amplitude), model.law
     a = v / law.v_s
     return law.f_v + 4.0 / (np.pi * v) * (law.f_c + (law.f_s - law.f_c) * dawsn(a) / a)
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from friction.parameters import TOLD, Parameters
-from tline.errors import InputError, as_floats
+from tline.errors import InputError, as_numbers
 
 if TYPE_CHECKING:
     from friction.kernel.law import Law
@@ -52,7 +52,7 @@ class Model(Parameters):
     def g(self, v: ArrayLike) -> NDArray:
         """Stribeck curve g(v) = F_c + (F_s − F_c)·e^(−(v/v_s)²) [N]: steady friction without its viscous part."""
         law = self.law
-        return law.f_c + (law.f_s - law.f_c) * np.exp(-((as_floats("v", v) / law.v_s) ** 2))
+        return law.f_c + (law.f_s - law.f_c) * np.exp(-((as_numbers("v", v) / law.v_s) ** 2))
 
     def steady_force(self, v: ArrayLike) -> NDArray:
         """Friction force [N] at velocities v [m/s] that do not change: g(v)·sign v + F_v·v.
@@ -63,7 +63,7 @@ class Model(Parameters):
         >>> float(LuGre().steady_force(2.0))
         1.1
         """
-        v = as_floats("v", v)
+        v = as_numbers("v", v)
         return self.g(v) * np.sign(v) + self.law.f_v * v
 
 
@@ -169,7 +169,7 @@ class Tanh(Model):
 
     def steady_force(self, v: ArrayLike) -> NDArray:
         """Friction force [N] at velocities v [m/s]."""
-        v = as_floats("v", v)
+        v = as_numbers("v", v)
         return self.g(v) * np.tanh(v / self.epsilon) + self.F_v * v
 
 

@@ -1,6 +1,6 @@
 """Numbers of laws and of the testbench: unit, meaning and range of each, stated once for checks and docstrings."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from inspect import cleandoc
 from math import inf
@@ -47,7 +47,7 @@ TOLD = {
     "amplitude": Told("N", "Largest value of the sine"),
     "frequency": Told("Hz", "Frequency of the sine", above=0.0),
     "phase": Told("rad", "Phase of the sine at t = 0"),
-    "times": Told("s", "Rising, 0 or more", kind="sequence of float"),
+    "times": Told("s", "Rising", least=0.0, kind="sequence of float"),
     "values": Told("N", "As many", kind="sequence of float"),
     "stiffness": Told("N/m", "Stiffness of the spring", above=0.0),
     "limits": Told("N", "Force at which each element slides", above=0.0),
@@ -92,17 +92,18 @@ class Parameters:
 
     def __post_init__(self):
         for field in fields(self):  # pyright: ignore[reportArgumentType] (subclasses are dataclasses)
-            told, given = TOLD.get(field.name), getattr(self, field.name)
+            told, given = TOLD.get(field.name), vars(self)[field.name]
             if told and not (given is None and field.default is None):
-                where = f"{self.place}.{field.name}"
-                check_number(where, given, above=told.above, least=told.least)
+                check = numbers if field.type == Sequence[float] else check_number
+                found = check(f"{self.place}.{field.name}", given, above=told.above, least=told.least)
+                object.__setattr__(self, field.name, found)
         least, most = getattr(self, "F_c", -inf), getattr(self, "F_s", inf)
         if most < least:
             raise InputError(f"{self.place}.F_s", "below F_c", f"at least F_c = {least:g}", f"{most:g}")
 
 
-def check_number(where: str, value: Any, *, above: float = -inf, least: float = -inf) -> None:
-    """Raise an error unless a value is a finite number, more than `above` and at least `least`."""
+def check_number(where: str, value: Any, *, above: float = -inf, least: float = -inf) -> Any:
+    """Return a finite number, more than `above` and at least `least`; raise an error for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating) or not abs(value) < inf:
         raise InputError(where, "not a finite number", "a number", repr(value)[:30])
     if abs(value) > LARGEST:
@@ -111,13 +112,11 @@ def check_number(where: str, value: Any, *, above: float = -inf, least: float = 
         raise InputError(where, "too small", f"more than {above:g}", f"{float(value):g}")
     if value < least:
         raise InputError(where, "too small", f"at least {least:g}", f"{float(value):g}")
+    return value
 
 
-def numbers(where: str, values: Iterable[Any], *, above: float = -inf, least: float = -inf) -> tuple[float, ...]:
+def numbers(where: str, values: Any, *, above: float = -inf, least: float = -inf) -> tuple[float, ...]:
     """Return numbers as floats; raise an error unless each is one that `check_number` lets pass."""
     if not isinstance(values, Iterable) or (isinstance(values, np.ndarray) and values.ndim != 1):
         raise InputError(where, "not a sequence", "numbers in a row", repr(values)[:30])
-    found = list(values)
-    for k, value in enumerate(found):
-        check_number(f"{where}[{k}]", value, above=above, least=least)
-    return tuple(map(float, found))
+    return tuple(float(check_number(f"{where}[{k}]", x, above=above, least=least)) for k, x in enumerate(values))

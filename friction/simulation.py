@@ -16,7 +16,7 @@ from friction.result import COLUMNS, Result, Status, events_of
 from friction.spring_contact import SpringContact
 from friction.testbench import Testbench
 from tline.compiled.structure import pack
-from tline.errors import InputError, as_floats, check_kind
+from tline.errors import InputError, as_numbers, check_kind
 
 if TYPE_CHECKING:
     from friction.kernel.law import Drive, Law
@@ -121,7 +121,7 @@ def simulate(
 def checked_times(times: ArrayLike, t_end: float) -> NDArray:
     """Instants of samples, rising within the run."""
     few = not isinstance(times, Sized) or len(times) <= MOST_SAMPLES
-    at = as_floats("times", times).ravel() if few else np.empty(0)
+    at = as_numbers("times", times).ravel() if few else np.empty(0)
     if not at.size or not np.isfinite(at).all() or np.any(np.diff(at) <= 0.0):
         raise InputError("times", "not rising", f"1 to {MOST_SAMPLES} rising numbers")
     if at[0] < 0.0 or at[-1] > t_end * (1.0 + 1e-9):

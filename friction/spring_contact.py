@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from friction.kernel.structures import ARMSTRONG, F_C, F_S, F_V, MAXWELL, STIFFNESS
 from friction.motion import Motion
-from friction.parameters import Parameters, check_number, numbers
+from friction.parameters import Parameters
 from tline.compiled.structure import pack
 from tline.errors import InputError
 
@@ -116,15 +116,11 @@ class MaxwellSlip(SpringContact):
     signal = MAXWELL
 
     def __post_init__(self):
-        for name in ("stiffness", "limits"):
-            object.__setattr__(self, name, numbers(f"model.{name}", getattr(self, name), above=0.0))
+        super().__post_init__()
         if len(self.stiffness) != len(self.limits) or not len(self.limits):
             raise InputError(
                 "model.limits", "not one for each stiffness", f"{len(self.stiffness)}", f"{len(self.limits)}"
             )
-        check_number("model.peak", self.peak, least=1.0)
-        check_number("model.v_s", self.v_s, above=0.0)
-        check_number("model.F_v", self.F_v, least=0.0)
 
     @property
     def viscous(self) -> float:

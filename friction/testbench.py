@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import inf, pi
+from math import pi
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction.parameters import Parameters, numbers
+from friction.parameters import Parameters
 from tline.errors import InputError, check_kind
 
 if TYPE_CHECKING:
@@ -71,11 +71,11 @@ class _Points(Parameters):
 
     times: Sequence[float]
     values: Sequence[float]
+    place = "force"
     sine = (0.0, 0.0, 0.0)
 
     def __post_init__(self):
-        for name, least in (("times", 0.0), ("values", -inf)):
-            object.__setattr__(self, name, numbers(f"force.{name}", getattr(self, name), least=least))
+        super().__post_init__()
         if len(self.times) != len(self.values) or not self.times:
             given = f"{len(self.values)} values"
             raise InputError("force", "times and values do not match", "as many values as times", given)

@@ -4,11 +4,7 @@ All four packages use these classes, which survive pickle and copies. Surprises 
 are warnings.
 """
 
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from typing import Any
 
 
 class InputError(ValueError):
@@ -54,12 +50,12 @@ def check_kind(where: str, value: object, *kinds: type) -> None:
         raise InputError(where, "something else", ", ".join(others) + " or " * bool(others) + last, repr(value)[:40])
 
 
-def as_floats(where: str, values: Any) -> "NDArray[np.float64]":
-    """Convert numbers to an array of floats; raise an error for anything else."""
+def as_numbers(where: str, values: Any, kind: type = float) -> Any:
+    """Convert numbers to an array of floats, or of another kind of numbers; raise an error for anything else."""
     import numpy as np
 
     try:
-        return np.asarray(values, float)
+        return np.asarray(values, kind)
     except (TypeError, ValueError, OverflowError):
         raise InputError(where, "not numbers", "a number or an array of them", repr(values)[:40]) from None
 

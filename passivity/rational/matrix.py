@@ -20,6 +20,7 @@ from passivity.polynomial.sign import UndecidedError, coprime
 from passivity.rational.evaluate import Exact, evaluate, positive
 from passivity.rational.function import RationalFunction
 from passivity.rational.polynomial_matrix import PolynomialMatrix, add, identity, minor_sums, scaled
+from tline.errors import check_kind
 
 MAX_PORTS = 12
 MAX_DEGREE = 1000  # of the common denominator
@@ -55,6 +56,7 @@ class RationalMatrix:
         check_shape("matrix", self.rows)
         for i, row in enumerate(self.rows, 1):
             for k, entry in enumerate(row, 1):
+                check_kind(f"entry ({i}, {k})", entry, RationalFunction)
                 if entry.is_infinite:
                     expected = "a function; an ideal element without impedances may have a scattering matrix"
                     raise ExpressionError(f"entry ({i}, {k})", "infinite", expected)
@@ -161,6 +163,8 @@ def table(name: str, rows: Any) -> list[list[Any]]:
 
 def check_shape(name: str, rows: Sequence[Sequence[object]]) -> None:
     """Raise an error unless a matrix is square and has at most MAX_PORTS ports."""
+    for each in (rows, *rows) if isinstance(rows, list | tuple) else (rows,):
+        check_kind(name, each, list, tuple)
     if not 0 < len(rows) <= MAX_PORTS:
         raise ExpressionError(name, "wrong number of ports", f"from 1 to {MAX_PORTS}", f"{len(rows)}")
     for k, row in enumerate(rows, 1):

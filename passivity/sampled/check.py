@@ -11,6 +11,7 @@ from passivity.errors import ExpressionError, shorten, shown
 from passivity.expression.number import beside_one
 from passivity.sampled.response import LARGEST, Parameter, SampledResponse, array
 from passivity.status import Decided, Status
+from tline.errors import check_kind
 
 SAMPLE_ROUNDING = 2.0**-48  # 16 units in the last place: the error bar that every sample has
 _MOST_BANDS = 6  # bands that are printed
@@ -201,6 +202,7 @@ def check_samples(response: SampledResponse, tolerance: ArrayLike | None = None)
     >>> check_samples(SampledResponse([1, 2, 3], [0.9, 1.2j, -1.0], "S"), tolerance=0.25).status
     <Status.NO_VIOLATION: 'no violation seen'>
     """
+    check_kind("response", response, SampledResponse)
     values, parameter = response.values, response.parameter
     worst, (_, left, right) = worst_values(values, parameter), worst_first(values, parameter)
     if by_digits := tolerance is None and response.rounding is not None:

@@ -47,6 +47,7 @@ from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
 from passivity.status import Decided, Status
 from passivity.verdict import Verdict
+from tline.errors import check_kind
 
 MAX_ROUNDS = 30
 MAX_SPREAD = 1e16  # of the moduli and real parts of poles: more is lost in rounding
@@ -216,6 +217,7 @@ def enforce(model: Any, samples: SampledResponse, only_constant: bool = False) -
     >>> str(result.verdict.status), result.change.rms < 0.1
     ('proved', True)
     """
+    check_kind("samples", samples, SampledResponse)
     w, data = 2 * np.pi * samples.f, samples.values
     free = _free(model, samples, only_constant)
     changed, rounds = model, 0

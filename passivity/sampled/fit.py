@@ -32,6 +32,7 @@ from passivity.errors import ExpressionError, shown
 from passivity.sampled.enforce import deviation
 from passivity.sampled.model import PoleResidueModel, count, terms
 from passivity.sampled.response import MAX_SAMPLES, Parameter, SampledResponse
+from tline.errors import check_kind
 
 ROUNDS = 10
 FRESH = 8  # poles up to which each order begins anew
@@ -171,6 +172,7 @@ def fit(response: SampledResponse, order: int | None = None) -> PoleResidueModel
     >>> model.poles.round(6), round(model.constant, 6)
     (array([-10.+0.j]), 5.0)
     """
+    check_kind("response", response, SampledResponse)
     n, size = len(response.f), response.ports**2
     most = max(min(MEETING[-1], n - 2), 0)
     if n > MAX_SAMPLES or not response.f[-1]:

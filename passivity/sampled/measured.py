@@ -35,6 +35,7 @@ from passivity.sampled.model import PoleResidueModel, terms
 from passivity.sampled.response import Parameter, SampledResponse
 from passivity.status import Status
 from passivity.verdict import Verdict
+from tline.errors import check_kind
 from tline.units import engineering
 
 SCOUT = 6  # poles with which the delay is looked for
@@ -206,6 +207,7 @@ def fit_scattering(
     >>> found.order, round(found.delay * 1e9, 5), str(found.verdict.status)
     (1, 1.0, 'proved')
     """
+    check_kind("response", response, SampledResponse)
     if response.parameter is not Parameter.S:
         raise ExpressionError("samples", "not a scattering matrix", "S", response.parameter.value)
     if len(response.f) < 3:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from passivity.errors import ExpressionError
 from passivity.sampled.response import MAX_PORTS, Parameter, Rounding, SampledResponse, of_tokens
 from passivity.sampled.touchstone_text import TouchstoneText, parse
+from tline.errors import check_kind
 
 MAX_BYTES = 10_000_000
 MAX_LINE = 4_000
@@ -77,6 +78,7 @@ def read_csv(path: str | Path, parameter: Parameter | str, z0: float = 50.0) -> 
 
 def text_of(path: str | Path) -> str:
     """Read a text file of at most MAX_BYTES, and MAX_LINE characters in a line."""
+    check_kind("path", path, str, Path)
     try:
         with open(path, "rb") as file:
             content = file.read(MAX_BYTES + 1)

@@ -80,7 +80,7 @@ class DelaySystem(Presentation):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "scene", as_scene(self.scene))
-        if self.probe not in self.scene.probes:
+        if not isinstance(self.probe, str) or self.probe not in self.scene.probes:
             raise InputError("probe", "no such probe", nearest(self.probe, list(self.scene.probes)), f"'{self.probe}'")
         if self.quantity not in ("u", "y", "a", "b"):
             raise InputError("quantity", "unknown", "'u', 'y', 'a' or 'b'", f"'{self.quantity}'")

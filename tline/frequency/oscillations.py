@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.scene.file import as_scene
 from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
@@ -87,6 +87,7 @@ def resonances(scene: Scene | str | Path, highest: float) -> list[Resonance]:
     refuse_losses(scene, "its oscillations are not searched")
     description = describe(scene)
     D = Characteristic(description)
+    check_kind("highest", highest, int, float)
     if not 0 < highest < np.inf:
         raise InputError("highest", "not a positive frequency", "hertz", f"{highest}")
     top = 2 * np.pi * highest * D.second

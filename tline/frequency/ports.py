@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.atomic import replacing
-from tline.errors import InputError
+from tline.errors import InputError, as_numbers, check_kind
 from tline.frequency.response import Curves, frequencies
 from tline.scene.coupled import Coupled
 from tline.scene.file import as_scene
@@ -153,9 +153,10 @@ def scattering_parameters(
            [1., 0.]])
     """
     scene = as_scene(scene)
+    check_kind("ports", ports, str, list, tuple)
     ports = [name.strip() for name in ports.split(",")] if isinstance(ports, str) else ports
     R = _references(scene, ports, z0)
-    s = np.atleast_1d(np.asarray(2j * np.pi * frequencies(scene) if s is None else s, complex))
+    s = np.atleast_1d(as_numbers("s", 2j * np.pi * frequencies(scene) if s is None else s, complex))
     bare = _without_sources(scene, ports)
     network = Scattering(describe(bare), dict(zip(ports, 1 / R, strict=True)))
     at = _indices(network, ports)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.atomic import write_columns
-from tline.errors import InputError
+from tline.errors import InputError, as_numbers
 from tline.frequency.oscillations import Resonance, resonances
 from tline.presentation import Presentation, plain
 from tline.scene.file import as_scene
@@ -226,7 +226,7 @@ def respond(scene: Scene | str | Path, s: ArrayLike | None = None, source: str |
     True
     """
     scene = as_scene(scene)
-    s = np.asarray(2j * np.pi * frequencies(scene) if s is None else s, complex)
+    s = as_numbers("s", 2j * np.pi * frequencies(scene) if s is None else s, complex)
     if not np.isfinite(s).all():
         raise InputError("s", "not finite", "finite complex numbers", f"{s.ravel()[~np.isfinite(s.ravel())][0]}")
     name = source_named(scene, source)

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.pictures.bounds import spread
 from tline.solver.result.dense_output import curve
 from tline.solver.result.quantities import Quantity, in_tables
@@ -127,7 +127,7 @@ def plot_waves(result: Result, probe: str | None = None) -> Picture:
     if probe is None and len(result.probes) > 1:
         raise InputError("probe", "several, and none is named", nearest("", [*result.probes]))
     name = next(iter(result.probes)) if probe is None else probe
-    if name not in result.probes:
+    if not isinstance(name, str) or name not in result.probes:
         raise InputError("probe", "no such probe", nearest(str(name), [*result.probes]), shown(name))
     if not result.probes[name].has_flow:
         raise InputError("probe", f"no line ends at '{name}', so no waves pass", "a probe on a line")
@@ -195,9 +195,10 @@ def _asked(result: Result, quantity: str | None) -> list[Panel]:
 def _traces(
     result: Result, probes: Iterable[str] | None, panels: list[Panel], label: str, t: ArrayLike | None = None
 ) -> list[Trace]:
+    check_kind("probes", probes, str, Iterable, type(None))
     names = [*result.probes] if probes is None else [probes] if isinstance(probes, str) else [*probes]
-    for name in names:
-        if name not in result.probes:
+    for name in names or [""]:
+        if not isinstance(name, str) or name not in result.probes:
             raise InputError("probes", "no such probe", nearest(str(name), [*result.probes]), shown(name))
     found = []
     for name in names:

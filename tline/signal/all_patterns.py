@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.presentation import Presentation, plain
 from tline.scene.medium import Medium
 from tline.signal.bits import FINE
@@ -167,6 +167,8 @@ def statistical_eye(
     >>> round(statistical_eye(pulse, dfe=1).height, 3)
     0.8
     """
+    for each in (pulse, *aggressors):
+        check_kind("pulse", each, PulseResponse)
     rate, spread = to_si(ber, "", "ber"), to_si(noise, None, "noise")
     times = {"jitter": jitter, "sinusoidal": sinusoidal, "duty_cycle": duty_cycle}
     shaken = {name: to_si(time, "s", name) for name, time in times.items()}

@@ -43,7 +43,7 @@ def prbs(order: int, length: int | None = None) -> NDArray:
     >>> prbs(9).sum(), len(prbs(9)), len(prbs(31, 1000))
     (np.int64(256), 511, 1000)
     """
-    if order not in FEEDBACK:
+    if not isinstance(order, int) or order not in FEEDBACK:
         raise InputError("order", "no pseudo-random pattern", ", ".join(map(str, FEEDBACK)), shown(order))
     bits, back = [True] * order, FEEDBACK[order]
     wanted = 2**order - 1 if length is None else length

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.signal.all_patterns import StatisticalEye
 from tline.signal.eye_diagram import Eye
 from tline.units import to_si
@@ -95,6 +95,7 @@ def crossings(seen: Eye) -> NDArray:
 
 def _crossed(seen: Eye) -> NDArray:
     """Instants at which the pattern crosses the threshold, s."""
+    check_kind("seen", seen, Eye)
     above = np.append(seen.u.ravel(), seen.u[0, 0]) - seen.threshold
     k = np.flatnonzero((above[:-1] > 0) != (above[1:] > 0))
     return (k + above[k] / (above[k] - above[k + 1])) * seen.period / seen.u.shape[1]
@@ -132,6 +133,8 @@ def mask_hits(seen: Eye, mask: Mask) -> int:
     int
         Bits whose curve has an instant inside the hexagon.
     """
+    check_kind("seen", seen, Eye)
+    check_kind("mask", mask, Mask)
     n, fine = seen.u.shape
     t = np.append(np.arange(n * fine) / fine * seen.period, _crossed(seen))  # edges may be too steep for the instants
     u = np.append(seen.u.ravel(), np.full(len(t) - n * fine, seen.threshold))
@@ -153,6 +156,8 @@ def mask_margin(seen: StatisticalEye, mask: Mask) -> float:
     float
         In the probe's quantity.
     """
+    check_kind("seen", seen, StatisticalEye)
+    check_kind("mask", mask, Mask)
     t = np.append(seen.t, np.array([-1, 1]) * mask.width / 4)  # its corners
     within = np.abs(t) <= mask.width / 2
     above = np.minimum(seen.ones - seen.threshold, seen.threshold - seen.zeros)

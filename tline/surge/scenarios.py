@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tline.errors import InputError
+from tline.errors import InputError, check_kind
 from tline.pictures.path import route
 from tline.scene.held import held_nodes
 from tline.scene.pump import Pump
@@ -73,6 +73,7 @@ class Plan(NamedTuple):
 
 def read_plan(given: str | Path | Tables) -> Plan:
     """The plan in a file, or in its tables."""
+    check_kind("study", given, str, Path, dict)
     folder = Path(given).parent if isinstance(given, str | Path) else Path()
     tables = read_toml(Path(given), "a study in TOML") if isinstance(given, str | Path) else given
     _check("", tables, TABLES)

@@ -206,7 +206,7 @@ class Design(NamedTuple):
 
 def design(scene: Scene, vary: Mapping[str, Any], sample: str | None, seed: int | str) -> Design:
     """Choose the runs of a sweep; arguments are those of `tline.sweeps.sweep`."""
-    if not vary:
+    if not isinstance(vary, Mapping) or not vary:
         raise InputError("vary", "nothing varies", 'such as {"lines.cable.z0": [40, 50, 60]}')
     given: dict[str, list[Any] | Distribution] = {}
     for path, values in vary.items():

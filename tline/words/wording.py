@@ -39,11 +39,11 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else text[:50] + "…"
 
 
-def nearest(word: str, known: list[str]) -> str:
+def nearest(word: object, known: list[str]) -> str:
     """Find the known word a user probably meant; all of them, or some, if none is near."""
     if len(known) <= SEARCHED:
         lower = {name.lower(): name for name in known}
-        close = get_close_matches(word.lower(), lower, n=1)
+        close = get_close_matches(str(word).lower(), lower, n=1)
         if close:
             return f"'{lower[close[0]]}'"
     return listed(known)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tline.atomic import replacing, suffix_of, write_table
-from tline.errors import InputError, import_extra
+from tline.errors import InputError, as_numbers, import_extra
 from tline.scene.file import scene_text
 from tline.solver.ledger.ledger import Entry
 from tline.solver.result.envelope import COLUMNS
@@ -133,7 +133,7 @@ def columns_of(
     result: Result, t: ArrayLike | None, listed: Callable[[Scene], list[Quantity]] = in_arrays
 ) -> tuple[NDArray, dict[tuple[str, str], NDArray]]:
     """Instants, and values by probe and quantity."""
-    instants = result.t if t is None else np.atleast_1d(np.asarray(t, float))
+    instants = result.t if t is None else np.atleast_1d(as_numbers("t", t))
     found = {}
     for name, probe in result.probes.items():
         seen = probe.samples if t is None else probe.at(instants)

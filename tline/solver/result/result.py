@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, as_numbers
 from tline.solver.assembly.workspace import Tally
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import NO_HEIGHT, Height, Medium, Scene, readable
@@ -96,7 +96,7 @@ class ProbeResult(AtHeight):
         InputError
             An instant is no number, or lies behind the end of the run.
         """
-        t, end = np.asarray(t, float), self.slabs.end
+        t, end = as_numbers("t", t), self.slabs.end
         if not (t <= end * (1 + EDGE)).all():
             raise InputError(
                 place("probes", self.name), "instant not in the run", f"at most {end:.9g} s", f"{t.max():.9g} s"
