@@ -23,6 +23,8 @@ import numpy as np
 
 from benchmarks.harness import ROOT, spent, table, timed, write
 from tline.scene.file import read_scene
+from tline.scene.friction import FOOT
+from tline.scene.heights import GRAVITY
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.result.result import Result
@@ -32,7 +34,7 @@ from tline.study.programs.tsnet import PYTHON
 from tline.surge.event import read_event
 from tline.surge.operate import operated, read_network
 
-HEAD, FOOT, SPEED = 9806.65, 0.3048, 1200.0  # Pa/m; m; m/s
+HEAD, SPEED = 1e3 * GRAVITY, 1200.0  # Pa/m of water; m/s
 FINEST = 0.1 / 2**8  # s, slabs of the reference
 SLABS = [0.1 / 2**k for k in range(7)]  # s
 STEPS = 0.02, 0.01, 0.005, 0.0025, 0.00125  # s, of rthym-moc

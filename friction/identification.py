@@ -134,10 +134,6 @@ def identify(
     progress : callable, optional
         Called twice for each law.
 
-    Returns
-    -------
-    Identification
-
     Raises
     ------
     InputError

@@ -48,10 +48,6 @@ def euler_chatter(F_c: float, slope: float, h: float, mass: float = 1.0) -> Chat
     mass : float, optional
         Mass [kg].
 
-    Returns
-    -------
-    Chatter
-
     Raises
     ------
     InputError
@@ -111,10 +107,6 @@ def dead_zone(delta: float, F_c: float, h: float, F_a: float = 0.0, mass: float 
         Applied force [N], |F_a| < F_c.
     mass : float, optional
         Mass [kg].
-
-    Returns
-    -------
-    DeadZone
 
     Raises
     ------

@@ -121,10 +121,6 @@ def prescribe(
     z0 : float, optional
         Deflection of the bristles at t = 0 [m].
 
-    Returns
-    -------
-    Prescribed
-
     Raises
     ------
     InputError

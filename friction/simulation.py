@@ -68,10 +68,6 @@ def simulate(
         Most steps an adaptive method may make, up to 10⁹; 5 million for `events`, 20 million for `rosenbrock` and
         `taylor`, 5000 for SciPy's methods if not given.
 
-    Returns
-    -------
-    Result
-
     Raises
     ------
     InputError

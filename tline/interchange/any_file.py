@@ -37,10 +37,6 @@ def read(
     confined : bool
         Refuse tables and Touchstone files outside of the folder of a TOML file.
 
-    Returns
-    -------
-    Scene
-
     Raises
     ------
     InputError

@@ -96,10 +96,6 @@ def realise(law: Law, band: tuple[float, float], tolerance: float) -> Realisatio
     tolerance : float
         Of |circuit - law|/|law| over the band, 1e-10 to 1. Γ and Zc of a line are then good to half of it for each law.
 
-    Returns
-    -------
-    Realisation
-
     Raises
     ------
     InputError

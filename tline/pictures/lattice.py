@@ -156,10 +156,6 @@ def plot_lattice(result: Result) -> Figure:
     result : Result
         A finished run.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     InputError

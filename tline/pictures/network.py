@@ -160,10 +160,6 @@ def plot_network(scene: Scene) -> Figure:
     ----------
     scene : Scene
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     InputError

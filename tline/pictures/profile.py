@@ -108,10 +108,6 @@ def plot_space_time(result: Result, path: Route) -> Figure:
     path : Route
         From `route(scene)`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Raises
     ------
     InputError
