@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from typing import Any
 
-from flint import acb, ctx
+from flint import ctx
 
 from passivity.ball import of_fraction, of_point
 from passivity.budget import VERDICT, UndecidedError, budget, granted, if_affordable
@@ -19,7 +20,7 @@ from passivity.calculus.prove import DEPTHS, Prover
 from passivity.calculus.question import Question, free_names, is_discrete, trees
 from passivity.calculus.rewrite import Line as Reading
 from passivity.calculus.search import Scales, Search
-from passivity.calculus.values import in_ball, needed
+from passivity.calculus.values import at_point, in_ball, needed
 from passivity.discrete import LET, Discrete, check_outside, outside
 from passivity.errors import ExpressionError
 from passivity.exact.positive_real import check
@@ -35,7 +36,7 @@ _EACH_NODE = 1_000_000  # more, of the first way
 _LONG = 200  # nodes of a graph that is not multiplied out before rules have been tried
 _BITS = 1024  # of a place that is known exactly
 _TRIALS = 12  # choices of values for names
-_PLACES = (acb(37, 29), acb(5, 3) / 7, acb(1, 70) / 13)
+_PLACES = [(Fraction(x, d), Fraction(y, d)) for x, y, d in ((37, 29, 1), (5, 3, 7), (1, 70, 13))]
 
 
 def is_positive_real(
@@ -209,7 +210,8 @@ def _with_numbers(made: partial, question: Question) -> Verdict:
         except ExpressionError as error:
             if not long or "too" not in error.problem.split():
                 raise
-    if not any(in_ball(graph, value, s).is_finite() for s in _PLACES):
+    rough = (in_ball(graph, value, of_point(*s)) for s in _PLACES)
+    if not any(x.is_finite() for x in chain(rough, (at_point(graph, value, *s) for s in _PLACES))):
         expected = "an expression that is neither 1/0 nor beyond all numbers everywhere"
         raise ExpressionError("", "no value in reach", expected)
     missing: list[str] = []
