@@ -71,7 +71,8 @@ def streets(most: int) -> None:
             if pipes > 1.1 * most:
                 continue
             with TemporaryDirectory() as folder, TemporaryDirectory() as beside:
-                files = town(side, friction, Path(folder)), town(SIDES[0], friction, Path(beside))
+                towns = (side, folder), (SIDES[0], beside)  # written apart: a process starts with its parent's memory
+                files = [apart("benchmarks.networks", "town", size, int(friction), at) for size, at in towns]
                 asked = ("benchmarks.networks", "street", *files)
                 runs = [apart(*asked, limit=3600) for _ in range(RUNS if pipes <= REPEATED else 1)]
             read, simulated, steps, memory = (median(run[key] for run in runs) for key in runs[0])
@@ -161,6 +162,8 @@ def of_wntr(names: list[str]) -> None:
 
 if __name__ == "__main__":
     match sys.argv[1:]:
+        case ["town", side, friction, folder]:
+            print(json.dumps(str(town(int(side), friction == "1", Path(folder)))))
         case ["street", file, small]:
             print(json.dumps(street_grid(file, small)))
         case ["shipped", name]:
