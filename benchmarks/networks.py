@@ -5,6 +5,7 @@ this number of pipes, or networks of these names; by default all, in some twenty
 network is built and run in a process of its own, after a small one for which everything is compiled.
 """
 
+import csv
 import json
 import resource
 import runpy
@@ -13,11 +14,14 @@ import time
 from math import log
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import tomli_w
 
 from benchmarks.harness import ROOT, RUNS, apart, table, timed, write
+from tline.scene.file import read_scene
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
@@ -32,12 +36,25 @@ NAMES = ("Net1", "Net2", "Net3", "ky4", "ky10")
 STILL, DISTURBED, HEAD = 10, 5, 9806.65  # s; Pa/m
 
 
-def street_grid(side: int, friction: bool) -> dict[str, float]:
-    """Seconds of the processor to build and to run a town, and the most memory of this process, MB."""
-    grid = runpy.run_path(str(ROOT / "scenes" / "street_grid.py"))["grid"]
-    simulate(Scene(**grid(8, friction=friction)), ledger=False)
-    tables = grid(side, friction=friction) | {"t_end": "2 s"}
-    scene, read = timed(lambda: Scene(**tables), 1)
+def town(side: int, friction: bool, folder: Path) -> Path:
+    """Write a town, its pipes in a table of their own."""
+    scene = runpy.run_path(str(ROOT / "scenes" / "street_grid.py"))["grid"](side, friction=friction) | {"t_end": "2 s"}
+    heads = ["name", "from", "to", "length [m]", "diameter [mm]", "wave_speed [m/s]", "density [kg/m^3]"]
+    with (folder / "pipes.csv").open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(heads + ["friction.kind", "friction.factor"] * friction)
+        for name, pipe in scene["lines"].items():
+            sizes = (pipe[key].split()[0] for key in ("length", "diameter", "wave_speed", "density"))
+            rows.writerow([name, *pipe["nodes"], *sizes, *pipe.get("friction", {}).values()])
+    path = folder / "town.toml"
+    path.write_text(tomli_w.dumps(scene | {"lines": "pipes.csv"}), encoding="utf-8")
+    return path
+
+
+def street_grid(file: str, small: str) -> dict[str, float]:
+    """Seconds of the processor to read and to run a town, and the most memory of this process, MB."""
+    simulate(read_scene(small), ledger=False)
+    scene, read = timed(lambda: read_scene(file), 1)
     result, simulated = timed(lambda: simulate(scene, ledger=False), 1)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / MEGABYTE
     return {"read": read, "simulate": simulated, "steps": result.seconds, "memory": memory}
@@ -53,8 +70,11 @@ def streets(most: int) -> None:
         for side, pipes in zip(SIDES, PIPES, strict=True):
             if pipes > 1.1 * most:
                 continue
-            asked = ("benchmarks.networks", "street", side, int(friction))
-            runs = [apart(*asked, limit=3600) for _ in range(RUNS if pipes <= REPEATED else 1)]
+            with TemporaryDirectory() as folder, TemporaryDirectory() as beside:
+                towns = (side, folder), (SIDES[0], beside)  # written apart: a process starts with its parent's memory
+                files = [apart("benchmarks.networks", "town", size, int(friction), at) for size, at in towns]
+                asked = ("benchmarks.networks", "street", *files)
+                runs = [apart(*asked, limit=3600) for _ in range(RUNS if pipes <= REPEATED else 1)]
             read, simulated, steps, memory = (median(run[key] for run in runs) for key in runs[0])
             whole = read + simulated
             slope = f"{log(whole / before[1]) / log(pipes / before[0]):.2f}" if before else ""
@@ -142,8 +162,10 @@ def of_wntr(names: list[str]) -> None:
 
 if __name__ == "__main__":
     match sys.argv[1:]:
-        case ["street", side, friction]:
-            print(json.dumps(street_grid(int(side), friction == "1")))
+        case ["town", side, friction, folder]:
+            print(json.dumps(str(town(int(side), friction == "1", Path(folder)))))
+        case ["street", file, small]:
+            print(json.dumps(street_grid(file, small)))
         case ["shipped", name]:
             print(json.dumps(shipped(name)))
         case [most] if most.isdigit():

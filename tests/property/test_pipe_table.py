@@ -64,7 +64,9 @@ def test_files_are_columns(tmp_path, suffix):
     read, given = Scene(str(tmp_path), **scene, lines=f"pipes.{suffix}"), PipeTable("", columns)
     assert dict(read.lines) == dict(given)
     assert read.table()["lines"] == f"pipes.{suffix}"
-    assert read.change({"t_end": "1 s"}).lines is not None
+    assert read.change({"t_end": "1 s"}).lines == read.lines
+    assert read.change({"lines.p1.diameter": 0.3}).lines["p1"].diameter == 0.3
+    assert "p1" not in read.change({"lines.p1": None}).lines
 
 
 def test_elevations_need_one_liquid():

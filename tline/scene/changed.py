@@ -15,6 +15,7 @@ from tline.scene.element import Element
 from tline.scene.ibis.element import Ibis
 from tline.scene.ibis.series import IbisSeries
 from tline.scene.medium import MEDIA
+from tline.scene.pipe_table import PipeTable
 from tline.scene.quantity import Quantity, Role
 from tline.scene.scene import Scene
 from tline.scene.touchstone import MeasuredMultiport, Touchstone
@@ -28,7 +29,7 @@ NOT_ALONE = (
 )  # composed from a file, or defined by a user
 PLACES = "at", "nodes", "line"  # keys that place an element
 SINGLE = 2  # number of parts in the path of an element
-DERIVED = "heights", "single_lines"  # what a scene derives from its elements
+DERIVED = "heights", "single_lines", "lines_at"  # what a scene derives from its elements
 
 
 def with_number(element: Any, keys: Sequence[str], value: Any) -> Any:
@@ -161,6 +162,9 @@ def parts_of(path: str) -> tuple[str, ...]:
 def _read_anew(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """Return the scene with other values by reading the whole scene again."""
     table = deepcopy(scene.table())
+    if isinstance(scene.lines, PipeTable) and any(parts_of(path)[0] == "lines" for path in values):
+        pipes = scene.lines.items()
+        table["lines"] = {name: pipe.model_dump(by_alias=True, exclude_unset=True) for name, pipe in pipes}
     for path, value in values.items():
         section, *names = parts_of(path)
         if section in SECTIONS:
