@@ -8,7 +8,7 @@ from tline.scene.law import OPENING, Bend, ElementLaw, Governor, LawKind, Volume
 from tline.scene.load import Matched, Reservoir, Resistor, Short
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
-from tline.scene.multiport import Ports
+from tline.scene.multiport import Multiport, Ports
 from tline.scene.plausible import plausibility_notes
 from tline.scene.rational import Ratio, RationalImpedance
 from tline.scene.scene import Scene
