@@ -4,7 +4,7 @@ A structure is declared as a named tuple whose members are `int`, `float`, array
 structures. `pack` writes it once; compiled code gets one address, however many arrays there are.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from ctypes import addressof, c_char
 from functools import cache
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
@@ -75,8 +75,10 @@ def empty(structure: Any) -> Any:
     return structure(*found)
 
 
-def allocated(structure: Any, sizes: Mapping[str, int], **given: Any) -> Any:
+def allocated(structure: Any, sizes: Mapping[str, int], make: Callable = np.zeros, **given: Any) -> Any:
     """Create a structure of zeros, whose arrays have the shapes that are declared with them, beside members `given`.
+
+    `make` is `numpy.empty` where what is in large arrays does not matter.
 
     Examples
     --------
@@ -89,7 +91,7 @@ def allocated(structure: Any, sizes: Mapping[str, int], **given: Any) -> Any:
     sizes = {"": 0, **sizes}
     return structure._make(
         [
-            given[name] if name in given else np.zeros([sizes[size] + more for size, more in shape], kind)
+            given[name] if name in given else make(tuple([sizes[size] + more for size, more in shape]), kind)
             for name, _, kind, _, shape in fields(structure)
         ]
     )

@@ -14,9 +14,8 @@ from tline.loss import ChangingLaminarFriction, ConstantLoss, LaminarFriction, L
 from tline.loss.flow_law import Colebrook, FlowLaw, PowerLaw, RoughPipe, SwameeJain, quadratic
 from tline.scene.alike import content
 from tline.scene.element import Element, optional, required
-from tline.scene.heights import GRAVITY
 from tline.scene.mistakes import Read, validator
-from tline.scene.quantity import Length, Quantity, Role
+from tline.scene.quantity import GRAVITY, Length, Quantity, Role
 from tline.words.wording import nearest, shown
 
 FOOT = 0.3048  # m; the Hazen-Williams law of EPANET is in feet

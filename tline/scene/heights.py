@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -12,14 +12,11 @@ from tline.errors import InputError
 from tline.scene.element import Element, optional
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Multiport
-from tline.scene.quantity import AnyEffort, Quantity, Role
+from tline.scene.quantity import GRAVITY, AnyEffort, Quantity, Role
 from tline.words.wording import place, shown
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
-
-
-GRAVITY = 9.80665  # m/s²
 
 
 def _pair(position: Any) -> Any:
@@ -163,8 +160,26 @@ def _elevations(scene: Scene) -> dict[str, float]:
 
 def _densities(scene: Scene, lines: list[str]) -> dict[str, float]:
     """Densities by line, where they are known."""
-    each = ((name, scene.density(name)) for name in lines)
+    each = ((name, _density(scene, name)) for name in lines)
     return {name: float(density) for name, density in each if density is not None}
+
+
+def _density(scene: Scene, line: str) -> float | None:
+    from tline.scene.pipe_table import PipeTable
+
+    if isinstance(scene.lines, PipeTable):
+        return scene.lines.density(line)
+    return getattr(scene.lines[line].parameters, "density", None)
+
+
+def _pairs(scene: Scene) -> Mapping[str, Sequence[str]]:
+    """Nodes of each line."""
+    from tline.scene.pipe_table import PipeTable
+
+    if isinstance(scene.lines, PipeTable):
+        nodes, each = scene.lines.nodes, zip(scene.lines.names, scene.lines.ends.tolist(), strict=True)
+        return {name: (nodes[one], nodes[other]) for name, (one, other) in each}
+    return {name: line.nodes for name, line in scene.lines.items()}
 
 
 def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
@@ -177,7 +192,7 @@ def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
             parent[node] = node = parent[parent[node]]
         return node
 
-    lines = scene.pairs
+    lines = _pairs(scene)
     for nodes in (*lines.values(), *(nodes for _, nodes in scene.between)):
         first = root(nodes[0])
         for node in nodes[1:]:

@@ -14,7 +14,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from tline.errors import InputError
+from tline.errors import InputError, SceneError
 from tline.line.hydraulic import QUANTITIES
 from tline.loss.flow_law import FlowLaw
 from tline.scene.element import is_name
@@ -23,7 +23,7 @@ from tline.scene.line import Pipe, SceneLine
 from tline.scene.medium import MEDIA
 from tline.scene.mistakes import validator
 from tline.scene.quantity import LARGEST, SMALLEST, Role
-from tline.scene.text_file import read_text
+from tline.scene.text_file import Folder, read_text
 from tline.units import to_si
 from tline.words.wording import nearest, place, shown
 
@@ -238,8 +238,16 @@ def _number(cell: Any) -> float:
         return np.nan
 
 
-def read_pipes(path: Path, given: str) -> PipeTable:
+def read_pipes(folder: Folder, given: str) -> PipeTable:
     """Read a table of pipes from a CSV file, whose first line has the headings, or from the arrays of an NPZ file."""
+    try:
+        return _read(folder.find(given), given)
+    except InputError as error:
+        where = "lines" if error.where == "file" else error.where
+        raise SceneError([InputError(where, error.problem, error.expected, error.got)]) from None
+
+
+def _read(path: Path, given: str) -> PipeTable:
     if path.suffix.lower() == ".npz":
         try:
             with np.load(path, allow_pickle=False) as arrays:

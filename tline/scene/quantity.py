@@ -13,6 +13,7 @@ from tline.words.wording import shown
 
 # sizes beyond these, in SI, are no physics, and products of a few of them would leave the range of floats
 SMALLEST, LARGEST = 1e-100, 1e100
+GRAVITY = 9.80665  # m/s², of the earth
 LONGEST = 20  # characters of a whole number
 
 

@@ -1,6 +1,6 @@
 """Scenes: lines, sources, loads and probes, an end time, and the accuracy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from math import nan
 from pathlib import Path
@@ -129,15 +129,9 @@ class Scene(Element):
         folder = folder if isinstance(folder, Folder) else Folder(Path(folder))
         medium = data.get("medium")
         known = MEDIA.get(medium) if isinstance(medium, str) else None
-        lines, unread = data.get("lines"), None
+        lines = data.get("lines")
         if isinstance(lines, str) and medium == "hydraulic":
-            try:
-                data["lines"] = read_pipes(folder.find(lines), lines)
-            except InputError as error:
-                unread = InputError("lines", error.problem, error.expected, error.got)
-                unread = unread if error.where == "file" else error
-        if unread is not None:
-            raise SceneError([unread])
+            data["lines"] = read_pipes(folder, lines)
         count = len(lines) if isinstance(lines, dict) else 0
         bar = Progress(count, "line", progress, "reading")
         context = {"folder": folder, "bar": bar} | ({"medium": medium, "units": known.units} if known else {})
@@ -294,20 +288,6 @@ class Scene(Element):
             for node in line.nodes:
                 found.setdefault(node, []).append(name)
         return found
-
-    def density(self, line: str) -> float | None:
-        """Density of the liquid in a line, kg/m³, where it is known."""
-        if isinstance(self.lines, PipeTable):
-            return self.lines.density(line)
-        return getattr(self.lines[line].parameters, "density", None)
-
-    @property
-    def pairs(self) -> Mapping[str, Sequence[str]]:
-        """Nodes of each line."""
-        if isinstance(self.lines, PipeTable):
-            nodes, each = self.lines.nodes, zip(self.lines.names, self.lines.ends.tolist(), strict=True)
-            return {name: (nodes[one], nodes[other]) for name, (one, other) in each}
-        return {name: line.nodes for name, line in self.lines.items()}
 
     @cached_property
     def heights(self) -> Mapping[str, Height]:

@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.scene.element import AtNode, Element, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
 from tline.scene.quantity import (
+    GRAVITY,
     ZERO,
     Acceleration,
     Area,
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 
 ATMOSPHERE = Quantity(101_325, "Pa")
-GRAVITY = Quantity(9.80665, "m/s^2")
 GAS_VOLUME = "gas volume"
 Height = Annotated[Quantity, Role("height", "m")]
 MOST_PLACES = 1000  # places
@@ -240,7 +240,7 @@ class SurgeTank(_Vessel):
     kind: Literal["surge tank"] = "surge tank"
     tank_diameter: Diameter | None = optional("inner diameter of the tank")
     tank_area: Area | None = optional("surface of the liquid")
-    gravity: Acceleration = optional("of the earth", GRAVITY)
+    gravity: Acceleration = optional("of the earth", Quantity(GRAVITY, "m/s^2"))
     level: Height | None = optional("of the surface above the node at a steady start")
     lowest_level: Height | None = optional("above the node, at which it is empty")
     highest_level: Height | None = optional("above the node, at which it overflows")

@@ -9,9 +9,9 @@ from pydantic import model_validator
 from tline.errors import InputError
 from tline.scene.element import AtNode, optional, required
 from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown
-from tline.scene.quantity import Acceleration, Area, Density, Quantity, Role
+from tline.scene.quantity import GRAVITY, Acceleration, Area, Density, Quantity, Role
 from tline.scene.rating import WATER
-from tline.scene.vessel import GRAVITY, Height
+from tline.scene.vessel import Height
 
 Loss = Annotated[Quantity, Role("loss coefficient", "", at_least=0)]
 
@@ -58,7 +58,7 @@ class OpenTank(AtNode, OfLiquids):
     loss_out: Loss = optional("K of the connection where it empties", Quantity(0, ""))
     one_way: bool = optional("whether a check valve lets nothing in", False)
     density: Density = optional("of the liquid", Quantity(WATER, "kg/m^3"))
-    gravity: Acceleration = optional("of the earth", GRAVITY)
+    gravity: Acceleration = optional("of the earth", Quantity(GRAVITY, "m/s^2"))
     shows = (
         Shown("level", "m", lambda tank, y, i: y / tank.weight),
         Shown("inflow", "m^3/s", lambda tank, y, i: i),

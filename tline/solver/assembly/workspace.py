@@ -71,9 +71,12 @@ def work_for(network: Network, state: State) -> Work:
     sizes |= {"ends": len(network.ends), "tile_s": tile * s, "nodes_s": nodes * tile * s, "n": tile * s}
     sizes |= {"row": max(tile, ports * s + states), "map": (ports * s + states) ** 2 if elements and states else 0}
     governed = bool(laws.governed.any())  # by openings that move
-    crossing, store, circuit = _of_elements(laws, state, sizes) if elements else _without_elements()
+    crossing, store, circuit = (
+        _of_elements(laws, state, sizes) if elements else map(_unused, (Crossing, Store, CircuitWork))
+    )
     govern = allocated(GovernWork, sizes | {"nodes_s": nodes * s, "M": elements * s * governed})
-    diamonds = _of_diamonds(network, s, states, elements)
+    losing = len(network.diamonds.line) > 0
+    diamonds = _of_diamonds(network, s, states, elements) if losing else _unused(DiamondWork)
     parts = {"crossing": crossing, "store": store, "circuit": circuit, "govern": govern, "diamonds": diamonds}
     return allocated(Work, sizes, tile=tile, **parts)
 
@@ -91,7 +94,7 @@ def renew(work: Work, network: Network, s: int) -> None:
 
 def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
     """Workspace of diamonds at groups of at most `states` states and `elements` elements."""
-    ends = int(np.diff(network.first[network.group]).max(initial=0)) if len(network.diamonds.line) else 0
+    ends = int(np.diff(network.first[network.group]).max(initial=0))
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
     longest = int(network.delay[network.diamonds.line].max(initial=0)) if s == 1 else 0
@@ -112,9 +115,9 @@ def _of_elements(laws: Laws, state: State, sizes: dict[str, int]) -> tuple[Cross
 
 
 @cache
-def _without_elements() -> Any:
-    """Packed workspace of a network without elements; never read."""
-    return tuple(pack(empty(structure)) for structure in (Crossing, Store, CircuitWork))
+def _unused(structure: Any) -> Any:
+    """Packed workspace of what a network does not have; never read."""
+    return pack(empty(structure))
 
 
 def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
@@ -179,12 +182,14 @@ def fronts_of(assembly: Assembly, n: int, events: Sequence[Event], parts: int) -
         allocated(
             PiecesUnderWay,
             sizes,
+            np.empty,
+            width=np.zeros(ends),
             of_slab=np.full(slabs, -1),
             before=np.full(ends, -1),
             free=np.arange(rows),
         ),
         workspace_for(network, s, at_node, parts),
-        allocated(Log, sizes),
+        allocated(Log, sizes, np.empty),
         np.zeros(9, int),
         np.zeros(5),
     )

@@ -9,7 +9,7 @@ from tline.scene.line import SceneLine
 from tline.scene.load import Matched, Reservoir, Resistor, Short, Switch
 from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe, Signal
 from tline.scene.medium import Medium, readable
-from tline.scene.multiport import Ports
+from tline.scene.multiport import Multiport, Ports
 from tline.scene.pipe_table import PipeTable
 from tline.scene.plausible import plausibility_notes
 from tline.scene.rational import Ratio, RationalImpedance

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
-LARGE = 1500  # unknowns up to which singular matrices are dense
+REVEALED, LARGE = 300, 1500  # unknowns up to which matrices that may be singular are dense; and those that are
 REGULAR = 1e12  # condition below which a matrix is not singular
 SINGULAR = 1e-13  # of the largest singular value, or pivot; so much ties what nothing else determines
 CONTRADICTORY = 1e-11  # of the right side
@@ -41,7 +41,12 @@ MOST_DENSE = 99  # unknowns; with more, OpenBLAS takes threads, which wait for e
 STARTS = 10.0 ** np.arange(0, -7, -1)  # efforts over the largest
 NOTHING = 1e-12  # of the largest effort, or of 1 without excitation: rest; and the slope of a drop that has none there
 CORRECTIONS, EXACT = 2, 1e-9  # of linear systems
-RELAXED = 10  # columns that factors treat alike; of panels one is the quickest, for networks are sparse
+SYMMETRIC: dict[str, Any] = {
+    "permc_spec": "MMD_AT_PLUS_A",
+    "relax": 10,  # columns that factors treat alike; of panels one is the quickest, for networks are sparse
+    "panel_size": 1,
+    "options": {"SymmetricMode": True},
+}  # of matrices with a symmetric pattern and a large diagonal
 
 
 class Limit(NamedTuple):
@@ -123,10 +128,10 @@ def _scales(A: Sparse, n: int) -> tuple[NDArray, NDArray]:
     return row, column
 
 
-def regular(A: Sparse, f: NDArray) -> NDArray | None:
+def regular(A: Sparse, f: NDArray, symmetric: bool = False) -> NDArray | None:
     """The solution where the matrix is far from singular."""
     n = len(f)
-    if n <= MOST_DENSE:
+    if n <= (MOST_DENSE if symmetric else REVEALED):
         matrix = A.dense(n)
         try:
             found = np.linalg.solve(matrix, np.column_stack([f, np.eye(n)]))
@@ -135,7 +140,7 @@ def regular(A: Sparse, f: NDArray) -> NDArray | None:
         condition = np.abs(matrix).sum(axis=0).max() * np.abs(found[:, 1:]).sum(axis=0).max()
         return found[:, 0] if condition < REGULAR else None
     try:
-        factors = A.factors(n)
+        factors = A.factors(n, **(SYMMETRIC if symmetric else {}))
     except RuntimeError:
         return None
     pivots = np.abs(factors.U.diagonal())
@@ -362,11 +367,11 @@ class Factors:
     """Factors of a matrix with a symmetric pattern and a large diagonal, in an order that keeps them small."""
 
     def __init__(self, matrix: Sparse, n: int, order: NDArray | None = None):
-        self._known, way = order is not None, "MMD_AT_PLUS_A" if order is None else "NATURAL"
+        self._known, how = order is not None, SYMMETRIC if order is None else SYMMETRIC | {"permc_spec": "NATURAL"}
         if order is not None:
             rank = np.argsort(order)
             matrix = Sparse(rank[matrix.rows], rank[matrix.columns], matrix.values)
-        self._found = matrix.factors(n, permc_spec=way, relax=RELAXED, panel_size=1, options={"SymmetricMode": True})
+        self._found = matrix.factors(n, **how)
         self.order = np.argsort(self._found.perm_c) if order is None else order
 
     def solve(self, right: NDArray) -> NDArray:

@@ -147,7 +147,7 @@ def _inside(parted: _Parts, edges: Edges, found: Balance, effort: NDArray) -> ND
     rows, columns, values = ends[0][free], ends[1][free], -np.tile(stiffness, 2)[free]
     system = Sparse(*(np.concatenate(each) for each in ((rows, every), (columns, every), (values, own))))
     scale = 1 / np.sqrt(np.abs(own))
-    potential = regular(system.scaled(scale, scale), scale * flow_in)
+    potential = regular(system.scaled(scale, scale), scale * flow_in, symmetric=True)
     if potential is None:
         raise InputError("start", "no steady state: active loads cancel the inertia of lines", "'rest'")
     potential *= scale

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.solver.description.description import Description
-from tline.solver.description.given import ElementLaw, Ratio, Shape, Source, Volume
+from tline.solver.description.given import ElementLaw, Multiport, Ratio, Shape, Source, Volume
 
-MULTIPORTS = "transformer", "gyrator", "controlled source", "coupled inductors", "junction", "touchstone"
 MOST_NODES, MOST_ENDS = 6, 4  # nodes that are checked, and line ends at each of them
 Flow = Callable[[NDArray, NDArray], NDArray]  # at instants and efforts across
 
@@ -127,7 +126,7 @@ def _attach(here: Balance, load: Any, description: Description, weight: float) -
 
 
 def _join(found: Mapping[str, Balance], link: Any) -> None:
-    equation = equation_of(link) if len(link.nodes) == 2 and link.kind not in MULTIPORTS else None
+    equation = equation_of(link) if len(link.nodes) == 2 and not isinstance(link, Multiport) else None
     for here, there in zip(link.nodes, reversed(link.nodes), strict=True):
         if here in found:
             found[here].add(None if equation is None else Term(equation, there, here == link.nodes[-1]))
