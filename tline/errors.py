@@ -4,7 +4,10 @@ All four packages use these classes, which survive pickle and copies. Surprises 
 are warnings.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 class InputError(ValueError):
@@ -50,7 +53,7 @@ def check_kind(where: str, value: object, *kinds: type) -> None:
         raise InputError(where, "something else", ", ".join(others) + " or " * bool(others) + last, repr(value)[:40])
 
 
-def as_numbers(where: str, values: Any, kind: type = float) -> Any:
+def as_numbers(where: str, values: Any, kind: type = float) -> "NDArray":
     """Convert numbers to an array of floats, or of another kind of numbers; raise an error for anything else."""
     import numpy as np
 

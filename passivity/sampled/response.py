@@ -1,10 +1,10 @@
 """Response given by samples on the imaginary axis, and the rounding of the digits of its file.
 
-Each number is known to half a unit in the last place that is printed. An entry of a matrix lies in a rectangle around
-its value, along and across a direction: the real axis for real and imaginary part, the entry's own for modulus and
-angle. With the singular vectors u, v of S the largest singular value of S + E is at least
-|u* (S + E) v| >= sigma - |Re u* E v|, and with the eigenvector v the smallest eigenvalue of the Hermitian part of Z + E
-is at most that of Z plus Re v* E v. So nothing that is printed the same is missed.
+Each number is known to half a unit in the last place that is printed, or would be with the zeros at its end. An entry
+of a matrix lies in a rectangle around its value, along and across a direction: the real axis for real and imaginary
+part, the entry's own for modulus and angle. With the singular vectors u, v of S the largest singular value of S + E
+is at least |u* (S + E) v| >= sigma - |Re u* E v|, and with the eigenvector v the smallest eigenvalue of the Hermitian
+part of Z + E is at most that of Z plus Re v* E v. So nothing that is printed the same is missed.
 """
 
 from collections.abc import Sequence
@@ -20,6 +20,7 @@ from passivity.status import Kind
 
 LARGEST = 1e150
 MAX_PORTS = 16
+ENOUGH = 100  # fractions, of which one in ten ends in 0 if zeros are kept
 MAX_NUMBERS = 1_000_000  # complex numbers in all samples together
 MAX_SAMPLES = 20_000  # of a response to which a model is fitted
 
@@ -28,6 +29,28 @@ def half_unit(text: str) -> float:
     """Half a unit in the last place of a number as it is written."""
     mantissa, _, exponent = text.lower().partition("e")
     return min(float(f"5e{int(exponent or 0) - len(mantissa.partition('.')[2]) - 1}"), LARGEST)
+
+
+def half_units(rows: Sequence[Sequence[str]]) -> NDArray:
+    """Half units in the last places of numbers as they are written, where the writer may have dropped zeros at the end.
+
+    It has if none of many fractions ends in 0. Each number then has as many decimals as any in its row, or as many
+    digits as any, whichever is coarser for it.
+    """
+    halves = np.array([[half_unit(x) for x in row] for row in rows])
+    written = (x.lower().partition("e")[0].lstrip("+-0") for row in rows for x in row)
+    several = 0
+    for mantissa in written:
+        if len(mantissa.partition(".")[2]) > 1:
+            if mantissa.endswith("0"):
+                return halves
+            several += 1
+    if several < ENOUGH:
+        return halves
+    size = np.abs(np.array(rows, float))
+    digits = [max(len(x.lower().partition("e")[0].replace(".", "").lstrip("+-0")) for x in row) for row in rows]
+    last = np.floor(np.log10(size, out=np.full(size.shape, -np.inf), where=size > 0)) + 1 - np.array(digits)[:, None]
+    return np.minimum(halves, np.maximum(halves.min(axis=1, keepdims=True), 0.5 * 10.0**last))
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +108,7 @@ def of_tokens(form: str, rows: Sequence[Sequence[str]], ports: int) -> tuple[Rou
     """
     shape = len(rows), ports, ports, 2
     numbers = np.array([[float(x) for x in row] for row in rows]).reshape(shape)
-    halves = np.array([[half_unit(x) for x in row] for row in rows]).reshape(shape)
+    halves = half_units(rows).reshape(shape)
     (first, second), (one, two) = np.moveaxis(numbers, 3, 0), np.moveaxis(halves, 3, 0)
     if form == "ri":
         return Rounding(np.ones_like(first, dtype=complex), one, two), first + 1j * second

@@ -46,6 +46,20 @@ def test_a_violation_beyond_the_digits_is_one(tmp_path):
     assert check_samples(read_csv(table, "Z")).bands[0].frequency == 2
 
 
+@pytest.mark.parametrize("written", [lambda x: str(round(x, 6)), lambda x: f"{x:g}"], ids=["str", "%g"])
+def test_writers_that_drop_zeros_have_printed_the_other_digits(tmp_path, written):
+    """A column of S of 1 and 0.1 has the norm 1.005, and a lossless response, rounded, none beyond 1."""
+    one, turned, other = [], [], np.linspace(0, 80.123, 60)
+    for k, angle in enumerate(other):
+        one.append((k, 0.1, angle, 1.0, 0.0, 0.0, 0.0, 0.1, -angle))
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        turned.append((k, c, 0.0, s, 90.0, s, 90.0, c, 0.0))
+    for rows, status in ((one, Status.REFUTED), (turned, Status.NO_VIOLATION)):
+        lines = [" ".join(map(written, map(float, row))) for row in rows]
+        path = sampled(tmp_path, "a.s2p", "\n".join(["# GHz S MA R 50", *lines]))
+        assert check_samples(read_touchstone(path)).status is status
+
+
 def test_noise_parameters_after_the_samples_are_none(tmp_path):
     text = "# GHz S MA R 50\n1 .5 0 .7071 0 .7071 0 .5 180\n2 .5 0 .7 0 .7 0 .5 180\n1 1.2 0.3 45 0.2\n"
     assert len(check_samples(read_touchstone(sampled(tmp_path, "a.s2p", text))).bars) == 2
