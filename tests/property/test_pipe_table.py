@@ -83,6 +83,7 @@ def test_elevations_need_one_liquid():
         ({"length [km]": [0.1, -2]}, r"lines.p2.length: length out of range, expected more than 0, got '-2 km'"),
         ({"length [km]": [0.1, "long"]}, r"lines.p2.length: "),
         ({"length [kg]": [0.1, 2]}, r"lines.length: "),
+        ({"wave_speed": np.array([1e3, 1e3j])}, r"lines.wave_speed: not a column, expected .*, got complex128"),
         ({"wave_speed": [1000]}, r"lines.wave_speed: a column too short or too long, expected 2, got 1"),
         ({"name": ["one", "one"]}, r"lines: a name that two pipes have"),
         ({"name": ["one", " "]}, r"lines.name: row 2 has no name"),
@@ -100,12 +101,17 @@ def test_one_sentence_names_what_is_wrong(columns, sentence):
         PipeTable("", kept | columns)
 
 
-def test_scenes_tell_what_is_wrong_with_their_file(tmp_path):
+def test_scenes_tell_what_is_wrong_with_their_file(tmp_path, monkeypatch):
     scene = {"t_end": "1 s", "probes": {"c": {"at": "c"}}}
     (tmp_path / "pipes.csv").write_text("from,to,z0,delay\na,b,1e6\n")
+    (tmp_path / "text.npz").write_text("from,to,z0,delay\na,b,1e6,1\n")
+    np.savez_compressed(tmp_path / "bomb.npz", z0=np.zeros(10_000))
+    monkeypatch.setattr("tline.scene.pipe_table.LARGEST_UNPACKED", 10_000)
     for medium, file, sentence in (
         ("hydraulic", "pipes.csv", "lines: not as many cells as 'pipes.csv' has headings, expected 4, got 3 in row 1"),
         ("hydraulic", "none.csv", "lines: 'none.csv' cannot be read"),
+        ("hydraulic", "text.npz", "lines: 'text.npz' is not a file of arrays"),
+        ("hydraulic", "bomb.npz", "lines: 'bomb.npz' is too large"),
         ("electrical", "pipes.csv", "lines: a table of pipes is for hydraulic scenes"),
     ):
         with pytest.raises(SceneError, match=sentence):

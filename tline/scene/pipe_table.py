@@ -3,13 +3,14 @@
 import csv
 import io
 import re
+import zlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from math import pi
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ LAWS: dict[str, Any] = {  # friction that follows the flow at once
     kind: model for kind, model in KINDS.items() if issubclass(model, ByFlow) and not issubclass(model, VardyBrown)
 }
 OPTIONAL = "length", "unsteady", "minor_loss", "kind"  # of these
+LARGEST_UNPACKED = 1_000_000_000  # bytes
 BLANK = "", "nan"  # cells without a number, in texts and in arrays
 HEADING = re.compile(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?\s*")
 
@@ -70,8 +72,9 @@ class PipeTable(Mapping[str, SceneLine]):
             self._cells[key], self._factors[key] = cells, unit
         number = np.size(next(iter(columns.values()), ()))
         for key, cells in self._cells.items():
-            if isinstance(cells, np.ndarray) and cells.ndim != 1:
-                raise InputError(place("lines", key), "not a column", "an array of one dimension", f"{cells.ndim}")
+            if isinstance(cells, np.ndarray) and (cells.ndim != 1 or cells.dtype.kind not in "iufU"):
+                got = f"{cells.dtype} in {cells.ndim} dimensions"
+                raise InputError(place("lines", key), "not a column", "numbers or words in one dimension", got)
             if len(cells) != number:
                 raise InputError(place("lines", key), "a column too short or too long", f"{number}", f"{len(cells)}")
         self.names = self._words("name") if "name" in self._cells else [f"p{k + 1}" for k in range(number)]
@@ -247,14 +250,22 @@ def read_pipes(folder: Folder, given: str) -> PipeTable:
         raise SceneError([InputError(where, error.problem, error.expected, error.got)]) from None
 
 
+def _arrays(path: Path, given: str) -> dict[str, NDArray]:
+    """Arrays of an NPZ file, which would unpack to no unreasonable size."""
+    try:
+        with ZipFile(path) as packed:
+            size = sum(each.file_size for each in packed.infolist())
+        if size <= LARGEST_UNPACKED:
+            with np.load(path, allow_pickle=False) as arrays:
+                return {key: arrays[key] for key in arrays.files}
+    except (ValueError, BadZipFile, OSError, EOFError, MemoryError, RuntimeError, zlib.error):
+        raise InputError("lines", f"{shown(given)} is not a file of arrays", "one that numpy.savez wrote") from None
+    raise InputError("lines", f"{shown(given)} is too large", f"at most {LARGEST_UNPACKED:,} bytes unpacked")
+
+
 def _read(path: Path, given: str) -> PipeTable:
     if path.suffix.lower() == ".npz":
-        try:
-            with np.load(path, allow_pickle=False) as arrays:
-                found = {key: arrays[key] for key in arrays.files}
-        except (ValueError, BadZipFile, OSError, EOFError):
-            raise InputError("lines", f"{shown(given)} is not a file of arrays", "one that numpy.savez wrote") from None
-        return PipeTable(given, found)
+        return PipeTable(given, _arrays(path, given))
     rows = csv.reader(io.StringIO(read_text(path, "lines")))
     try:
         heading, *cells = (row for row in rows if row)
