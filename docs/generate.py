@@ -11,7 +11,12 @@ from tline.scene.medium import ELECTRICAL, HYDRAULIC
 DOCS = Path(__file__).parent
 example = runpy.run_path(str(DOCS / "examples.py"))["example"]
 SECTIONS = {
-    "lines": ("Lines", "A line runs from its first node (end 1) to its second (end 2); flow counts positive that way."),
+    "lines": (
+        "Lines",
+        "A line runs from its first node (end 1) to its second (end 2); flow counts positive that way. Many pipes may "
+        'come from a CSV or NPZ file in place of tables, `lines = "pipes.csv"`: '
+        "[large networks](networks.md#large-networks).",
+    ),
     "sources": (
         "Sources",
         "At a node, against the reference, or between two nodes. `value` is a number or text, or one of the waveforms "

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import (
+    Field,
     PrivateAttr,
     SerializerFunctionWrapHandler,
     ValidationError,
@@ -265,4 +266,9 @@ def _as_given(value: Any, handler: SerializerFunctionWrapHandler) -> Any:
     return value.given if isinstance(value, PipeTable) else handler(value)
 
 
-Lines = Annotated[dict[Name, Line], WrapValidator(_table_or_each), WrapSerializer(_as_given)]
+Lines = Annotated[
+    dict[Name, Line],
+    WrapValidator(_table_or_each),
+    WrapSerializer(_as_given),
+    Field(json_schema_extra={"type": ["object", "string"]}),
+]
