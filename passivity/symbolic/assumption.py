@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
 from random import Random
 
 from passivity.calculus.fact import BOUNDED_REAL, POSITIVE_REAL, Fact
@@ -18,6 +19,7 @@ _FORMS = "a form such as R > 0, R >= 0, k real, 0 < k < 1 or R = 50"
 _MAX_CHARACTERS = 1_000
 _AT_AN_END = 0.1  # how often
 _SPREADS = (1, 2, 6)  # decades
+_STEPS = [Fraction(x) for x in ("2", "1/2", "10", "1/10", "9/10", "11/10", "100", "1/100", "1000", "1/1000")]
 _OPAQUE = re.compile(r"\s*([^\W\d]\w*)\s+(?:(pr|positive real)|br|bounded real)\s*", re.IGNORECASE)
 
 
@@ -168,6 +170,15 @@ def _name(text: str, where: str) -> str:
     return name
 
 
+def trials(ranges: tuple[Range, ...]) -> Iterator[dict[str, Fraction]]:
+    """Round numbers first, each parameter in turn far from the others, then random ones; the same each time."""
+    middle = {r.name: _at(r, Fraction(1)) for r in ranges}
+    yield middle
+    for r in ranges:
+        yield from (middle | {r.name: x} for x in _choices(r))
+    yield from islice(random_values(ranges), 1, None)
+
+
 def random_values(ranges: Sequence[Range]) -> Iterator[dict[str, Fraction]]:
     """Values in the middle of the ranges, then random ones without end; without ranges none but {}."""
     yield {r.name: _at(r, Fraction(1)) for r in ranges}
@@ -175,6 +186,13 @@ def random_values(ranges: Sequence[Range]) -> Iterator[dict[str, Fraction]]:
     while ranges:
         for decades in _SPREADS:
             yield {r.name: _any(r, random, decades) for r in ranges}
+
+
+def _choices(r: Range) -> list[Fraction]:
+    """Values that are tried first."""
+    two = r.low is None and r.high is None
+    steps = [Fraction(1), *_STEPS]
+    return [_at(r, u) for u in _STEPS] + _ends(r) + ([-u for u in steps] if two else [])
 
 
 def _any(r: Range, random: Random, decades: int) -> Fraction:

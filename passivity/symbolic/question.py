@@ -26,7 +26,7 @@ from passivity.exact.positive_real import check
 from passivity.expression.number import written
 from passivity.rational.function import RationalFunction
 from passivity.status import Kind, Status
-from passivity.symbolic.assumption import Range, random_values
+from passivity.symbolic.assumption import Range, trials
 from passivity.symbolic.conditions import allowance, as_impedance, low_degree_condition, positivity_condition
 from passivity.symbolic.domain import coefficients
 from passivity.symbolic.formula import Condition, Formula, claim, join, polynomial_text, quotient_text, value
@@ -146,7 +146,7 @@ def decide(asked: Asked, made: partial) -> Verdict:
         return made(Status.PROVED, reason=why, steps=tuple(question.lines()), note=question.note())
     condition, note = Condition(formula, free, question.whole) if formula else None, question.note()
     work = 0  # done in the trials
-    for values in islice(random_values(free), MAX_TRIALS):
+    for values in islice(trials(free), MAX_TRIALS):
         holds = condition is not None and condition.formula.holds(values)
         work += len(asked.text) if holds else question.work
         try:

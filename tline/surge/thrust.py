@@ -14,6 +14,8 @@ from tline.scene.scene import Scene
 from tline.solver.result.dense_output import inside
 from tline.solver.result.result import Result
 
+ROUNDED = 1e-12  # of the highest force: smaller differences are none
+
 
 class Thrust(NamedTuple):
     """Size of the force at a node, N."""
@@ -52,7 +54,7 @@ def thrusts(result: Result) -> Mapping[str, Thrust]:
             continue
         pushes = [_push(result, name, end, weight.get(node, 0.0), t) for name, end in here]
         size = np.linalg.norm(np.array(pushes).T @ np.array(known), axis=1)
-        k = int(np.argmax(size[1:]))
+        k = int(np.argmax(size[1:] >= (1 - ROUNDED) * size[1:].max()))
         found[node] = Thrust(float(size[0]), float(size[1 + k]), float(result.t[k]))
     return found
 
