@@ -11,6 +11,7 @@ from tline.errors import InputError, SceneError
 from tline.scene.pipe_table import PipeTable
 from tline.scene.scene import Scene
 from tline.solver.simulate import simulate
+from tline.surge.operation import operate
 
 grid = runpy.run_path(str(Path(__file__).parents[2] / "scenes" / "street_grid.py"))["grid"]
 FRICTION = [
@@ -118,3 +119,17 @@ def test_scenes_tell_what_is_wrong_with_their_file(tmp_path, monkeypatch):
             Scene(str(tmp_path), **scene, medium=medium, lines=file)
     with pytest.raises(SceneError, match=r"probes.d.at: no line ends at this node"):
         Scene(**scene | {"probes": {"d": {"at": "d"}}}, medium="hydraulic", lines=PipeTable("", SMALL))
+
+
+def test_pipes_of_a_table_are_operated_one_by_one():
+    """Cavities are laid inside one, another is shut, as where all pipes are tables."""
+    tap = {"at": "c", "kind": "orifice", "flow": 0.005, "pressure_drop": 3e5}
+    scene = {"medium": "hydraulic", "t_end": "1 s", "start": "steady", "probes": {"c": {"at": "c"}}}
+    scene |= {"loads": {"lake": {"at": "a", "kind": "reservoir", "pressure": "4 bar"}, "tap": tap}}
+    columns = PipeTable("", SMALL)
+    found = []
+    for lines in (columns, dict(columns)):
+        closed = operate(Scene(**scene, lines=lines), close=["tap@0.1s+0.01s", "p1@0.5s"], t_end="1 s", seconds=600)
+        assert closed.columns is not None
+        found.append(closed.to_dict()["highest"])
+    assert found[0] == found[1]

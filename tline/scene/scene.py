@@ -191,8 +191,6 @@ class Scene(Element):
 
     def with_lines(self) -> dict[str, Any]:
         """Table of the scene with pipes as objects, which `Scene` takes without reading them again."""
-        if isinstance(self.lines, PipeTable):
-            return self._as_file({"lines": self.lines})
         return self._as_file({"lines": dict(self.lines)} if self.medium == "hydraulic" and not self._parts else {})
 
     def _as_file(self, known: dict[str, Any]) -> dict[str, Any]:
@@ -266,7 +264,8 @@ class Scene(Element):
 
     def with_changes(self, **tables: Any) -> "Scene":
         """Return the scene with other tables in place of some, and the same folder of files."""
-        return Scene(self._folder, **self.with_lines() | tables)
+        kept = self._as_file({"lines": self.lines}) if isinstance(self.lines, PipeTable) else self.with_lines()
+        return Scene(self._folder, **kept | tables)
 
     @property
     def folder(self) -> Folder:
