@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -172,16 +172,6 @@ def _density(scene: Scene, line: str) -> float | None:
     return getattr(scene.lines[line].parameters, "density", None)
 
 
-def _pairs(scene: Scene) -> Mapping[str, Sequence[str]]:
-    """Nodes of each line."""
-    from tline.scene.pipe_table import PipeTable
-
-    if isinstance(scene.lines, PipeTable):
-        nodes, each = scene.lines.nodes, zip(scene.lines.names, scene.lines.ends.tolist(), strict=True)
-        return {name: (nodes[one], nodes[other]) for name, (one, other) in each}
-    return {name: line.nodes for name, line in scene.lines.items()}
-
-
 def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
     """Nodes and lines of each connected component."""
     parent: dict[str, str] = {}
@@ -192,7 +182,10 @@ def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
             parent[node] = node = parent[parent[node]]
         return node
 
-    lines = _pairs(scene)
+    lines: dict[str, list[str]] = {name: [] for name in scene.lines}
+    for node, names in scene.lines_at.items():
+        for name in names:
+            lines[name].append(node)
     for nodes in (*lines.values(), *(nodes for _, nodes in scene.between)):
         first = root(nodes[0])
         for node in nodes[1:]:

@@ -211,7 +211,7 @@ class Orders(Grids):
 
 
 class Shown(NamedTuple):
-    """Grid of the last run, and what it showed of it."""
+    """Signs of a run by which the next grid is chosen."""
 
     layered: bool  # decays behind fronts are followed, in pieces that do not become more on narrower slabs
     pieces: bool  # slabs are in pieces at laws, which do not become narrower with them
@@ -221,7 +221,7 @@ class Shown(NamedTuple):
 
     @classmethod
     def by(cls, ladder: Ladder, cuts: Cuts) -> "Shown":
-        """Read them off the last run of a ladder."""
+        """Signs of the last run of a ladder."""
         last, pieces = ladder.last, cuts.in_pieces(ladder.last)
         layered = last.resolution.layers > 0
         narrowed = ladder.compared > 0 and last.resolution.h < ladder.attempts[-2].slab
