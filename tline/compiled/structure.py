@@ -55,8 +55,9 @@ def fields(structure: type) -> tuple[Field, ...]:
     return tuple(found)
 
 
+@cache
 def empty(structure: Any) -> Any:
-    """Create a structure without content: arrays of no length, and zeros.
+    """Return the structure without content: arrays of no length, and zeros.
 
     Examples
     --------

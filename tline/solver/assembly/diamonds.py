@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from tline.compiled.structure import pack
+from tline.compiled.structure import empty, pack
 from tline.loss import Foster
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
 from tline.solver.description.laws import tools_of
@@ -89,6 +89,8 @@ def diamonds_of(
     """
     here, rests, ends, columns = grid.diamonds, np.array([*grid.rests, 0.0]), junctions.ends, grid.columns
     row, rest = np.full(len(grid.lines), -1), rests[grid.shift_row[here]]
+    if not len(here):
+        return empty(Diamonds)._replace(row=row, at_group=np.zeros(len(junctions.group) - 1, bool))
     cell, blocks = grid.cell, junctions.blocks
     if not cell:
         row[here] = np.arange(len(here))

@@ -94,9 +94,7 @@ class Diamonds(NamedTuple):
     left: Floats3  # (2, s, K) loss of the leaving one
     ends: Floats4  # (rows of shift, 2, s, s) a rest of a slab in the next one, and the rest of a slab
     exact: float  # of the largest wave: changes that end an iteration
-    cell: (
-        Integers  # (rows,) slabs of each wave in a cell of friction, or 0: diamonds of one slab, and half ones at nodes
-    )
+    cell: Integers  # (rows,) slabs of each wave in a cell of friction, or 0: diamonds of a slab, and half ones at nodes
     over: Floats  # (rows,) slabs of the delay that whole cells leave
     begin: Floats  # (s,) of a polynomial's values at the points, its value where its slab begins
     jump: float  # of the largest wave of a cell: jumps between slabs that are to part it
