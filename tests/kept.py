@@ -48,8 +48,7 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
             finer = max(finer, round(CELLS[0] * first / min(slabs)))
             if finer > CELLS[1]:
                 return Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
-        end = result.t[-1] / first
-        runs = [_finer(scene, result.resolution, order, first / n, round(n * end)) for n in (finer // 2, finer)]
+        runs = [_finer(scene, result.resolution, order, first / n) for n in (finer // 2, finer)]
     worst = Kept(result.accuracy.met, 0.0, 0.0, 0.0, 0.0, "", 0.0)
     for name, probe in result.probes.items():
         rough, fine = (each.probes[name] for each in runs)
@@ -85,11 +84,11 @@ def kept(scene: Scene, tol: float, finer: int = 16, order: int = 4) -> Kept:
     return worst
 
 
-def _finer(scene: Scene, found: Resolution, order: int, h: float, slabs: int) -> Result:
+def _finer(scene: Scene, found: Resolution, order: int, h: float) -> Result:
     """A run on narrower slabs: convolutions where laws of lines are, for circuits that are fitted to these are not."""
     if found.convolved and found.near:
         return Convolved(describe(scene), []).run(found._replace(h=h, near=NEAR, layers=FOLLOWED))
-    return run(describe(scene), Resolution(order, h), slabs=slabs)
+    return run(describe(scene), Resolution(order, h))
 
 
 def _instants(t: NDArray, probe, result: Result) -> tuple[NDArray, NDArray]:
