@@ -111,8 +111,9 @@ def judge(case: Case, tol: float) -> Judged:
                 float(np.median(knows)) / amplitude, at,
             )  # fmt: skip
     if worst.over > TRUE and worst.met:  # two grids may err alike
-        finer = simulate(case.scene, tol=tol / CLOSER).probes[worst.where.split()[0]].at(t).u
-        off = np.abs(result.probes[worst.where.split()[0]].at(t).u - finer).max() / np.abs(finer).max()
+        name = worst.where.split()[0]
+        finer, far = simulate(case.scene, tol=tol / CLOSER).probes[name].at(t).u, ~_beside(jumps[name], t)
+        off = np.abs(result.probes[name].at(t).u - finer)[far].max() / np.abs(finer).max()
         worst = worst._replace(over=min(worst.over, off / worst.told), error=min(worst.error, off))
     return worst
 
