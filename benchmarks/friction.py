@@ -1,4 +1,4 @@
-"""Failures of methods on friction laws, predicted and measured, into docs/: python -m benchmarks.friction."""
+"""Pictures of where methods fail on friction laws, and where that is predicted: python -m benchmarks.friction."""
 
 from math import log10, nan
 
@@ -7,7 +7,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 import friction
-from benchmarks.harness import DOCS, table, write
+from benchmarks.harness import DOCS
 from friction import (
     Coulomb,
     ElastoPlastic,
@@ -17,85 +17,13 @@ from friction import (
     Spring,
     Status,
     Table,
-    Tanh,
     Testbench,
-    dead_zone,
-    euler_chatter,
     limits,
     lugre_drift,
     simulate,
-    tanh_creep,
 )
 
 STRIBECK_END = 13.963289889871819666  # m/s, after 10 s
-
-
-def failure_rows() -> list[tuple[str, float, float]]:
-    """Rows of failures: name, predicted and measured value."""
-    rows = []
-    for slope, h in ((0.5, 0.001), (2.0, 0.0001)):
-        run, told = simulate(Coulomb(), Testbench(Ramp(slope)), 1.0 / slope, "euler", h=h), euler_chatter(1.0, slope, h)
-        label = f"Euler on sign v, {slope} N/s, h = {h:g} s: "
-        changes = float(np.sum(run.v[1:] * run.v[:-1] < 0.0))
-        rows += [
-            (label + "changes of sign", told.sign_changes, changes),
-            (label + "drift [m]", told.drift, run.x[-1]),
-            (label + "work of friction [J]", told.friction_work, run.W_f[-1]),
-            (label + "mean kinetic energy [J]", told.kinetic_energy, run.kinetic.mean()),
-        ]
-    starts = np.linspace(-1.0, -0.99, 1000, endpoint=False)
-    zone = Karnopp(1.0, 1.0, 0.0, 0.1, 0.001)
-    ends = [simulate(zone, Testbench(Ramp(0.0), v0=float(v0)), 1.5, "euler", h=0.01).v[-1] for v0 in starts]
-    rows.append(
-        (
-            "Dead zone δ = 0.001, h = 0.01: share that chatters",
-            dead_zone(0.001, 1.0, 0.01).escapes,
-            float(np.mean(np.abs(ends) > 0.001)),
-        )
-    )
-    frozen = simulate(Karnopp(1.0, 1.0, 0.0, 0.1, 0.5), Testbench(Ramp(0.5), v0=-1.0), 2.0)
-    rows.append(("Dead zone δ = 0.5, events: frozen velocity [m/s]", -0.5, frozen.v[-1]))
-    creep = simulate(Tanh(F_s=1.0, F_v=0.0, epsilon=0.01), Testbench(Ramp(0.0, 0.8)), 20.0)
-    rows.append(("tanh, ε = 0.01, F_a = 0.8 N: creep [m/s]", tanh_creep(0.01, 0.8, 1.0), creep.v[-1]))
-    for low, high in ((0.0, 0.6), (0.6, 1.1)):
-        times = 16.0 * np.arange(13)
-        force = Table(times, [low if k % 2 == 0 else high for k in range(13)])
-        model = LuGre(v_s=10.0, sigma0=1e4, sigma1=20.0, sigma2=0.0)
-        run = simulate(model, Testbench(force), times[-1], tol=1e-9, times=times[4::2])
-        rows.append(
-            (f"LuGre drift per cycle, {low} to {high} N [m]", lugre_drift(model, low, high), np.diff(run.x).mean())
-        )
-        held = simulate(
-            ElastoPlastic(sigma0=1e4, sigma1=20.0, z_ba=0.95e-4),
-            Testbench(force),
-            times[-1],
-            tol=1e-9,
-            times=times[4::2],
-        )
-        if high < 0.95:
-            rows.append((f"elasto-plastic drift per cycle, {low} to {high} N [m]", 0.0, np.diff(held.x).mean()))
-    for method in ("euler", "rk4"):
-        for sigma1 in (5.0, 44.7, 200.0):
-            model = LuGre(F_c=1e6, F_s=1e6, sigma1=sigma1, sigma2=0.0)
-            predicted = getattr(limits(model, 0.0), method)
-            rows.append(
-                (
-                    f"{method}, largest step in stick, σ1 = {sigma1:g} [s]",
-                    predicted,
-                    stick_limit(model, method, predicted),
-                )
-            )
-    return rows
-
-
-def stick_limit(model: LuGre, method: str, guess: float) -> float:
-    low, high = 0.3 * guess, 3.0 * guess
-    for _ in range(12):
-        h = (low * high) ** 0.5
-        run = simulate(model, Testbench(Ramp(0.0), v0=1e-6), 2000 * h, method, h=h)
-        stable = run.status is Status.DONE and np.abs(run.v[-20:]).max() < np.abs(run.v[:200]).max()
-        low, high = (h, high) if stable else (low, h)
-    return low
 
 
 def draw_maps() -> Figure:
@@ -187,15 +115,6 @@ def _xy(run: friction.Result) -> tuple[np.ndarray, np.ndarray]:
     return run.t, run.v
 
 
-def main() -> None:
+if __name__ == "__main__":
     for name, picture in (("limits", draw_maps()), ("failures", draw_failures(STRIBECK_END))):
         picture.savefig(DOCS / "pictures" / f"friction_{name}.png")
-    rows = []
-    for what, predicted, got in failure_rows():
-        off = f"{100 * abs(got / predicted - 1.0):.2f} %" if predicted else "exact 0" if got == 0.0 else f"{got:.1g}"
-        rows.append((what, f"{predicted:.6g}", f"{got:.6g}", off))
-    write("benchmarks/pages/friction.md", table("<failure|predicted|measured|off by", rows), "failures")
-
-
-if __name__ == "__main__":
-    main()
