@@ -1,8 +1,8 @@
 """Surges in processor time, beside TSNet and rthym-moc at equal error: `python -m benchmarks.surges FOLDER`.
 
-Writes two tables of docs/compared.md. The folder has Tnet1.inp, Tnet2.inp and Tnet3.inp of TSNet's examples, TNET3.inp
-of PTSNet's, and d-town.inp and 5fcvs.inp; TSNET_PYTHON names the interpreter that has TSNet. Calls count from a file to
-the highest heads at all nodes, EPANET included. The reference is tline with delays rounded to slabs of 0.4 ms.
+Writes a table of docs/compared.md. The folder has Tnet1.inp, Tnet2.inp and Tnet3.inp of TSNet's examples, and TNET3.inp
+of PTSNet's; TSNET_PYTHON names the interpreter that has TSNet. Calls count from a file to the highest heads at all
+nodes, EPANET included. The reference is tline with delays rounded to slabs of 0.4 ms.
 """
 
 import contextlib
@@ -21,13 +21,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from benchmarks.harness import ROOT, spent, table, timed, write
-from tline.scene.file import read_scene
+from benchmarks.harness import spent, table, timed, write
 from tline.scene.friction import FOOT
 from tline.scene.heights import GRAVITY
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import above_level
 from tline.study.programs.tsnet import PYTHON
@@ -38,8 +36,6 @@ HEAD, SPEED = 1e3 * GRAVITY, 1200.0  # Pa/m of water; m/s
 FINEST = 0.1 / 2**8  # s, slabs of the reference
 SLABS = [0.1 / 2**k for k in range(7)]  # s
 STEPS = 0.02, 0.01, 0.005, 0.0025, 0.00125  # s, of rthym-moc
-SCENES = {"town": (1e-3, 1e-4, 1e-6), "pipe_friction": (1e-4, 1e-8), "surge_tank": (1e-4, 1e-8)}
-TRIPPED = {"d-town": ("PU1", "PU4"), "5fcvs": ("30",)}
 Heads = dict[str, float]  # highest, m, by node
 TSNET = """
 import contextlib, json, os, sys, time
@@ -184,30 +180,8 @@ def measured(case: Case) -> Iterator[tuple[str, ...]]:
         yield case.title, other.program, *(f"{each:.3g}" for each in cells)
 
 
-def alone(folder: Path) -> Iterator[tuple[str, ...]]:
-    """Scenes with friction to tolerances, and networks in which pumps trip, as whole processes."""
-    for name, tolerances in SCENES.items():
-        scene = read_scene(ROOT / f"scenes/{name}.toml")
-
-        def answer(tol: float, scene: Scene = scene) -> Result:
-            return simulate(scene.with_changes(t_end=scene.t_end), tol=tol)  # a copy, for scenes remember searches
-
-        for tol in tolerances:
-            answer(tol)
-            result, seconds = timed(partial(answer, tol))
-            assert result.accuracy is not None
-            yield f"{name} to {tol:.0e}", f"{seconds:.3g}", f"{result.accuracy.worst:.0e}"
-    for name, pumps in TRIPPED.items():
-        trips = [part for pump in pumps for part in ("--trip", f"{pump}@1s")]
-        call: list[Any] = [sys.executable, "-W", "ignore", "-m", "tline", "surge"]
-        call += [folder.resolve() / f"{name}.inp", *trips, "--for", "20s"]
-        spent(call)
-        yield f"{name}: {' and '.join(pumps)} tripped, 20 s", f"{spent(call).cpu:.3g}", ""
-
-
 if __name__ == "__main__":
     warnings.simplefilter("ignore")
-    write("docs/compared.md", table("<tline alone|CPU, s|told", alone(Path(sys.argv[1]))), "alone")
     found = [row for case in cases(Path(sys.argv[1])) for row in measured(case)]
     head = "<operation|<program|step, ms|CPU, s|off, m|tline, slab, ms|CPU, s|off, m|times"
     write("docs/compared.md", table(head, found), "surges")
