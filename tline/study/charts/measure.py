@@ -4,8 +4,9 @@ Two times, of the processor where it is this process: while time is stepped, sam
 call to its answer, as a user waits for it. Compiling is in neither. Each is the median of several runs.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import astuple, dataclass, field, fields
+from functools import partial
 from itertools import groupby
 from math import inf
 from pathlib import Path
@@ -71,48 +72,28 @@ def timed(run: Callable[[], TimedRun], effort: Effort) -> TimedRun:
     return runs[0]._replace(stepping=median(r.stepping for r in runs), seconds=median(r.seconds for r in runs))
 
 
-class Closed:
-    """Exact solution evaluated directly."""
+class Known(NamedTuple):
+    """Efforts at a probe, exact or as good as that."""
 
-    def __init__(self, scene: Scene, probe: str):
-        self._solution = Solution(scene, probe)
-        self.fronts = self._solution.fronts
-
-    def efforts(self, t: NDArray) -> NDArray:
-        """Efforts at times within the run."""
-        return self._solution.at(t.tolist(), DIGITS).efforts
+    fronts: NDArray  # instants, s
+    efforts: Callable[[NDArray], NDArray]  # at times within the run
+    error: float = 0.0  # of them, where no exact solution is known
 
 
-class Interpolated:
+def interpolated(scene: Scene, probe: str) -> Known:
     """Slow exact solution, interpolated by a polynomial between any two fronts: there it is analytic."""
+    solution, t_end = LossySolution(scene, probe), scene.t_end
+    edges = np.unique([0.0, *solution.fronts[(solution.fronts > 0) & (solution.fronts < t_end)], t_end])
+    nodes, width = chebyshev.chebpts1(DEGREE + 1), np.diff(edges)
+    t = edges[:-1, None] + (nodes + 1) / 2 * width[:, None]
+    u = np.array(solution.at(t.ravel().tolist(), DIGITS_BETWEEN).u, float).reshape(t.shape)
+    series = chebyshev.chebfit(nodes, u.T, DEGREE)
 
-    def __init__(self, scene: Scene, probe: str):
-        solution, t_end = LossySolution(scene, probe), scene.t_end
-        self.fronts = solution.fronts
-        self._edges = np.unique([0.0, *self.fronts[(self.fronts > 0) & (self.fronts < t_end)], t_end])
-        nodes = chebyshev.chebpts1(DEGREE + 1)
-        low, width = self._edges[:-1], np.diff(self._edges)
-        t = low[:, None] + (nodes + 1) / 2 * width[:, None]
-        u = np.array(solution.at(t.ravel().tolist(), DIGITS_BETWEEN).u, float).reshape(t.shape)
-        self._series = chebyshev.chebfit(nodes, u.T, DEGREE)
+    def efforts(t: NDArray) -> NDArray:
+        k = np.clip(np.searchsorted(edges, t) - 1, 0, len(width) - 1)
+        return chebyshev.chebval(2 * (t - edges[k]) / width[k] - 1, series[:, k], tensor=False)
 
-    def efforts(self, t: NDArray) -> NDArray:
-        """Efforts at times within the run."""
-        k = np.clip(np.searchsorted(self._edges, t) - 1, 0, len(self._edges) - 2)
-        x = 2 * (t - self._edges[k]) / np.diff(self._edges)[k] - 1
-        return chebyshev.chebval(x, self._series[:, k], tensor=False)
-
-
-class Stepped:
-    """Substitute for an exact solution where none is known."""
-
-    def __init__(self, solution: FrictionSolution, probe: str):
-        self._solution, self._probe = solution, probe
-        self.fronts, self.error = solution.fronts[probe], solution.error
-
-    def efforts(self, t: NDArray) -> NDArray:
-        """Efforts at times within the run."""
-        return self._solution.at(self._probe, t)
+    return Known(solution.fronts, efforts)
 
 
 class Judge:
@@ -135,7 +116,7 @@ class Judge:
         self.times = {probe: t[t <= scene.t_end] for probe, t in self.times.items()}
         self.exact = {probe: solution.efforts(self.times[probe]) for probe, solution in self.solutions.items()}
         self.amplitude = max(np.abs(u).max() for u in self.exact.values())
-        self.own = max(getattr(solution, "error", 0.0) for solution in self.solutions.values()) / self.amplitude
+        self.own = max(solution.error for solution in self.solutions.values()) / self.amplitude
 
     def errors(self, run: TimedRun) -> tuple[float, float]:
         """Largest error over the largest effort: at any instant, and at those of the run next to the instants drawn."""
@@ -153,13 +134,20 @@ class Judge:
         return float(np.where(np.isfinite(relative), relative, np.inf).max())
 
 
-def _solutions(scene: Scene) -> Mapping[str, Closed | Interpolated | Stepped]:
+def _solutions(scene: Scene) -> dict[str, Known]:
     """Exact solutions by probe, or their substitutes."""
-    if all(line.losses is None or line.losses.linear for line in scene.single_lines.values()):
-        solve = Interpolated if describe(scene).lossy else Closed
-        return {probe: solve(scene, probe) for probe in scene.probes}
-    solution = FrictionSolution(scene)
-    return {probe: Stepped(solution, probe) for probe in scene.probes}
+    if any(line.losses and not line.losses.linear for line in scene.single_lines.values()):
+        solution = FrictionSolution(scene)
+        return {
+            probe: Known(solution.fronts[probe], partial(solution.at, probe), solution.error) for probe in scene.probes
+        }
+    if describe(scene).lossy:
+        return {probe: interpolated(scene, probe) for probe in scene.probes}
+    closed = {probe: Solution(scene, probe) for probe in scene.probes}
+    return {
+        probe: Known(each.fronts, lambda t, each=each: each.at(t.tolist(), DIGITS).efforts)
+        for probe, each in closed.items()
+    }
 
 
 @dataclass(frozen=True)
