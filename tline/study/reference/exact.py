@@ -90,7 +90,7 @@ class Solution:
             u, y = [u[t] for t in instants], [y[t] for t in instants]
         z0 = _divided(self.z0, digits)
         largest = max(map(abs, [*u, *(z0 * v for v in y)]))
-        return Exact(_rounded(u, largest, digits), _rounded(y, largest / z0, digits))
+        return Exact(rounded(u, largest, digits), rounded(y, largest / z0, digits))
 
     def _check(self, instants: list[Fraction], digits: int) -> None:
         if not 1 <= digits <= MOST_DIGITS:
@@ -117,10 +117,7 @@ class Solution:
                 u = [(p + q) / 2 for p, q in zip(a, b, strict=True)]
                 y = [(p - q) / (2 * rational(self.z0)) for p, q in zip(a, b, strict=True)]
                 if _sharp([*a, *b], arb(10) ** -(digits + 1)):
-                    both = (u, y)
-                    return tuple(
-                        [Decimal(v.mid().str(digits + GUARD_DIGITS, radius=False)) for v in each] for each in both
-                    )
+                    return decimals(u, digits), decimals(y, digits)
             bits *= 2
         raise InputError("digits", f"cannot be had with {MOST_BITS} bits", "fewer", f"{digits}")
 
@@ -140,13 +137,18 @@ def _sharp(values: list[Any], share: Any) -> bool:
     return all(v.is_finite() and v.rad() <= largest * share for v in values)
 
 
+def decimals(values: Iterable[arb], digits: int) -> list[Decimal]:
+    """Midpoints, to more than a number of digits."""
+    return [Decimal(v.mid().str(digits + GUARD_DIGITS, radius=False)) for v in values]
+
+
 def _divided(value: Fraction, digits: int) -> Decimal:
     with localcontext() as context:
         context.prec = digits + GUARD_DIGITS
         return Decimal(value.numerator) / Decimal(value.denominator)
 
 
-def _rounded(values: list[Decimal], largest: Decimal, digits: int) -> tuple[Decimal, ...]:
+def rounded(values: list[Decimal], largest: Decimal, digits: int) -> tuple[Decimal, ...]:
     """Round to a number of digits of the largest."""
     with localcontext() as context:
         context.prec = digits + GUARD_DIGITS

@@ -1,7 +1,7 @@
 """Response of a lossy line to a step, ramp or impulse, and to a source in a lossy scene, to any number of digits."""
 
 from collections.abc import Callable, Iterable
-from decimal import Decimal, localcontext
+from decimal import Decimal
 from enum import IntEnum
 from fractions import Fraction
 from itertools import pairwise
@@ -19,7 +19,7 @@ from tline.scene.load import NoFlow, Resistor
 from tline.scene.refuse import refuse_cavities, refuse_heights
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape
-from tline.study.reference.exact import Exact
+from tline.study.reference.exact import Exact, decimals, rounded
 from tline.study.reference.motion import rational
 from tline.study.reference.network import decimal, straight
 from tline.study.reference.rays import instant
@@ -119,7 +119,8 @@ def lossy_response(
             bound = max(max(abs(u.mid()), abs((zc * y).mid())) for u, y in sums) * arb(10) ** -digits / len(passages)
             open_ones = [j for j, old in before.items() if not _close(parts[j], old, zc, bound)]
             if not open_ones:
-                return Exact(*(_decimals(values, digits) for values in zip(*sums, strict=True)))
+                u, y = (decimals(values, digits) for values in zip(*sums, strict=True))
+                return Exact(*(rounded(values, max(map(abs, values)), digits) for values in (u, y)))
     raise InputError("digits", "cannot be had for this line", "fewer", f"{digits}")
 
 
@@ -212,16 +213,6 @@ def _inverse(transform: Transform, t: arb, contour: list[tuple[acb, acb]]) -> Pa
         at_u, at_y = transform(z / t)
         u, y = u + (weight * at_u).imag, y + (weight * at_y).imag
     return u / t, y / t
-
-
-def _decimals(values: tuple[arb, ...], digits: int) -> tuple[Decimal, ...]:
-    """Round to a number of digits of the largest."""
-    exact = [Decimal(v.mid().str(digits + SPARE_TERMS, radius=False)) for v in values]
-    largest = max(map(abs, exact))
-    with localcontext() as context:
-        context.prec = digits + SPARE_TERMS
-        last = Decimal(1).scaleb(largest.adjusted() - digits)
-        return tuple(v.quantize(last) if largest else v for v in exact)
 
 
 class LossySolution:
