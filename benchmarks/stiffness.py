@@ -4,7 +4,6 @@ Others get the same right-hand side, compiled, with sign v as it is, and estimat
 theirs, and are checked by the witness. What is not installed is left out (numbalsoda builds where gfortran is).
 """
 
-import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from math import copysign, exp, sin
@@ -166,6 +165,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    began = time.process_time()
     main()
-    print(f"{time.process_time() - began:.0f} s of processor time")

@@ -4,16 +4,16 @@ Compared in the same run: the H-infinity norm of SLICOT's AB13DD in doubles, and
 bounded real lemma under Clarabel. All decide whether |S| <= 1. Times are CPU times, medians over the systems.
 """
 
-import time
 import warnings
 from collections.abc import Callable
+from functools import partial
 from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.harness import table, write
+from benchmarks.harness import table, timed, write
 from passivity import StateSpace, Status, check_bounded_real, verify
 
 SIZES = (10, 2), (20, 2), (20, 8), (50, 4), (100, 8), (200, 8)  # states, ports
@@ -116,13 +116,9 @@ def measured(systems: list[System], passive: bool) -> list[Any]:
         if who == "Clarabel" and len(systems[0].a) > LARGEST_INEQUALITY:
             cells += ["", ""]
             continue
-        answers, seconds = [], []
-        for system in systems:
-            begun = time.process_time()
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                answers.append(ask(system))
-            seconds.append(time.process_time() - begun)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            answers, seconds = zip(*(timed(partial(ask, system), 1) for system in systems), strict=True)
         wrong = sum(answer is not None and answer != passive for answer in answers)
         right = f"{sum(answer == passive for answer in answers)} of {len(systems)}"
         cells += [right + (f", {wrong} wrong" if wrong else ""), f"{1e3 * median(seconds):.1f}"]
@@ -145,12 +141,10 @@ def timing() -> str:
 def proofs_hold() -> str:
     """Compare the time to verify a proof of one of the largest systems with the time to decide it."""
     system = random_system(0, *SIZES[-1], NORMS["lossy"])
-    begun = time.process_time()
-    verdict = check_bounded_real(StateSpace.from_entries(*(each.tolist() for each in system)))
-    decided = time.process_time()
-    holds = verdict.certificate is not None and verify(verdict.certificate)
-    spent = time.process_time() - decided
-    share = spent / (decided - begun)
+    entries = [each.tolist() for each in system]
+    verdict, deciding = timed(lambda: check_bounded_real(StateSpace.from_entries(*entries)), 1)
+    holds, verifying = timed(lambda: verdict.certificate is not None and verify(verdict.certificate), 1)
+    share = verifying / deciding
     return f"The proof of one with {SIZES[-1][0]} states is verified ({holds}) in {share:.2f} of the time of deciding."
 
 
