@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tline.cli.from_signature import Output, drawn
 from tline.cli.options import write_text
 from tline.errors import InputError
-from tline.words.wording import place
+from tline.words.wording import first_of, place
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -336,7 +336,6 @@ def _circuit_as_dict(circuit: "CircuitVerdict") -> dict[str, Any]:
 
 
 def _circuit_in_words(circuit: "CircuitVerdict") -> str:
-    more = len(circuit.nodes) - MOST_NODES
-    nodes = ", ".join(map(repr, circuit.nodes[:MOST_NODES])) + (f" and {more} more" if more > 0 else "")
+    nodes = first_of([*map(repr, circuit.nodes)], MOST_NODES)
     ports = f", {len(circuit.ports)} port{'s' * (len(circuit.ports) > 1)}" if circuit.scattering else ""
     return f"circuit at node{'s' * (len(circuit.nodes) > 1)} {nodes}{ports}"

@@ -12,6 +12,7 @@ from tline.errors import InputError
 from tline.interchange.water_controls import WaterControl
 from tline.scene.friction import FOOT
 from tline.scene.heights import GRAVITY
+from tline.words.wording import first_of
 
 SQUARE, STEPS = 2.0, 10  # parts of other power laws
 AT_OPERATING_POINT = 0.25  # of a step: closer to the operating point than that no other is needed
@@ -116,7 +117,7 @@ def listed(names: Collection[str]) -> str:
     >>> listed({"b", "a"})
     "'a', 'b'"
     """
-    return ", ".join(map(repr, sorted(names)[:LISTED])) + f" and {len(names) - LISTED} more" * (len(names) > LISTED)
+    return first_of([*map(repr, sorted(names))], LISTED)
 
 
 @dataclass(frozen=True)

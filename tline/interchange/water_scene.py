@@ -29,6 +29,7 @@ from tline.scene.heights import GRAVITY
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import steady_state
+from tline.words.wording import first_of
 
 ADDED = 1e-4  # of the length of all pipes
 LONGEST = 3.0  # m, that a pipe is made
@@ -81,9 +82,8 @@ def differences(network: WaterNetwork, scene: Scene) -> Iterator[str]:
     bad = {name: by for name, by in off.items() if abs(by) > ACCURATE + RELATIVE * abs(nodes[name].head)}
     if bad:
         worst = sorted(bad, key=lambda name: -abs(bad[name]))
-        listed = ", ".join(f"'{name}' by {bad[name]:+.3g} m" for name in worst[:LISTED])
-        more = f" and {len(bad) - LISTED} more" * (len(bad) > LISTED)
-        yield f"the steady state of the scene differs from EPANET's heads: {listed}{more}"
+        listed = first_of([f"'{name}' by {bad[name]:+.3g} m" for name in worst], LISTED)
+        yield f"the steady state of the scene differs from EPANET's heads: {listed}"
 
 
 AROUND = (1 / 3, 1 / 2, 2 / 3, 5 / 6, 1.0, 7 / 6, 3 / 2, 2.0, 3.0)  # flows of a pump of constant power

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 from pydantic import BeforeValidator
 
 from tline.errors import InputError
+from tline.scene.connected import Joined
 from tline.scene.element import Element, optional
 from tline.scene.medium import Medium, readable
 from tline.scene.multiport import Multiport
 from tline.scene.quantity import GRAVITY, AnyEffort, Quantity, Role
-from tline.words.wording import place, shown
+from tline.words.wording import first_of, place, shown
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
@@ -148,10 +149,8 @@ def taken_as_zero(scene: Scene) -> list[str]:
     grounded = (link for link in scene.links.values() if isinstance(link, Multiport) and link.is_grounded)
     at += [node for link in grounded for node in link.nodes]
     missing = list(dict.fromkeys(node for node in at if node not in known))
-    if not missing:
-        return []
-    named = ", ".join(map(repr, missing[:LISTED])) + f" and {len(missing) - LISTED} more" * (len(missing) > LISTED)
-    return [f"nodes: no elevation is given at {named}, but at other nodes: taken as 0 m"]
+    named = first_of([*map(repr, missing)], LISTED)
+    return [f"nodes: no elevation is given at {named}, but at other nodes: taken as 0 m"] if missing else []
 
 
 def _elevations(scene: Scene) -> dict[str, float]:
@@ -174,25 +173,16 @@ def _density(scene: Scene, line: str) -> float | None:
 
 def _components(scene: Scene) -> list[tuple[list[str], list[str]]]:
     """Nodes and lines of each connected component."""
-    parent: dict[str, str] = {}
-
-    def root(node: str) -> str:
-        parent.setdefault(node, node)
-        while parent[node] != node:
-            parent[node] = node = parent[parent[node]]
-        return node
-
+    joined = Joined()
     lines: dict[str, list[str]] = {name: [] for name in scene.lines}
     for node, names in scene.lines_at.items():
         for name in names:
             lines[name].append(node)
     for nodes in (*lines.values(), *(nodes for _, nodes in scene.between)):
-        first = root(nodes[0])
-        for node in nodes[1:]:
-            parent[root(node)] = first
+        joined.join(*nodes)
     found: dict[str, tuple[list[str], list[str]]] = {}
-    for node in list(parent):
-        found.setdefault(root(node), ([], []))[0].append(node)
+    for node in joined:
+        found.setdefault(joined.root(node), ([], []))[0].append(node)
     for name, nodes in lines.items():
-        found[root(nodes[0])][1].append(name)
+        found[joined.root(nodes[0])][1].append(name)
     return list(found.values())

@@ -7,6 +7,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
+from tline.scene.connected import Joined
 from tline.scene.load import Reservoir, Resistor, Short, Switch
 from tline.scene.rational import RationalImpedance
 from tline.words.wording import place
@@ -21,16 +22,15 @@ class _Rigid:
     """Nodes between which the effort is prescribed or cannot jump; None stands for the reference."""
 
     def __init__(self) -> None:
-        self._parent: dict[str | None, str | None] = {}
+        self._joined = Joined()
         self._holders: list[tuple[str, Terminals]] = []
 
     def join(self, where: str, terminals: Terminals) -> None:
-        first, second = map(self._root, terminals)
-        self._parent[first] = second
+        self._joined.join(*terminals)
         self._holders.append((where, terminals))
 
     def joins(self, terminals: Terminals) -> bool:
-        first, second = map(self._root, terminals)
+        first, second = map(self._joined.root, terminals)
         return first == second
 
     def holder(self, terminals: Terminals) -> str:
@@ -38,11 +38,6 @@ class _Rigid:
         across = (where for where, others in self._holders if {*others} == {*terminals})
         nodes = {*terminals} - {None}
         return next(across, "") or next(where for where, others in self._holders if nodes.intersection(others))
-
-    def _root(self, node: str | None) -> str | None:
-        while (above := self._parent.get(node, node)) != node:
-            self._parent[node] = node = self._parent.get(above, above)
-        return node
 
 
 def conflicting_holds(scene: Scene) -> Iterator[InputError]:

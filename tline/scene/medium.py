@@ -115,9 +115,10 @@ def check_units(text: str, info: ValidationInfo) -> str:
     return text
 
 
-def check_word(kind: str, info: ValidationInfo, role: str) -> str:
-    """Check that the kind of an element is the word of the scene's medium for that role."""
+def check_word(kind: str, info: ValidationInfo, *roles: str) -> str:
+    """Check that the kind of an element is the word of the scene's medium for one of some roles."""
     medium = MEDIA.get((info.context or {}).get("medium", ""))
-    if medium is not None and getattr(medium, role) != kind:
-        raise InputError("", f"not a word of {medium.name} scenes", f"'{getattr(medium, role)}'", f"'{kind}'")
+    words = [getattr(medium, role) for role in roles] if medium else [kind]
+    if medium and kind not in words:
+        raise InputError("", f"not a word of {medium.name} scenes", " or ".join(map(repr, words)), f"'{kind}'")
     return kind

@@ -11,7 +11,7 @@ from tline.scene.heights import taken_as_zero
 from tline.scene.load import Switch
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
-from tline.words.wording import place
+from tline.words.wording import first_of, place
 
 EVERYDAY = {"ohm", "V", "A", ""}  # units that a bare number commonly has
 LISTED = 3
@@ -92,4 +92,4 @@ def _is_number(text: str) -> bool:
 
 
 def _first(texts: list[str]) -> str:
-    return ", ".join(texts[:LISTED]) + f" and {len(texts) - LISTED} more" * (len(texts) > LISTED)
+    return first_of(texts, LISTED)

@@ -11,7 +11,7 @@ from pydantic import (
 
 from tline.errors import InputError
 from tline.scene.element import Element, Name, TwoNodes, optional, required, words_are_required
-from tline.scene.medium import MEDIA
+from tline.scene.medium import MEDIA, check_word
 from tline.scene.mistakes import Read
 from tline.scene.quantity import Resistance
 from tline.scene.waveform import Shape, Waveform, read_waveform
@@ -89,11 +89,7 @@ class Source(Element):
     @field_validator("kind")
     @classmethod
     def _of_medium(cls, kind: str, info: ValidationInfo) -> str:
-        medium = MEDIA.get((info.context or {}).get("medium", ""))
-        if medium is not None and kind not in (medium.effort, medium.flow):
-            problem = f"not a word of {medium.name} scenes"
-            raise InputError("", problem, f"'{medium.effort}' or '{medium.flow}'", f"'{kind}'")
-        return kind
+        return check_word(kind, info, "effort", "flow")
 
     @model_validator(mode="after")
     def _at_or_nodes(self):

@@ -12,7 +12,7 @@ from tline.surge.band import Band
 from tline.surge.columns import Columns
 from tline.surge.worst import Extreme, Worst, class_of, extremes, worst
 from tline.units import to_si
-from tline.words.wording import aligned
+from tline.words.wording import aligned, first_of
 
 BAR, NAMED, DECIMALS = 1e5, 5, 6  # Pa; nodes in a sentence; of a spread
 STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "at [s]", "at the end"], 20
@@ -82,9 +82,8 @@ def as_text(result: Result, accuracy: Accuracy | None, found: Worst, columns: Co
     named = f", {asks}" if not found.untold else f"; no pressure class is named, for {found.untold}"
     lines += ["", f"the highest pressure, {where}{named}"]
     if found.boiling:
-        names = ", ".join(one.node for one in found.boiling[:NAMED])
-        more = f" and {len(found.boiling) - NAMED} more" * (len(found.boiling) > NAMED)
-        lines.append(f"water boils at {names}{more}: put cavities or protection there")
+        names = first_of([one.node for one in found.boiling], NAMED)
+        lines.append(f"water boils at {names}: put cavities or protection there")
     if found.unfinished:
         names = " and ".join(dict.fromkeys(one.node for one in found.unfinished))
         lines.append(f"an extreme lies at the end of the run, at {names}: run longer")

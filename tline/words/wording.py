@@ -51,8 +51,18 @@ def nearest(word: object, known: list[str]) -> str:
 
 def listed(known: list[str]) -> str:
     """List all known words, or some."""
-    words = ", ".join(f"'{name}'" for name in known[:LISTED])
-    return "one of " * (len(known) > 1) + words + f" and {len(known) - LISTED} more" * (len(known) > LISTED)
+    return "one of " * (len(known) > 1) + first_of([f"'{name}'" for name in known], LISTED)
+
+
+def first_of(words: Sequence[str], most: int) -> str:
+    """Join the first words, and say how many more there are.
+
+    Examples
+    --------
+    >>> first_of(["a", "b", "c"], 2)
+    'a, b and 1 more'
+    """
+    return ", ".join(words[:most]) + f" and {len(words) - most} more" * (len(words) > most)
 
 
 def aligned(rows: Sequence[Sequence[str]], words: int) -> list[str]:
