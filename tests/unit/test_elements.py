@@ -18,8 +18,8 @@ LAWS = {
     "quadratic": ((0.1, 0.7, 0.0), lambda u: 0.7 * np.sign(u) * np.sqrt(abs(u))),
     "pump": (PUMP.law().constants, None),
     "relief": ((0.0, 0.7, 0.5, 0.25), lambda u: 0.7 * np.clip((u - 0.5) / 0.25, 0, 1) * np.sqrt(max(u, 0))),
-    "leak": ((0.0, 0.8, 1.3, 1.2), lambda u: 0.8 * (max(u, 0) / 1.3) ** 1.2),
-    "demand": ((0.2, 0.8, 1.3, 0.5), lambda u: 0.8 * np.clip(u / 1.3, 0, 1) ** 0.5),
+    "leak": ((0.0, 0.8, 1.3, 1.2, np.inf), lambda u: 0.8 * (max(u, 0) / 1.3) ** 1.2),
+    "demand": ((0.2, 0.8, 1.3, 0.5, 1.3), lambda u: 0.8 * np.clip(u / 1.3, 0, 1) ** 0.5),
     "diode": ((0.0, 1e-12, 0.026), lambda u: 1e-12 * np.expm1(u / 0.026)),
     "table": ((0.0, 3.0, -1.0, 0.5, 1.0, -2.0, 0.0, 4.0), lambda u: np.interp(u, [-1, 0.5, 1], [-2, 0, 4])),
 }

@@ -17,35 +17,28 @@ SOME = Quantity("0.5", "")
 
 
 class Leaking(LawKind):
-    """Law of a leak; constants: effort beyond the element, flow at a pressure, that pressure, exponent."""
+    """Law of a leak; constants: effort beyond, flow at a pressure, that pressure, exponent, pressure of most flow."""
 
-    name, unit = "leak", "laws.outflow.leak"
+    name, unit = "leak", "laws.outflow.outflow"
     steep = True  # behind an impedance its flow has no Taylor series where it begins
 
     def bends(self, c, rho):  # noqa: D102
         yield Bend(c[0])
+        if c[4] < inf:
+            yield Bend(c[0] + c[4], rho * c[1])
 
     def holds(self, c, control):  # noqa: D102
         return -inf, c[0] if control else inf
 
     def flow(self, c):  # noqa: D102
-        _, flow, pressure, exponent = c
-        return lambda d: flow * (np.maximum(d, 0.0) / pressure) ** exponent
+        _, flow, pressure, exponent, most = c
+        return lambda d: flow * (np.clip(d, 0.0, most) / pressure) ** exponent
 
 
 class Demanded(Leaking):
-    """Law of a demand, with the constants of a leak; above the pressure it is met in full."""
+    """Law of a demand, with the constants of a leak; at its pressure it is met in full."""
 
-    name, unit = "demand", "laws.outflow.demand"
-    control = "pattern"
-
-    def bends(self, c, rho):  # noqa: D102
-        yield Bend(c[0])
-        yield Bend(c[0] + c[2], rho * c[1])
-
-    def flow(self, c):  # noqa: D102
-        _, flow, pressure, exponent = c
-        return lambda d: flow * np.clip(d / pressure, 0.0, 1.0) ** exponent
+    name, control = "demand", "pattern"
 
 
 class Leak(AtNode, OfLiquids):
@@ -58,7 +51,8 @@ class Leak(AtNode, OfLiquids):
     opening: Factor = optional("factor of the flow, constant or over time: 0 before it bursts", ALWAYS)
 
     def law(self) -> ElementLaw:  # noqa: D102
-        return ElementLaw("leak", (0.0, float(self.flow), float(self.pressure), float(self.exponent)), self.opening)
+        constants = 0.0, float(self.flow), float(self.pressure), float(self.exponent), inf
+        return ElementLaw("leak", constants, self.opening)
 
 
 class Demand(AtNode, OfLiquids):
@@ -88,6 +82,5 @@ class Demand(AtNode, OfLiquids):
 
     def law(self) -> ElementLaw:  # noqa: D102
         band = float(self.required_pressure - self.least_pressure)
-        return ElementLaw(
-            "demand", (float(self.least_pressure), float(self.flow), band, float(self.exponent)), self.pattern
-        )
+        constants = float(self.least_pressure), float(self.flow), band, float(self.exponent), band
+        return ElementLaw("demand", constants, self.pattern)

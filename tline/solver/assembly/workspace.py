@@ -8,7 +8,8 @@ import numpy as np
 
 from tline.compiled.structure import allocated, empty, pack
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.node_maps import SUBSTEPS, Event, settling_step
+from tline.solver.assembly.node_maps import Event
+from tline.solver.description.circuit import load_step
 from tline.solver.description.excitation import Broken
 from tline.solver.description.laws import MOVING, tools_of
 from tline.solver.kernel.diamonds.cells import CELL_ORDER, PARTS
@@ -48,6 +49,7 @@ AT_NODE, GRADED = 2 * MOST_PIECES, 8 * MOST_PIECES  # pieces of a slab on which 
 NEAREST = 2e-11  # slabs from a front to the next cut, at least
 WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
 MEMORY = 2e8  # bytes for slabs in pieces
+SUBSTEPS = 8  # in the time that a group with lumped lines takes to settle
 LOGGED = 65_536  # pieces recorded between two looks
 LULL = 16  # slabs without a front that are worth a return to blocks
 
@@ -67,16 +69,17 @@ def work_for(network: Network, state: State) -> Work:
     nodes, states, elements = largest_group(network)
     tile, ports = max(SAMPLES // s, 1), nodes + elements
     kept = int(laws.states.max(initial=0))
-    sizes = {"s": s, "tile": tile, "nodes": nodes, "elements": elements, "states": states, "kept": kept}
+    sizes = {"s": s, "tile": tile, "nodes": nodes, "elements": elements, "kept": kept}
+    sizes["all"] = states + (MOVING + kept) * elements
     sizes |= {"ends": len(network.ends), "tile_s": tile * s, "nodes_s": nodes * tile * s, "n": tile * s}
-    sizes |= {"row": max(tile, ports * s + states), "map": (ports * s + states) ** 2 if elements and states else 0}
+    sizes |= {"row": max(tile, ports * s + states), "map": (ports * s + states) ** 2 if states else 0}
     governed = bool(laws.governed.any())  # by openings that move
     crossing, store, circuit = (
         _of_elements(laws, state, sizes) if elements else map(_unused, (Crossing, Store, CircuitWork))
     )
     govern = allocated(GovernWork, sizes | {"nodes_s": nodes * s, "M": elements * s * governed})
     losing = len(network.diamonds.line) > 0
-    diamonds = _of_diamonds(network, s, states, elements) if losing else _unused(DiamondWork)
+    diamonds = _of_diamonds(network, sizes) if losing else _unused(DiamondWork)
     parts = {"crossing": crossing, "store": store, "circuit": circuit, "govern": govern, "diamonds": diamonds}
     return allocated(Work, sizes, tile=tile, **parts)
 
@@ -92,15 +95,14 @@ def renew(work: Work, network: Network, s: int) -> None:
     work.circuit.waves[:], work.circuit.held[:] = np.repeat(laws.before, s), laws.effort
 
 
-def _of_diamonds(network: Network, s: int, states: int, elements: int) -> DiamondWork:
-    """Workspace of diamonds at groups of at most `states` states and `elements` elements."""
-    ends = int(np.diff(network.first[network.group]).max(initial=0))
+def _of_diamonds(network: Network, sizes: dict[str, int]) -> DiamondWork:
+    """Workspace of diamonds."""
+    s, ends = sizes["s"], int(np.diff(network.first[network.group]).max(initial=0))
     widest = int(network.diamonds.cell.max(initial=0))
     r = min(s, CELL_ORDER) if widest else s
     longest = int(network.delay[network.diamonds.line].max(initial=0)) if s == 1 else 0
     points, modes = network.diamonds.values.shape
-    kept = states + (MOVING + int(network.laws.states.max(initial=0))) * elements
-    sizes = {"s": s, "r": r, "k_s": widest * s, "parts": PARTS, "E": ends, "K": modes, "M": points, "kept": kept}
+    sizes = sizes | {"r": r, "k_s": widest * s, "parts": PARTS, "E": ends, "K": modes, "M": points}
     counted = {"weight": np.ones((r, r)), "cells": np.ones((4, longest)), "rest": np.ones(1), "width": np.ones(1)}
     return allocated(DiamondWork, sizes, **counted)
 
@@ -125,9 +127,9 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
     nodes, states, elements = largest_group(network)
     ends = int(np.diff(network.first[network.group]).max(initial=0))
     fronts, given = 2 * most * ends + most, max(parts, 2 * most + 2)
-    columns = s * states + (s * (nodes + elements) + states if elements else 1)
+    columns = s * states + s * (nodes + elements) + states
     sizes = {"s": s, "m": most, "nodes": nodes, "elements": elements, "ends": ends, "fronts": fronts, "given": given}
-    sizes |= {"stages": s * states, "columns": columns, "steps": SUBSTEPS + 1, "nodes_s": nodes * s}
+    sizes |= {"stages": s * states, "columns": columns, "steps": SUBSTEPS + 1}
     steps = allocated(Steps, sizes, ends=np.array([0.0, 1.0]))
     return allocated(Workspace, sizes, size=np.zeros(max(fronts, most + 1)), steps=steps)
 
@@ -208,7 +210,7 @@ def _packed(assembly: Assembly) -> Systems:
     maps = [np.empty(0)] * len(entries)
     for r, time in zip(assembly.network.step_row, assembly.settle, strict=True):
         if time > 0:
-            maps[r] = settling_step(assembly.systems.spaces[r], assembly.basis, time).ravel()
+            maps[r] = load_step(assembly.systems.spaces[r], assembly.basis, time / SUBSTEPS).ravel()
     at, settling_at = (np.cumsum([0, *map(len, each)])[:-1] for each in (entries, maps))
     values, settling = (np.concatenate([np.empty(0), *each]) for each in (entries, maps))
     return Systems(at, values, settling_at, settling)

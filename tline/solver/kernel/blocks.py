@@ -88,18 +88,10 @@ def scatter(u, q, n, waves, o):
 
 @function
 def note(u, q, n, waves, o, record, row, column):
-    """Record the waves that arrive at an end and leave it."""
+    """Record the waves that arrive at an end and leave it; both are the effort where that is in place of a wave."""
     for i in range(n):
         record[row, 0, column + i] = waves[o + np.uint64(i)]
         record[row, 1, column + i] = 2.0 * u[q + np.uint64(i)] - waves[o + np.uint64(i)]
-
-
-@function
-def note_effort(u, q, n, record, row, column):
-    """Keep the effort of a node."""
-    for i in range(n):
-        record[row, 0, column + i] = u[q + np.uint64(i)]
-        record[row, 1, column + i] = u[q + np.uint64(i)]
 
 
 @function
@@ -151,7 +143,7 @@ def scatter_group(run, g, here, m, column):
                 note(u, q, n, waves, o, record, record_row[e], column + here)
             scatter(u, q, n, waves, o)
         if network.effort_row[node] >= 0:
-            note_effort(u, q, n, record, network.effort_row[node], column + here)
+            note(u, q, n, u, q, record, network.effort_row[node], column + here)
         if not np.isfinite(u[q + np.uint64(n - 1)]):
             return node
     return -1

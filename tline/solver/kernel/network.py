@@ -248,8 +248,7 @@ class GovernWork(NamedTuple):
     """Workspace of openings that move; M points of a group's elements, law by law."""
 
     u: Annotated[Floats, "nodes_s"]  # Thévenin waves of the group
-    states: Annotated[Floats, "states"]  # of the group's circuit
-    kept: Annotated[Floats2, "elements kept"]  # states of its stores
+    kept: Annotated[Floats, "all"]  # states of the group
     rate: Annotated[Floats, "M"]  # of openings
     rest: Annotated[Floats, "M"]  # excess of the rate over that to which it leads
     last: Annotated[Floats, "M"]  # the same before
@@ -283,7 +282,7 @@ class DiamondWork(NamedTuple):
     modes: Annotated[Floats2, "E K"]  # of friction
     flow: Annotated[Floats, "K"]
     sent: Annotated[Floats, "s"]
-    kept: Annotated[Floats, "kept"]  # states of the group
+    kept: Annotated[Floats, "all"]  # states of the group
     width: Floats  # (1,) of the piece of a slab
     projected: Annotated[Integers, "E"]  # whether the wave that leaves a half diamond is projected
 

@@ -17,7 +17,7 @@ import numpy as np
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY, copy, times
 from tline.solver.kernel.blocks import FAR
-from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost
+from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost, places_in_ring
 from tline.solver.kernel.network import SQUARE, Run
 
 CELL_ORDER = 2  # at most: the friction of cells in place of half diamonds is of second order in any case
@@ -180,13 +180,6 @@ def due(run, row, count):
         return -2 * k
     state.since[row] = 0
     return state.side[line] * network.delay[line] + state.slot[line] - k
-
-
-@function
-def places_in_ring(begin, before_a, before_b, D):
-    """Places of a cell's first slabs of a and b, some slabs before those that have left the ends."""
-    a, b = begin - before_a, begin - before_b + D
-    return a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
 
 
 @function

@@ -195,23 +195,41 @@ def meet_apart(run, row, a, p, b, q, wide, high):
     return done == 1
 
 
-@unit
-def pass_diamonds(run: Run, chosen: int, count: int) -> int:
+@function
+def places_in_ring(begin, before_a, before_b, D):
+    """Places of a cell's first slabs of a and b, some slabs before those that have left the ends."""
+    a, b = begin - before_a, begin - before_b + D
+    return a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
+
+
+@function
+def pass_all(job, run, pass_one):
     """Advance all lines with losses by the diamonds of the slab in which the nodes have just worked.
 
-    Those in whose middle the slab begins come first, then those half a slab later. Returns the number of a line whose
-    friction was too strong to be found, or -1.
+    Those in whose middle the slab begins come first, then those half a slab later. `pass_one` advances a row by the
+    slabs at two places of the buffers. Returns the number of a line whose friction was too strong to be found, or -1.
     """
-    network, state, diamonds = run.network, run.state, run.network.diamonds
-    waves, s, work = state.waves, state.before.shape[1], run.work.diamonds
-    for row in range(diamonds.line.size):
-        line = diamonds.line[row]
+    network, state, s = run.network, run.state, run.state.before.shape[1]
+    for row in range(network.diamonds.line.size):
+        line = network.diamonds.line[row]
         D, o = network.delay[line], network.offset[line]
-        t = state.side[line] * D + state.slot[line] - 1
+        begin = state.side[line] * D + state.slot[line] - 1
         for later in range(2):
             for k in range(1 - later, D):
-                a, b = t - k, t + k + later
-                a, b = a + 2 * D if a < 0 else a, b - 2 * D if b >= 2 * D else b
-                if not meet(diamonds, row, diamonds.tools.radau, work, waves, o + a * s, waves, o + b * s, 1.0, 1.0):
+                a, b = places_in_ring(begin, k, D - k - later, D)
+                if not pass_one(job, run, row, o + a * s, o + b * s):
                     return line
     return -1
+
+
+@function
+def pass_one(job, run, row, a, b):
+    """Advance a row by the slabs at two places of the buffers. Returns whether friction was found."""
+    waves, work, radau = run.state.waves, run.work.diamonds, run.network.diamonds.tools.radau
+    return meet(run.network.diamonds, row, radau, work, waves, a, waves, b, 1.0, 1.0)
+
+
+@unit
+def pass_diamonds(run: Run, chosen: int, count: int) -> int:
+    """Advance all lines with losses, as `pass_all` does."""
+    return pass_all(run, run, pass_one)

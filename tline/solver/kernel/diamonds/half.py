@@ -12,27 +12,13 @@ The rest of that one, past which the leaving wave goes, is a rectangle one slab 
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.arithmetic import exchange_part, times
-from tline.solver.kernel.blocks import begin, gather, load, note, note_effort, scatter
+from tline.solver.kernel.arithmetic import times
+from tline.solver.kernel.blocks import begin, gather, load, note, scatter
 from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
+from tline.solver.kernel.laws.answers import keep_states
 from tline.solver.kernel.network import Run
 
 BALANCED = 1e-15  # of the energy, by which a half diamond may gain for rounding
-
-
-@function
-def keep_states(run, g, kept, give):
-    """Put the states of a group aside, or give them back."""
-    laws, states, n = run.network.laws, run.state.load, np.int64(0)
-    if run.network.load_at[g] >= 0:
-        n = run.network.step_states[run.network.step_row[g]]
-        exchange_part(states, run.network.load_at[g], n, kept, give)
-    for e in range(laws.first[g], laws.first[g + 1]):
-        exchange_part(states, laws.state_at[e], laws.states[e], kept[n:], give)
-        n += laws.states[e]
-        if laws.governor_state[e] >= 0:
-            exchange_part(states, laws.governor_state[e], np.int64(3), kept[n:], give)
-            n += 3
 
 
 @function
@@ -275,7 +261,7 @@ def pass_halves(run: Run, g: int, here: int, column: int) -> int:
                 for j in range(n):
                     waves[o + j] = flushed(waves[o + j])
         if network.effort_row[node] >= 0:
-            note_effort(u, q, n, record, network.effort_row[node], column + here)
+            note(u, q, n, u, q, record, network.effort_row[node], column + here)
         if not np.isfinite(u[q + np.uint64(n - 1)]):
             return node
     return -1 if found else one

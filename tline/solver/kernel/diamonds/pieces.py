@@ -8,7 +8,7 @@ import numpy as np
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, project, series, times
 from tline.solver.kernel.diamonds.cells import PARTS, as_one, find_change, pass_line, put_back, take_wave
-from tline.solver.kernel.diamonds.full import flushed, meet_apart
+from tline.solver.kernel.diamonds.full import flushed, meet_apart, pass_all
 from tline.solver.kernel.fronts.gather import release
 from tline.solver.kernel.fronts.structures import MERGE, FrontRun
 
@@ -82,28 +82,20 @@ def cut_tail(job, e):
         pieces.before[e] = -1
 
 
+@function
+def pass_one_in_pieces(job, run, row, a, b):
+    """Advance a row as `pass_one` does, where some slabs are in pieces."""
+    waves, of_slab, s = run.state.waves, job.fronts.pieces.of_slab, run.state.before.shape[1]
+    in_a, in_b = of_slab[a // s], of_slab[b // s]
+    if in_a < 0 and in_b < 0:
+        return meet_apart(run, row, waves, a, waves, b, 1.0, 1.0)
+    return meet_in_pieces(job, row, in_a, waves[a : a + s], in_b, waves[b : b + s], 1.0, 1.0)
+
+
 @unit
 def pass_diamonds_in_pieces(job: FrontRun, count: int) -> int:
     """Advance all lines with losses as `pass_diamonds` does, where some slabs are in pieces."""
-    run, pieces = job.run, job.fronts.pieces
-    network, state, diamonds = run.network, run.state, run.network.diamonds
-    waves, s = state.waves, state.before.shape[1]
-    for row in range(diamonds.line.size):
-        line = diamonds.line[row]
-        D, o = network.delay[line], network.offset[line]
-        t = state.side[line] * D + state.slot[line] - 1
-        for later in range(2):
-            for k in range(1 - later, D):
-                a, b = t - k, t + k + later
-                a, b = o + s * (a + 2 * D if a < 0 else a), o + s * (b - 2 * D if b >= 2 * D else b)
-                in_a, in_b = pieces.of_slab[a // s], pieces.of_slab[b // s]
-                if in_a < 0 and in_b < 0:
-                    done = meet_apart(run, row, waves, a, waves, b, 1.0, 1.0)
-                else:
-                    done = meet_in_pieces(job, row, in_a, waves[a : a + s], in_b, waves[b : b + s], 1.0, 1.0)
-                if not done:
-                    return line
-    return -1
+    return pass_all(job, job.run, pass_one_in_pieces)
 
 
 @function

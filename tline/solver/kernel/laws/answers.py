@@ -1,5 +1,7 @@
 """Responses of the laws of a group to waves: flows, residuals of the equations, and the system of a Newton step."""
 
+import numpy as np
+
 from tline.compiled.unit import function, invoke
 from tline.solver.kernel.arithmetic import FAINT, TINY, eliminate, exchange_part
 from tline.solver.kernel.network import MISSES
@@ -13,6 +15,21 @@ def exchange_states(run, g, give):
     laws, kept = run.network.laws, run.work.circuit.kept
     for e in range(laws.first[g], laws.first[g + 1]):
         exchange_part(run.state.load, laws.state_at[e], laws.states[e], kept[e - laws.first[g]], give)
+
+
+@function
+def keep_states(run, g, kept, give):
+    """Put all states of a group aside, of its circuit, stores and openings, or give them back."""
+    laws, states, n = run.network.laws, run.state.load, np.int64(0)
+    if run.network.load_at[g] >= 0:
+        n = run.network.step_states[run.network.step_row[g]]
+        exchange_part(states, run.network.load_at[g], n, kept, give)
+    for e in range(laws.first[g], laws.first[g + 1]):
+        exchange_part(states, laws.state_at[e], laws.states[e], kept[n:], give)
+        n += laws.states[e]
+        if laws.governor_state[e] >= 0:
+            exchange_part(states, laws.governor_state[e], np.int64(3), kept[n:], give)
+            n += 3
 
 
 @function

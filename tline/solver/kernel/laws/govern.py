@@ -19,6 +19,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import exchange_part
+from tline.solver.kernel.laws.answers import keep_states
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import Run
 
@@ -77,13 +78,9 @@ def driven(run, g, e, j, x):
 @function
 def exchange(run, g, n, give):
     """Put waves and states of a group aside, or give them back."""
-    laws, work, u, states = run.network.laws, run.work.govern, run.work.u, run.state.load
-    x, r = run.network.load_at[g], run.network.step_row[g]
-    exchange_part(u, np.int64(0), (run.network.group[g + 1] - run.network.group[g]) * n, work.u, give)
-    if x >= 0:
-        exchange_part(states, x, run.network.step_states[r], work.states, give)
-    for e in range(laws.first[g], laws.first[g + 1]):
-        exchange_part(states, laws.state_at[e], laws.states[e], work.kept[e - laws.first[g]], give)
+    work = run.work.govern
+    exchange_part(run.work.u, np.int64(0), (run.network.group[g + 1] - run.network.group[g]) * n, work.u, give)
+    keep_states(run, g, work.kept, give)
 
 
 @function

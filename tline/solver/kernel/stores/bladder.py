@@ -14,8 +14,9 @@ from tline.solver.kernel.stores.tank import in_parts
 
 @function
 def bounded(c, at, volume, share, d, z):
-    """Volume after a step of Euler's implicit method, no larger than the vessel: the energy stays convex."""
-    return min(squeezed(c, at, volume, share, d, z), np.exp(c[at + 5]))
+    """Flow in a step of Euler's implicit method, and the volume after it, at most the vessel's: energy stays convex."""
+    after = min(squeezed(c, at, volume, share, d, z)[1], np.exp(c[at + 5]))
+    return (volume - after) / share, after
 
 
 @unit
@@ -34,10 +35,7 @@ def bladder(store: Store, at: int, state: int, h: float, z: float) -> int:
         after = in_parts(bounded, store, at, np.exp(start), h / c[at + 3], z)
         states[state] = full if after >= np.exp(full) else np.log(after)
         for j in range(s):
-            share = 0.0
-            for k in range(s):
-                share += store.tools.radau[j, k]
-            y[j] = start + share * (states[state] - start)
+            y[j] = start + store.tools.c[j] * (states[state] - start)
     for j in range(s):
         d = store.v[j] - c[at] - c[at + 2] * expanded(y[j], c[at + 4])[0]
         store.drive[j] = max(d, 0.0) if y[j] >= full else d  # full of gas, nothing drives anything out

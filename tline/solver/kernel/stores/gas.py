@@ -44,16 +44,18 @@ def stored(c, at, y):
 
 @function
 def squeezed(c, at, volume, share, d, z):
-    """Volume after a step of Euler's implicit method behind the effort d and the impedance z; share is the step's time.
+    """Flow in a step of Euler's implicit method behind the effort d and the impedance z, and the volume after it.
 
-    It lies between the volume before and that at rest, if there is one: Newton, bisection where that fails.
+    That lies between the volume before and that at rest, if there is one: Newton, bisection where that fails. `share`
+    is the step's time.
     """
     outside, n = c[at + 2], c[at + 4]
     if n == 1.0 and c[at + 1] == np.inf:
         weight = share * outside / z
         left = volume - weight * (d / outside + 1.0)
         root = np.sqrt(left * left + 4.0 * weight)
-        return 0.5 * (left + root) if left > 0.0 else 2.0 * weight / (root - left)
+        after = 0.5 * (left + root) if left > 0.0 else 2.0 * weight / (root - left)
+        return (volume - after) / share, after
     y = np.log(volume)
     i, slope = rooted(d - outside * expanded(y, n)[0], z, c[at + 1], 0.0)
     rest = -np.log1p(d / outside) / n if d > -outside else np.inf
@@ -69,7 +71,7 @@ def squeezed(c, at, volume, share, d, z):
         close, y = abs(after - y) <= ULPS * max(abs(y), 1.0), after
         if close:
             break
-    return np.exp(y)
+    return (volume - np.exp(y)) / share, np.exp(y)
 
 
 @function

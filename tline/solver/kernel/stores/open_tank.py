@@ -8,11 +8,10 @@ that the overflow takes energy.
 import numpy as np
 
 from tline.compiled.unit import function, unit
-from tline.solver.kernel.arithmetic import clear, integrated, project, series, times
 from tline.solver.kernel.laws.quadratic import rooted
 from tline.solver.kernel.network import DIVIDED, Store
 from tline.solver.kernel.stores.fill import filled
-from tline.solver.kernel.stores.tank import PARTS
+from tline.solver.kernel.stores.tank import in_parts
 
 
 @function
@@ -58,29 +57,16 @@ def open_tank(store: Store, at: int, state: int, h: float, z: float) -> int:
 
     Where it comes to its rim or its bottom, by parts of the slab: collocation would pass them.
     """
-    c, states, tools, coef, whole, s = store.constants, store.states, store.tools, store.coef, store.whole, store.v.size
+    c, states, s = store.constants, store.states, store.v.size
     start, low, high = states[state], c[at + 4], c[at + 5]
     if not at_a_stop(store, at, start, z):
         free = store.division[DIVIDED] == 0 and filled(stored, entering, store, at, state, h, z, np.inf)
         for j in range(s if free else 0):
             free = free and low <= store.y[j] <= high
         if not free:
-            y, last, width = start, 0.0, 1.0 / PARTS
-            clear(whole)
-            times(tools.to_legendre, store.v, 0, coef)
-            integrated(coef, 1.0, store.integral)
-            for k in range(PARTS):
-                here = series(store.integral, 2.0 * (k + 1) * width - 1.0)
-                store.constant[0], y = between(c, at, y, width * h, (here - last) / width - c[at], z)
-                project(store.constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
-                last = here
-            times(tools.to_points, whole, 0, store.flow)
-            states[state] = y
+            states[state] = in_parts(between, store, at, start, h, z)
             for j in range(s):
-                place = 0.0
-                for k in range(s):
-                    place += tools.radau[j, k]
-                store.y[j] = start + place * (y - start)
+                store.y[j] = start + store.tools.c[j] * (states[state] - start)
     for j in range(s):
         d = store.v[j] - c[at] - store.y[j]
         store.drive[j] = max(d, 0.0) if store.y[j] <= low else d  # empty, nothing drives anything out

@@ -25,10 +25,11 @@ def entering(c, at, y, share, d, z):
 
 @function
 def stopped(c, at, volume, share, d, z):
-    """Liquid missing after a step of Euler's implicit method between stops, behind the effort d and impedance z."""
+    """Flow in a step of Euler's implicit method between stops, behind d and z, and the liquid missing after it."""
     rate = share / (z * c[at + 1])
     x = (rate * d - volume / c[at + 1]) / (1.0 + rate)
-    return -c[at + 1] * min(max(x, c[at + 2]), c[at + 3])
+    after = -c[at + 1] * min(max(x, c[at + 2]), c[at + 3])
+    return (volume - after) / share, after
 
 
 @unit

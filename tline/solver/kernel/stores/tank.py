@@ -37,11 +37,12 @@ def tank(store: Store, at: int, state: int, h: float, z: float) -> int:
 
 
 @function
-def in_parts(step, store, at, volume, share, z, parts=PARTS):
-    """Flows at the points of a slab, under the efforts v there; share is the slab's time over the unit of volume.
+def in_parts(step, store, at, state, share, z, parts=PARTS):
+    """Flows at the points of a slab, under the efforts v there; share is the slab's time over the unit of the state.
 
-    Where the energy is convex in the volume a step adds none. Nor does the projection of these flows on the slab, which
-    keeps their integral. Returns the volume at the end.
+    Each part is a step, from a state behind an effort and an impedance to the flow and the next state. Where the energy
+    is convex in the state a step adds none. Nor does the projection of these flows on the slab, which keeps their
+    integral. Returns the state at the end.
     """
     tools, flow, coef, sent = store.tools, store.flow, store.coef, store.integral
     constant, whole, c, width, last = store.constant, store.whole, store.constants, 1.0 / parts, 0.0
@@ -50,9 +51,8 @@ def in_parts(step, store, at, volume, share, z, parts=PARTS):
     integrated(coef, 1.0, sent)
     for k in range(parts):
         here = series(sent, 2.0 * (k + 1) * width - 1.0)
-        after = step(c, at, volume, share * width, (here - last) / width - c[at], z)
-        constant[0] = (volume - after) / (share * width)
+        constant[0], state = step(c, at, state, share * width, (here - last) / width - c[at], z)
         project(constant, k * width, (k + 1) * width, 0.0, 1.0, tools.gauss, whole)
-        volume, last = after, here
+        last = here
     times(tools.to_points, whole, 0, flow)
-    return volume
+    return state

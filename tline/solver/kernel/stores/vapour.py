@@ -11,8 +11,9 @@ from tline.solver.kernel.stores.tank import in_parts
 
 @function
 def freed(c, at, volume, share, d, z):
-    """Volume after a step of Euler's implicit method, behind the effort d and the impedance z."""
-    return max(volume - share * d / z, 0.0)
+    """Flow in a step of Euler's implicit method behind the effort d and the impedance z, and the volume after it."""
+    after = max(volume - share * d / z, 0.0)
+    return (volume - after) / share, after
 
 
 @unit
