@@ -10,13 +10,20 @@ from tline.compiled.structure import Packed, pack
 from tline.errors import InputError
 from tline.solver.description.circuit import StateSpace, load_step
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Height, Shape
 from tline.solver.kernel.finished import extremes, find_extremes
 from tline.solver.kernel.network import Crossing
 from tline.solver.kernel.units import law_addresses
 from tline.solver.many.copies import Copies, driven_waves
-from tline.solver.many.kernel import CopiesRun, LawsOfCopies, advance_copies
+from tline.solver.many.kernel import (
+    Apart,
+    CopiesRun,
+    LawsOfCopies,
+    Values,
+    advance_copies,
+    find_apart,
+    find_values,
+)
 from tline.solver.radau import Basis, basis
 from tline.solver.result.result import Samples
 from tline.solver.tolerance.compare import SILENT, SMALLEST_ESTIMATE
@@ -24,7 +31,6 @@ from tline.words.wording import place
 
 Floats = NDArray[np.float64]
 BATCH = 64  # copies in the kernel at once
-NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
 PERIOD, ROOM, LARGEST = 25e3, 8e6, 1e8  # most samples that are set up at once in a period, and in all; and of one copy
 
 
@@ -119,7 +125,7 @@ def _seen(
     """Run copies (batches, B); return extremes of efforts at line ends, with instants, (batches, ends, 4, B).
 
     Also returned are efforts and arriving waves at instants t, shape (batches, ends, 2, B, instants), and the
-    differences of two orders, as of `_apart`.
+    differences of two orders, as in `Apart`.
     """
     unit, ends, B = copies.unit[rows], len(recorded), rows.shape[1]
     n = max(ceil(t_end / unit.min() - 1e-9), 1)
@@ -132,50 +138,23 @@ def _seen(
     begin = (np.arange(n)[:, None, None] + edges[:, None, :-1]).reshape(len(rows), n * slabs, B)
     in_time = (begin * unit[:, None] < t_end).sum(axis=1)
     for batch in range(len(rows)):
-        seen = unit[batch], edges[batch]
         for order in each:
             advance_copies(order.ready(batch), n)
         if len(orders) > 1:
-            pairs, to_fine = zip(each[0].record, record, strict=True), orders[0].evaluation(fine.c)
-            apart[batch] = [_apart(*pair, to_fine, in_time[batch], slabs) for pair in pairs]
+            to_fine = orders[0].evaluation(fine.c)
+            work = in_time[batch], apart[batch], np.empty((2, B))
+            find_apart(pack(Apart(each[0].record, record, to_fine, *work)))
         for row in range(ends):
             here = start[:, row, batch]  # without it waves are zero at t = 0
             if started:
                 record[row] -= here[:, None, None]
-            find_extremes(pack(extremes(record[row, 0], *seen, t_end, fine.c, fine.to_powers, peaks[batch, row])))
+            seen, powers = (unit[batch], edges[batch]), fine.to_powers
+            find_extremes(pack(extremes(record[row, 0], *seen, t_end, fine.c, powers, peaks[batch, row])))
+            if len(t):
+                find_values(pack(Values(record[row], *seen, t, powers, values[batch, row], np.empty(fine.s))))
             peaks[batch, row, ::2] += here[0]
-        if len(t):
-            values[batch] = _values(record, *seen, t, fine) + start[..., batch, :, None].swapaxes(0, 1)
+            values[batch, row] += here[..., None]
     return peaks + 0.0, values, apart  # no -0.0
-
-
-def _values(waves: Floats, period: Floats, edges: Floats, t: Floats, order: Basis) -> Floats:
-    """Waves (…, n K, s, B) of B copies at instants, (…, B, instants); at a jump those before it, at t = 0 zero.
-
-    Periods (B,), s, have K slabs each, with edges (K + 1, B) as shares of them.
-    """
-    parts, every = len(edges) - 1, np.arange(len(period))[:, None]
-    place = t / period[:, None]
-    number = np.clip(np.ceil(place - EDGE).astype(int) - 1, 0, waves.shape[-3] // parts - 1)
-    place -= number
-    k = (edges[1:-1, :, None] < place - EDGE).sum(axis=0)
-    begin, width = edges[k, every], np.maximum(edges[k + 1, every] - edges[k, every], NARROWEST)
-    weights = order.evaluation(np.clip((place - begin) / width, 0.0, 1.0).ravel()).reshape(*k.shape, order.s)
-    weights *= (t > 0.0)[:, None]
-    copy_by_copy = np.ascontiguousarray(np.moveaxis(waves, (-1, -3), (0, 1)))  # looked up faster
-    return np.einsum("bt...i,bti->...bt", copy_by_copy[every, number * parts + k], weights)
-
-
-def _apart(coarse: Floats, fine: Floats, to_fine: Floats, until: NDArray, parts: int) -> Floats:
-    """Largest differences of efforts and of flows times z0, and largest such flows, (3, K, B), by slab of a period.
-
-    They are those at the points of the finer order, of efforts and arriving waves (2, n K, s, B) at the end of a line,
-    in as many slabs as each copy has before its run ends.
-    """
-    (u, w), (effort, wave) = to_fine @ coarse - fine, fine
-    seen = np.abs([u, w - u, wave - effort]).max(axis=2)
-    seen = np.where(np.arange(seen.shape[1])[:, None] < until, seen, 0.0)
-    return seen.reshape(3, -1, parts, seen.shape[2]).max(axis=1)
 
 
 class _OneOrder:

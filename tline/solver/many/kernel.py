@@ -6,6 +6,8 @@ not. Slabs of a period differ, periods are alike.
 
 from typing import NamedTuple
 
+import numpy as np
+
 from tline.compiled.structure import (
     Floats,
     Floats2,
@@ -17,7 +19,11 @@ from tline.compiled.structure import (
 )
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.finished import fill, powers
 from tline.solver.kernel.network import Crossing
+
+AT_SLAB_END = 1e-9  # of a period; an instant this near to a slab's end is its end
+NARROWEST = 1e-18  # of a period: slabs of no width count as so wide
 
 
 class LawsOfCopies(NamedTuple):
@@ -175,3 +181,82 @@ def keep(values, into, rows):
     for j in range(rows):
         for c in range(values.shape[1]):
             into[j, c] = values[j, c]
+
+
+class Values(NamedTuple):
+    """Waves in B copies, in periods of K slabs of s points, and instants."""
+
+    waves: Floats4  # (rows, n K, s, B)
+    period: Floats  # (B,) in s
+    edges: Floats2  # (K + 1, B) of the slabs, as shares of a period
+    t: Floats  # (instants,)
+    to_powers: Floats2  # (s, s) from values at points to coefficients of powers of 2 x - 1
+    found: Floats3  # (rows, B, instants)
+    coef: Floats  # (s,)
+
+
+@unit
+def find_values(sought: Values) -> int:
+    """Find the waves at the instants; at a jump the value before it, at t = 0 zero."""
+    waves, edges, t = sought.waves, sought.edges, sought.t
+    rows, slabs, _, copies = waves.shape
+    parts = edges.shape[0] - 1
+    for c in range(copies):
+        for i in range(t.size):
+            place = t[i] / sought.period[c]
+            period = min(max(int(np.ceil(place - AT_SLAB_END)) - 1, 0), slabs // parts - 1)
+            k = 0
+            while k < parts - 1 and edges[k + 1, c] < place - period - AT_SLAB_END:
+                k += 1
+            width = max(edges[k + 1, c] - edges[k, c], NARROWEST)
+            x = min(max((place - period - edges[k, c]) / width, 0.0), 1.0)
+            for row in range(rows):
+                fill(waves[row, period * parts + k], c, 1.0, sought.to_powers, sought.coef)
+                sought.found[row, c, i] = powers(sought.coef, 2.0 * x - 1.0)[0] if t[i] > 0.0 else 0.0
+    return 0
+
+
+class Apart(NamedTuple):
+    """Records of two orders on the same slabs, in B copies and periods of K slabs."""
+
+    coarse: Floats5  # (ends, 2, n K, s, B) efforts and arriving waves
+    fine: Floats5
+    to_fine: Floats2  # (points of the finer, points of the coarser)
+    slabs: Integers  # (B,) those that begin before the end
+    most: Floats4  # (ends, 3, K, B) differences of efforts, and of flows times z0, and these
+    work: Floats2  # (2, B)
+
+
+@unit
+def find_apart(runs: Apart) -> int:
+    """Find the largest differences at the points of the finer order."""
+    coarse, fine, most = runs.coarse, runs.fine, runs.most
+    ends, _, slabs, points, copies = fine.shape
+    u, w = runs.work[0], runs.work[1]
+    for row in range(ends):
+        for kind in range(most.shape[1]):
+            clear(most[row, kind], most.shape[2])
+        for slab in range(slabs):
+            place = slab % most.shape[2]
+            for j in range(points):
+                for c in range(copies):
+                    u[c], w[c] = -fine[row, 0, slab, j, c], -fine[row, 1, slab, j, c]
+                for k in range(coarse.shape[3]):
+                    share = runs.to_fine[j, k]
+                    for c in range(copies):
+                        u[c] += share * coarse[row, 0, slab, k, c]
+                        w[c] += share * coarse[row, 1, slab, k, c]
+                for c in range(copies):
+                    if slab < runs.slabs[c]:
+                        flow = abs(fine[row, 1, slab, j, c] - fine[row, 0, slab, j, c])
+                        raise_one(most[row, 0, place], c, abs(u[c]))
+                        raise_one(most[row, 1, place], c, abs(w[c] - u[c]))
+                        raise_one(most[row, 2, place], c, flow)
+    return 0
+
+
+@function
+def raise_one(most, c, value):
+    """Raise the largest value of a copy to another; NaN persists."""
+    if value > most[c] or value != value:
+        most[c] = value
