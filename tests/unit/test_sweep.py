@@ -120,6 +120,11 @@ def test_a_table_has_a_row_for_each_run(tmp_path):
     assert second.startswith("-1.0,nan,nan,nan,")
 
 
+def test_an_instant_that_rounding_puts_behind_the_end_is_the_end():
+    late, end = (tl.sweep(SCENE, {Z0: [50]}, keep=[t])["u"] for t in (np.nextafter(4.0, 5.0), 4.0))
+    np.testing.assert_array_equal(late, end)
+
+
 def test_unknown_names_are_refused_with_the_nearest():
     found = tl.sweep(SCENE, {Z0: [50]}, tol=1e-4)
     with pytest.raises(tl.InputError, match="sweep: holds no such array, expected 'highest', got 'higest'"):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
 from tline.solver.many.runs import ManyRuns
 from tline.solver.result.dense_output import extremes
@@ -111,8 +112,8 @@ def _instants(scene: Scene, given: Any) -> list[float]:
         t = np.atleast_1d(np.asarray(given, float))
     except (TypeError, ValueError):
         raise InputError("keep", "unknown", EXPECTED, shown(given)) from None
-    outside = t[~((t >= 0) & (t <= scene.t_end))]
+    outside = t[~((t >= 0) & (t <= scene.t_end * (1 + EDGE)))]
     if t.ndim != 1 or len(outside):
         got = f"{outside.flat[0]:g} s" if outside.size else f"{t.ndim} axes"
         raise InputError("keep", "not instants of the run", f"0 to {scene.t_end:g} s", got)
-    return t.tolist()
+    return np.minimum(t, scene.t_end).tolist()
