@@ -117,7 +117,7 @@ def program() -> None:
     When all is written the system frees memory at once; clearing every module and collecting garbage before would
     take a tenth of the time of a small scene. While threads are alive, Python waits for them as usual.
     """
-    gc.set_threshold(100_000)  # a command makes little garbage, but a tenth of the time of its imports is collecting it
+    gc.set_threshold(500_000)  # a command makes little garbage, but a tenth of the time of its imports is collecting it
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else pydantic reads the metadata of all packages
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait for each other longer than small matrices take
     try:

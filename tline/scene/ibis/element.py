@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PrivateAttr, ValidationInfo, model_validator
 
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
 from tline.scene.element import AtNode, OneMedium, optional, required
@@ -57,7 +58,7 @@ def edge_of(buffer: Buffer, rises: bool) -> Edge:
     if not waveforms:
         up = np.array([0.0, 1.0])
         return Edge(np.array([0.0, buffer.ramps[rises]]), up if rises else 1 - up, 1 - up if rises else up, 0.0)
-    t = np.unique(np.concatenate([each.t for each in waveforms]))
+    t = distinct(np.concatenate([each.t for each in waveforms]))
     up, down = _shares(buffer, waveforms, t)
     wanted = (0.0, 1.0) if rises else (1.0, 0.0)
     misfit = max(abs(up[0] - wanted[0]), abs(up[-1] - wanted[1]), abs(down[0] - wanted[1]), abs(down[-1] - wanted[0]))
