@@ -21,7 +21,8 @@ from pydantic import PrivateAttr, ValidationInfo, model_validator
 from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
-from tline.scene.element import AtNode, OneMedium, optional, required
+from tline.scene.element import AtNode, Composed, OneMedium, optional, required
+from tline.scene.ibis import die_of
 from tline.scene.ibis.buffer import ALWAYS, DRIVING, Buffer, CurrentTable, EdgeWaveform, read_buffer, read_once
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.rational import Capacitor, Ratio, RationalImpedance, Series, exact
@@ -167,7 +168,7 @@ class Shares(Shape):
         return min(np.diff(self.t))
 
 
-class Ibis(OneMedium, RationalImpedance, AtNode):
+class Ibis(Composed, OneMedium, RationalImpedance, AtNode):
     """Driver or receiver as published by its maker: a model of an IBIS file at one of its corners.
 
     It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
@@ -290,11 +291,6 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
             key: _corners(*shares[short], bits[0] == (short == "up"))
             for key, short in (("pullup", "up"), ("pulldown", "down"))
         }
-
-
-def die_of(name: str) -> str:
-    """Name of the node between the package of a load and its die."""
-    return f"{name}, die"
 
 
 def _corners(t: np.ndarray, level: np.ndarray, high: bool) -> Shares:

@@ -21,8 +21,8 @@ from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
 from tline.scene.law import NonLinear
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.rational import Parallel, Series
+from tline.scene.load import Matched, NoFlow, Reservoir, Short
+from tline.scene.rational import Parallel, Resistor, Series
 from tline.scene.refuse import refuse_cavities
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
