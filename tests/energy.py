@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from tline.scene.load import Load, Parallel, Series
+from tline.scene.load import Load
 from tline.scene.multiport import CoupledInductors
+from tline.scene.rational import Parallel, Series
 from tline.scene.scene import Scene
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.circuit import StateSpace, reflection

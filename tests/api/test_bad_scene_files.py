@@ -8,10 +8,10 @@ from scene_mistakes import CABLE, agree, mistakes_of
 from tline.errors import InputError, SceneError
 from tline.scene.file import read_scene
 from tline.scene.line import Cable, Pipe
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.load import Matched, NoFlow, Reservoir, Short, Switch
 from tline.scene.measure import Probe
 from tline.scene.mistakes import MOST_MISTAKES
-from tline.scene.rational import Impedance, Parallel, Series
+from tline.scene.rational import Impedance, Parallel, Resistor, Series
 from tline.scene.scene import Scene, Solver
 from tline.scene.shape import Step
 from tline.scene.source import Source

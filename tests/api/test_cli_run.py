@@ -296,7 +296,11 @@ def test_imports_are_no_more_than_needed() -> None:
     assert not imported("run --help") & {"numpy", "scipy", "numba", "pydantic", "matplotlib"}
     heavy = {"matplotlib", "PIL", "tqdm", "flint", "passivity", "wntr", "skrf", "pint", "fluids"}
     heavy |= {f"scipy.{part}" for part in ("signal", "optimize", "special", "sparse", "stats", "integrate")}
-    assert not imported("run valve.toml") & (heavy | {"numba"})  # what it needs is compiled and kept by now
+    unused = {"numba", "scipy", "numpy.ma", "numpy.random"}  # what it needs is compiled and kept by now
+    others = {
+        f"tline.scene.{kind}" for kind in ("elements", "pump", "vessel", "multiport", "touchstone", "ibis.element")
+    }
+    assert not imported("run valve.toml") & (heavy | unused | others)
     assert not imported("run valve.toml --csv a.csv --npz a.npz --animate a.html") & {"matplotlib", "PIL", "IPython"}
     few = "from tline.pictures import animation; animation.FRAMES = 9"
     assert "matplotlib.pyplot" not in imported("run valve.toml --plot a.png --lattice b.svg --animate c.gif", few)

@@ -1,9 +1,11 @@
 """Numbers and models of scenes, read as from their tables."""
 
+import importlib
 import subprocess
 import sys
 import threading
-from typing import Annotated, Literal
+from operator import attrgetter
+from typing import Annotated, Literal, get_args
 
 import pytest
 from pydantic import ValidationError
@@ -12,6 +14,7 @@ import tline as tl
 from tline.errors import InputError
 from tline.scene.changed import with_number
 from tline.scene.element import Element
+from tline.scene.load import LINKS, LOADS
 from tline.scene.mistakes import OneOf, validator
 
 RC, VALVE = tl.examples["cable_rc"], tl.examples["valve_closure"]
@@ -115,6 +118,16 @@ def test_a_model_is_built_at_its_first_use_and_once_where_threads_meet():
         thread.join()
     assert len(found) == 8
     assert len(set(map(id, found))) == 1
+
+
+@pytest.mark.parametrize("kinds", [LOADS, LINKS])
+def test_each_listed_kind_is_one_of_its_model_and_all_of_these_are_listed(kinds: dict[str, str]):
+    told = []
+    for place in dict.fromkeys(kinds.values()):
+        module, name = place.split(":")
+        model = attrgetter(name)(importlib.import_module(f"tline.scene.{module}"))
+        told += [(kind, place) for kind in get_args(model.model_fields["kind"].annotation)]
+    assert told == [*kinds.items()]
 
 
 def test_a_plain_scene_builds_few_models():

@@ -12,8 +12,8 @@ from tline.line.hydraulic import QUANTITIES as HYDRAULIC
 from tline.line.plausible import CABLES, PIPES, unusual
 from tline.line.relations import Given
 from tline.scene.file import read_scene
-from tline.scene.load import Parallel
 from tline.scene.plausible import plausibility_notes
+from tline.scene.rational import Parallel
 from tline.units import to_si
 
 SCENES = sorted((Path(__file__).parents[2] / "scenes").glob("**/*.toml"))

@@ -117,6 +117,7 @@ def program() -> None:
     When all is written the system frees memory at once; clearing every module and collecting garbage before would
     take a tenth of the time of a small scene. While threads are alive, Python waits for them as usual.
     """
+    gc.set_threshold(500_000)  # a command makes little garbage, but a tenth of the time of its imports is collecting it
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # else pydantic reads the metadata of all packages
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads wait for each other longer than small matrices take
     try:
@@ -182,7 +183,6 @@ COMMANDS = {
     "warm-up": ("tline.cli.warm_up:warm_up", "Compile ahead what runs may need."),
     "schema": ("tline.cli.scene_files:schema", "JSON schema of scene files, for editors."),
 }
-NEW_OBJECTS = 100_000  # number before a garbage collection
 NOTES = NotKeptWarning, LeftOutWarning
 
 
@@ -201,7 +201,7 @@ class LazyGroup(click.Group):
 
     def _exit_code(self, *args: Any, **kwargs: Any) -> int:
         try:
-            with _noted(), _rarely_collected():
+            with _noted():
                 done = super().main(*args, **kwargs | {"standalone_mode": False})
             sys.stdout.flush()
         except InputError as error:
@@ -268,17 +268,6 @@ def _noted() -> Iterator[None]:
             warnings.simplefilter("always", category)
         warnings.showwarning = note
         yield
-
-
-@contextmanager
-def _rarely_collected() -> Iterator[None]:
-    """Collect garbage rarely: a command makes little, but a tenth of the time of its imports is garbage collection."""
-    before = gc.get_threshold()
-    gc.set_threshold(NEW_OBJECTS)
-    try:
-        yield
-    finally:
-        gc.set_threshold(*before)
 
 
 def _print_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:

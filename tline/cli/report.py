@@ -8,9 +8,6 @@ from typing import Any
 from numpy.typing import NDArray
 
 from tline.cli.fit import as_dict
-from tline.scene.ibis.element import Ibis
-from tline.scene.ibis.series import IbisSeries
-from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.solver.description.description import describe
 from tline.solver.description.resolution import cell_in, grid_choice
 from tline.solver.ledger.ledger import COLUMNS, TOLERANCE, Entry, Ledger
@@ -52,13 +49,13 @@ def summary(result: Result, accuracy: Accuracy | None, times: NDArray | None = N
         "losses": _losses(result),
         "measured": {
             name: {"file": x.file} | as_dict(x.model)
-            for (_, name), x in result.scene.measured.items()
-            if isinstance(x, Touchstone)
+            for (part, name), x in result.scene.measured.items()
+            if part == "loads"
         },
         "measured_links": {
             name: {"file": x.file, "delays": list(map(float, x.delays or ()))} | as_dict(x.model)
-            for (_, name), x in result.scene.measured.items()
-            if isinstance(x, MeasuredMultiport)
+            for (part, name), x in result.scene.measured.items()
+            if part == "links"
         },
         "line_end_samples": result.samples,
         "seconds": result.seconds,
@@ -87,12 +84,9 @@ def _samples(result: Result, times: NDArray) -> dict[str, Any]:
 
 def _measured_in_words(result: Result) -> list[str]:
     """Describe each element from a Touchstone or IBIS file in a line of text."""
-    drivers = [
-        f"{place(*where)}: {x.summary}"
-        for where, x in result.scene.composed.items()
-        if isinstance(x, Ibis | IbisSeries)
-    ]
-    return drivers + [f"{place(*where)}: {x.file}, {x.model.summary}" for where, x in result.scene.measured.items()]
+    measured = result.scene.measured
+    drivers = [f"{place(*at)}: {x.summary}" for at, x in result.scene.composed.items() if at not in measured]
+    return drivers + [f"{place(*at)}: {x.file}, {x.model.summary}" for at, x in measured.items()]
 
 
 def _losses(result: Result) -> dict[str, Any]:

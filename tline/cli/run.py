@@ -172,7 +172,7 @@ def _text(result: "Result", accuracy: "Accuracy | None", with_ledger: bool) -> I
 
 def _advice(result: "Result", accuracy: "Accuracy | None") -> Iterator[str]:
     """Advise on cavities along pipes where a run gives no pressure to design for."""
-    from tline.scene.vessel import with_cavities
+    from tline.scene.cavities import with_cavities
 
     if accuracy and accuracy.at_slab_ends > UNCERTAIN and with_cavities(result.scene.lines):
         yield (

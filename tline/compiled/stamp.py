@@ -10,7 +10,7 @@ import re
 import sys
 import tokenize
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec, resolve_name
 
@@ -59,6 +59,7 @@ class _WithoutTexts(ast.NodeTransformer):
 
 
 _loaded: dict[str, tuple[ModuleSpec, SourceText]] = {}
+_spec_of = cache(find_spec)  # of modules that are not loaded
 
 
 def sources_of(*modules: str) -> dict[str, SourceText] | None:
@@ -103,7 +104,7 @@ def are_unchanged(sources: Mapping[str, SourceText], then: Digests) -> bool:
 
 def _source(name: str) -> SourceText | None:
     try:
-        spec = getattr(sys.modules.get(name), "__spec__", None) or find_spec(name)
+        spec = getattr(sys.modules.get(name), "__spec__", None) or _spec_of(name)
     except (ImportError, ValueError):
         return None
     if spec is None:

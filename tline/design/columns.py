@@ -9,10 +9,10 @@ import numpy as np
 
 from tline.errors import InputError
 from tline.presentation import Presentation, plain
+from tline.scene.cavities import with_cavities
 from tline.scene.file import as_scene
 from tline.scene.quantity import Quantity
 from tline.scene.scene import Scene
-from tline.scene.vessel import with_cavities
 from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 

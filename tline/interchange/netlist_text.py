@@ -13,9 +13,9 @@ from tline.errors import InputError
 from tline.interchange.elements import NOMINAL
 from tline.interchange.spice_source import spice_waveform
 from tline.scene.characteristic import Diode
-from tline.scene.load import Link, Matched, NoFlow, Resistor, Short
+from tline.scene.load import Link, Matched, NoFlow, Short
 from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Multiport, Transformer
-from tline.scene.rational import RationalImpedance
+from tline.scene.rational import RationalImpedance, Resistor
 from tline.scene.refuse import refuse_coupled
 from tline.scene.scene import Scene
 from tline.words.wording import place

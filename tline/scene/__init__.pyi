@@ -1,5 +1,6 @@
 from tline.scene.air_valve import AirValve as AirValve
 from tline.scene.cable_loss import CableTable as CableTable, LossTangent as LossTangent, Skin as Skin, Wire as Wire
+from tline.scene.cavities import Cavities as Cavities
 from tline.scene.characteristic import Curve as Curve, Diode as Diode
 from tline.scene.coupled import Coupled as Coupled, OneMode as OneMode, SkinMatrix as SkinMatrix
 from tline.scene.elements import *  # noqa: F403
@@ -47,7 +48,6 @@ from tline.scene.user_defined import UserLink as UserLink, UserLoad as UserLoad
 from tline.scene.valve import CheckValve as CheckValve, Orifice as Orifice, ReliefValve as ReliefValve
 from tline.scene.vessel import (
     AirVessel as AirVessel,
-    Cavities as Cavities,
     Cavity as Cavity,
     SurgeTank as SurgeTank,
     VapourCavity as VapourCavity,

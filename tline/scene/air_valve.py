@@ -7,8 +7,9 @@ import numpy as np
 from pydantic import model_validator
 
 from tline.errors import InputError
+from tline.scene.cavities import ATMOSPHERE
 from tline.scene.element import AtNode, optional, required
-from tline.scene.law import ElementLaw, LawKind, OfLiquids, Shown
+from tline.scene.law import AIR_VOLUME, ElementLaw, LawKind, OfLiquids, Shown
 from tline.scene.quantity import (
     ZERO,
     Density,
@@ -21,9 +22,7 @@ from tline.scene.quantity import (
     Temperature,
 )
 from tline.scene.rating import WATER
-from tline.scene.vessel import ATMOSPHERE
 
-AIR_VOLUME = "air volume"
 GAS_CONSTANT = 287.05  # of air, J/(kg K)
 
 

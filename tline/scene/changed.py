@@ -11,22 +11,17 @@ from pydantic import TypeAdapter, ValidationError
 
 from tline.errors import InputError, SceneError
 from tline.scene.check import conflict_alike, conflicts
-from tline.scene.element import Element
-from tline.scene.ibis.element import Ibis
-from tline.scene.ibis.series import IbisSeries
+from tline.scene.element import Composed, Element
 from tline.scene.medium import MEDIA
 from tline.scene.pipe_table import PipeTable
 from tline.scene.quantity import Quantity, Role
 from tline.scene.scene import Scene
-from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import UserElement
 from tline.words.wording import nearest, shown
 
 SECTIONS = "lines", "sources", "loads", "links", "probes", "measures", "nodes"
 ALONE = "sources", "loads", "links"  # sections whose elements take a changed number on their own
-NOT_ALONE = (
-    Touchstone | MeasuredMultiport | Ibis | IbisSeries | UserElement
-)  # composed from a file, or defined by a user
+NOT_ALONE = Composed | UserElement
 PLACES = "at", "nodes", "line"  # keys that place an element
 SINGLE = 2  # number of parts in the path of an element
 DERIVED = "heights", "single_lines", "lines_at"  # what a scene derives from its elements

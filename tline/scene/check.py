@@ -8,22 +8,20 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
+from tline.scene.cavities import with_cavities
 from tline.scene.coupled import Coupled, ends_of
-from tline.scene.element import is_name
+from tline.scene.element import Measured, is_name
 from tline.scene.factor import check_range
 from tline.scene.heights import height_mistakes
 from tline.scene.held import conflicting_holds, is_capacitive
-from tline.scene.ibis.element import die_of
+from tline.scene.ibis import die_of
 from tline.scene.law import NonLinear
 from tline.scene.load import Matched
 from tline.scene.pipe_table import PipeTable
 from tline.scene.quantity import Quantity
 from tline.scene.rational import RationalImpedance
-from tline.scene.regulating import RegulatingValve
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of
-from tline.scene.touchstone import Touchstone
-from tline.scene.vessel import SurgeTank, with_cavities
 from tline.words.wording import nearest, place, shown
 
 if TYPE_CHECKING:
@@ -229,13 +227,10 @@ def _waveforms(scene: Scene) -> Iterator[InputError]:
 
 def _steady(scene: Scene) -> Iterator[InputError]:
     """Find values that only a steady start determines or allows."""
-    for name, load in scene.loads.items():
-        if isinstance(load, SurgeTank) and load.level is not None and scene.start != "steady":
-            yield InputError(place("loads", name, "level"), "is that of a steady start", "start = 'steady'")
-    for name, link in scene.links.items():
-        if isinstance(link, RegulatingValve) and not link.has_set and scene.start != "steady":
-            key = "set_flow" if link.keeps == "flow" else "set_pressure"
-            yield InputError(place("links", name, key), "is missing", "a value, or start = 'steady'")
+    for at, element in scene.placed if scene.start != "steady" else ():
+        mistake = isinstance(element, NonLinear) and element.mistake_at_rest
+        if mistake:
+            yield InputError(place(*at, mistake.where), mistake.problem, mistake.expected)
 
 
 def _measured(scene: Scene) -> Iterator[InputError]:
@@ -245,7 +240,7 @@ def _measured(scene: Scene) -> Iterator[InputError]:
         if isinstance(load, RationalImpedance):
             at[load.at].append(name)
     for names in at.values():
-        one = next((name for name in names if isinstance(scene.loads[name], Touchstone)), None)
+        one = next((name for name in names if isinstance(scene.loads[name], Measured)), None)
         other = next((name for name in names if name != one), None)
         if one and other:
             yield InputError(place("loads", one), f"stands beside {place('loads', other)}", "a line between them")

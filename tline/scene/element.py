@@ -1,6 +1,7 @@
 """Base classes of the elements of a scene, and their placement: at a node, between two, or either."""
 
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import (
@@ -190,6 +191,14 @@ class OneMedium(Element):
 TwoNodes = Annotated[tuple[Name, Name], sequence_of((2,), "not two nodes", 'two names such as ["a", "b"]')]
 
 
+class Composed(Element):
+    """Element that is `taken_apart`: its file composes it of several others, `near` the places given."""
+
+
+class Measured(Composed):
+    """Element that a `model` of S-parameters in a file replaces, behind `delay_lines`."""
+
+
 class Between(Element):
     """Element between two different nodes; flow counts positive from the first to the second."""
 
@@ -206,6 +215,16 @@ class Between(Element):
         if self.nodes[0] == self.nodes[1]:
             raise InputError("nodes", "both ends are at one node", "two different nodes", shown(self.nodes[0]))
         return self
+
+
+class _WhenAsked:
+    """Class that is made when it is first asked for."""
+
+    def __init__(self, make: Callable[[], type]):
+        self._made = cache(make)
+
+    def __get__(self, instance: object, owner: type) -> type:
+        return self._made()
 
 
 class Placed(Element):
@@ -241,15 +260,16 @@ class Placed(Element):
         if issubclass(cls, AtNode | Between) or "kind" not in cls.model_fields:
             super().__pydantic_init_subclass__(**kwargs)
         else:
-            cls.load, cls.link = cls._standing(load, cls.__name__), cls._standing(link, f"{cls.__name__}Link")
+            cls._stand("load", load, cls.__name__)
+            cls._stand("link", link, f"{cls.__name__}Link")
 
     @classmethod
-    def _standing(cls, place: type, name: str) -> Any:
-        """Create the subclass for one kind of place."""
+    def _stand(cls, key: str, place: type, name: str) -> None:
+        """Let the subclass for one kind of place be made, and found again when it has been sent to another process."""
         home = {"__module__": cls.__module__, "__qualname__": f"{cls.__qualname__}.{name}", "__doc__": cls.__doc__}
-        made = type(cls)(name, (cls, place), home)
-        setattr(cls, name, made)  # where it is found again when it has been sent to another process
-        return made
+        made = _WhenAsked(lambda: type(cls)(name, (cls, place), home))
+        setattr(cls, key, made)
+        setattr(cls, name, made)
 
     @classmethod
     def _title(cls) -> str:

@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import PrivateAttr, SerializeAsAny
 
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.mistakes import Read
 from tline.scene.quantity import LEVEL
@@ -24,7 +25,7 @@ ALWAYS = Constant(level=LEVEL.parse(1, ""))
 
 def check_range(factor: Shape, t_end: float, most: float) -> None:
     """Raise an error if a control signal leaves the range 0 to `most` before t_end."""
-    edges = np.unique(np.concatenate([[0.0, t_end], factor.breaks(t_end)]))
+    edges = distinct(np.concatenate([[0.0, t_end], factor.breaks(t_end)]))
     edges = edges[edges <= t_end]
     inside = (edges[:-1] + edges[1:]) / 2 if len(edges) > 1 else edges
     share = np.linspace(0.0, 1.0, max(LOOKS // len(inside), 2))
@@ -47,10 +48,10 @@ class Characterised(Shape):
     def breaks(self, t_end):  # noqa: D102
         if t_end not in self._breaks:
             own = self.opening.breaks(t_end)
-            edges = np.unique([0.0, t_end, *own])
+            edges = distinct([0.0, t_end, *own])
             crossings = _on_straight_pieces if np.isinf(self.opening.fastest()) else _on_curves
             levels = np.array([level for level, _ in self.shares[1:-1]])
-            self._breaks[t_end] = np.unique(np.concatenate([own, crossings(self.opening, edges, levels)]))
+            self._breaks[t_end] = distinct(np.concatenate([own, crossings(self.opening, edges, levels)]))
         return self._breaks[t_end]
 
     def value(self, t, inside):  # noqa: D102

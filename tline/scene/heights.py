@@ -12,7 +12,7 @@ from tline.errors import InputError
 from tline.scene.connected import Joined
 from tline.scene.element import Element, optional
 from tline.scene.medium import Medium, readable
-from tline.scene.multiport import Multiport
+from tline.scene.ports import Multiport
 from tline.scene.quantity import GRAVITY, AnyEffort, Quantity, Role
 from tline.words.wording import first_of, place, shown
 

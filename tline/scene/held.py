@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from tline.errors import InputError
 from tline.scene.connected import Joined
-from tline.scene.load import Reservoir, Resistor, Short, Switch
-from tline.scene.rational import RationalImpedance
+from tline.scene.load import Reservoir, Short, Switch
+from tline.scene.rational import RationalImpedance, Resistor
 from tline.words.wording import place
 
 if TYPE_CHECKING:

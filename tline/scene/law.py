@@ -6,6 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from numpy.typing import NDArray
 
+from tline.errors import InputError
 from tline.scene.element import Element, OneMedium
 from tline.scene.shape import Shape
 
@@ -142,6 +143,7 @@ class Shown(NamedTuple):
     last: bool = False  # whether it uses the last state, not the first
 
 
+GAS_VOLUME, AIR_VOLUME = "gas volume", "air volume"
 OPENING = Shown("opening", "", lambda element, state, flow: state)
 
 
@@ -164,6 +166,11 @@ class NonLinear(Element):
     """Element with a non-linear law, and the quantities it shows."""
 
     shows: ClassVar[tuple[Shown, ...]] = ()
+
+    @property
+    def mistake_at_rest(self) -> InputError | None:
+        """Mistake if the run starts at rest, not in a steady state."""
+        return None
 
     def law(self) -> ElementLaw:
         """Law of the element for the solver."""

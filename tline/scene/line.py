@@ -18,12 +18,12 @@ from tline.loss.line import Losses
 from tline.scene.alike import content
 from tline.scene.attenuation import TYPES, Attenuation, cable_type
 from tline.scene.cable_loss import CableTable, LossTangent, Skin, Wire
+from tline.scene.cavities import Cavities
 from tline.scene.element import Element, TwoNodes, is_name, optional, required
 from tline.scene.friction import AnyFriction
 from tline.scene.heights import Place
 from tline.scene.mistakes import validator
 from tline.scene.quantity import LARGEST, SMALLEST, ConductancePerMetre, Quantity, ResistancePerMetre, Role
-from tline.scene.vessel import Cavities
 
 STORAGE_MISMATCH = 1e-9  # relative to a storage; tolerated difference between laws and lossless line
 LOSSES = ("resistance", "conductance", "skin", "wire", "earth", "loss_tangent", "tabulated", "attenuation", "cable")

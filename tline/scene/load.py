@@ -7,24 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import ValidationInfo, field_validator
 
-from tline.scene import elements
-from tline.scene.air_valve import AirValve
-from tline.scene.characteristic import Curve, Diode
 from tline.scene.element import AtNode, OneMedium, Placed, required
-from tline.scene.ibis.element import Ibis
-from tline.scene.ibis.series import IbisSeries
 from tline.scene.medium import check_word
-from tline.scene.mistakes import OneOf
-from tline.scene.multiport import ControlledSource, CoupledInductors, Gyrator, Junction, Transformer
-from tline.scene.outflow import Demand, Leak
-from tline.scene.pump import Pump
+from tline.scene.mistakes import OfKind
 from tline.scene.quantity import Pressure, Resistance, Time
-from tline.scene.rational import Capacitor, Impedance, Inductor, Parallel, Resistor, Series
-from tline.scene.regulating import RegulatingValve
-from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import UserLink, UserLoad, or_user_defined
-from tline.scene.valve import CheckValve, Orifice, ReliefValve
-from tline.scene.vessel import AirVessel, Cavity, SurgeTank, VapourCavity
 
 if TYPE_CHECKING:
     from tline.scene.scene import Scene
@@ -75,20 +62,30 @@ class Switch(Placed):
         return check_word(kind, info, "switch")
 
 
-LOADS = (
-    NoFlow, Short, Reservoir, Matched, Resistor.load, Inductor.load, Capacitor.load, Series.load, Parallel.load,
-    Impedance.load, Touchstone, Ibis, Switch.load, Orifice.load, CheckValve.load, ReliefValve.load, Leak, Demand,
-    Diode.load, Curve.load, AirVessel, SurgeTank, Cavity, VapourCavity, AirValve, *elements.loads(),
-)  # fmt: skip
-Load = Annotated[Any, OneOf(LOADS, "kind"), *or_user_defined(UserLoad)]
-
-
-LINKS = (
-    Resistor.link, Inductor.link, Capacitor.link, Series.link, Parallel.link, Impedance.link, Switch.link,
-    Orifice.link, CheckValve.link, ReliefValve.link, RegulatingValve, Pump, Diode.link, Curve.link, IbisSeries,
-    Transformer, Gyrator, ControlledSource, CoupledInductors, Junction, MeasuredMultiport, *elements.links(),
-)  # fmt: skip
-Link = Annotated[Any, OneOf(LINKS, "kind"), *or_user_defined(UserLink)]
+LOADS = {
+    "closed": "load:NoFlow", "open": "load:NoFlow", "short": "load:Short", "reservoir": "load:Reservoir",
+    "matched": "load:Matched", "resistor": "rational:Resistor.load", "inductor": "rational:Inductor.load",
+    "capacitor": "rational:Capacitor.load", "series": "rational:Series.load", "parallel": "rational:Parallel.load",
+    "impedance": "rational:Impedance.load", "touchstone": "touchstone:Touchstone", "ibis": "ibis.element:Ibis",
+    "switch": "load:Switch.load", "valve": "load:Switch.load", "orifice": "valve:Orifice.load",
+    "check valve": "valve:CheckValve.load", "relief valve": "valve:ReliefValve.load", "leak": "outflow:Leak",
+    "demand": "outflow:Demand", "diode": "characteristic:Diode.load", "table": "characteristic:Curve.load",
+    "air vessel": "vessel:AirVessel", "surge tank": "vessel:SurgeTank", "cavity": "vessel:Cavity",
+    "vapour cavity": "vessel:VapourCavity", "air valve": "air_valve:AirValve",
+}  # fmt: skip
+LINKS = {
+    "resistor": "rational:Resistor.link", "inductor": "rational:Inductor.link", "capacitor": "rational:Capacitor.link",
+    "series": "rational:Series.link", "parallel": "rational:Parallel.link", "impedance": "rational:Impedance.link",
+    "switch": "load:Switch.link", "valve": "load:Switch.link", "orifice": "valve:Orifice.link",
+    "check valve": "valve:CheckValve.link", "relief valve": "valve:ReliefValve.link",
+    "regulating valve": "regulating:RegulatingValve", "pump": "pump:Pump", "diode": "characteristic:Diode.link",
+    "table": "characteristic:Curve.link", "ibis": "ibis.series:IbisSeries", "transformer": "multiport:Transformer",
+    "gyrator": "multiport:Gyrator", "controlled source": "multiport:ControlledSource",
+    "coupled inductors": "multiport:CoupledInductors", "junction": "multiport:Junction",
+    "touchstone": "touchstone:MeasuredMultiport",
+}  # fmt: skip
+Load = Annotated[Any, OfKind(LOADS, "elements:loads"), *or_user_defined(UserLoad)]
+Link = Annotated[Any, OfKind(LINKS, "elements:links"), *or_user_defined(UserLink)]
 
 
 def linked_pairs(scene: Scene) -> list[tuple[str, str]]:

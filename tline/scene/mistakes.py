@@ -1,8 +1,9 @@
 """Validation errors as sentences that name the element and the nearest valid word."""
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial, reduce
-from operator import or_
+from functools import cached_property, partial, reduce
+from importlib import import_module
+from operator import attrgetter, or_
 from threading import RLock
 from typing import Annotated, Any, get_args
 
@@ -15,7 +16,7 @@ from pydantic import (
     ValidationError,
     ValidationInfo,
 )
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import CoreSchema, SchemaValidator, core_schema
 
 from tline.errors import InputError
 from tline.words.wording import listed, nearest, place, shown
@@ -152,6 +153,15 @@ def _validated(model: type[BaseModel], value: Any, info: ValidationInfo) -> Any:
     return validator(model).validate_python(value, context=info.context)
 
 
+def _union(models: Iterable[type[BaseModel]], word: str) -> CoreSchema:
+    choices: dict[Any, CoreSchema] = {
+        value: core_schema.with_info_plain_validator_function(partial(_validated, model))
+        for model in models
+        for value in get_args(model.model_fields[word].annotation)
+    }
+    return core_schema.tagged_union_schema(choices, word, from_attributes=True)
+
+
 class OneOf:
     """One of several models, selected by the value of a key."""
 
@@ -161,16 +171,49 @@ class OneOf:
             register(model)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        choices: dict[Any, CoreSchema] = {
-            value: core_schema.with_info_plain_validator_function(partial(_validated, model))
-            for model in self.models
-            for value in get_args(model.model_fields[self.word].annotation)
-        }
-        return core_schema.tagged_union_schema(choices, self.word, from_attributes=True)
+        return _union(self.models, self.word)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         union: Any = Annotated[reduce(or_, self.models), Field(discriminator=self.word)]
         return handler(TypeAdapter(union).core_schema)
+
+
+class OfKind:
+    """One of several models, selected by `kind`; each is imported when a value of its kind is first read.
+
+    Parameters
+    ----------
+    places : mapping of str to str
+        Module in `tline.scene` and name of each model, by kind; mistakes name them in this order.
+    others : str
+        Module and name of a function that returns all further models.
+    """
+
+    def __init__(self, places: Mapping[str, str], others: str):
+        self._places, self._others = places, others
+        self._unions: dict[str | None, SchemaValidator] = {}  # of one model, by its place, or of all
+
+    @cached_property
+    def _all(self) -> OneOf:
+        return OneOf([*map(_found, dict.fromkeys(self._places.values())), *_found(self._others)()], "kind")
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.with_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return self._all.__get_pydantic_json_schema__(schema, handler)
+
+    def _read(self, value: Any, info: ValidationInfo) -> Any:
+        kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+        place = self._places.get(kind) if isinstance(kind, str) else None
+        if place not in self._unions:
+            self._unions[place] = SchemaValidator(_union([_found(place)] if place else self._all.models, "kind"))
+        return self._unions[place].validate_python(value, context=info.context)
+
+
+def _found(place: str) -> Any:
+    module, _, name = place.partition(":")
+    return attrgetter(name)(import_module(f"tline.scene.{module}"))
 
 
 class Read:

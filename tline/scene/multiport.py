@@ -1,13 +1,14 @@
 """Linear multiports: elements without a delay whose ports are each a node and the reference, or two nodes."""
 
-from typing import Annotated, ClassVar, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import AfterValidator, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import Element, Name, nodes_of, optional, required, sequence_of
+from tline.scene.element import Name, nodes_of, optional, required, sequence_of
+from tline.scene.ports import Multiport, Ports, floating
 from tline.scene.quantity import Inductance, PositiveResistance, Quantity, Resistance, Role
 from tline.words.wording import shown
 
@@ -19,52 +20,10 @@ TWO_OR_FOUR = sequence_of(
 )
 
 
-class Ports(NamedTuple):
-    """Equations of a multiport in efforts u, flows i and states x: M u + N i = E x, dx/dt = Q x + P u + R i."""
-
-    M: NDArray  # (k, k)
-    N: NDArray  # (k, k)
-    E: NDArray  # (k, n)
-    Q: NDArray  # (n, n)
-    P: NDArray  # (n, k)
-    R: NDArray  # (n, k)
-
-
 def _memoryless(M: ArrayLike, N: ArrayLike) -> Ports:
     M, N = np.array(M, float), np.array(N, float)
     none = np.zeros((0, len(M)))
     return Ports(M, N, none.T, np.zeros((0, 0)), none, none)
-
-
-def floating(grounded: Ports) -> Ports:
-    """Equations of two ports between two nodes each, from those of ports between a node and the reference.
-
-    Each port's effort is that of its first node less that of its second, and its flow leaves at the second.
-    """
-    M, N, E, Q, P, R = grounded
-    across = np.array([[1, -1, 0, 0], [0, 0, 1, -1]], float)  # from nodes to ports
-    into = across.clip(min=0)
-    none, leaving = np.zeros((2, 4)), abs(across)
-    return Ports(
-        np.vstack([M @ across, none]), np.vstack([N @ into, leaving]), np.vstack([E, np.zeros_like(E)]), Q,
-        P @ across, R @ into,
-    )  # fmt: skip
-
-
-class Multiport(Element):
-    """Base of all linear multiports."""
-
-    section: ClassVar[str] = "links"
-    nodes: tuple[Name, ...]
-
-    @property
-    def is_grounded(self) -> bool:
-        """Whether the ports are between a node and the reference."""
-        return True
-
-    def ports(self) -> Ports:
-        """Equations of the multiport, with an effort and a flow for each node, in the order of its nodes."""
-        raise NotImplementedError
 
 
 def _apart(nodes: tuple[str, ...]) -> tuple[str, ...]:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from tline.errors import InputError
+from tline.scene.cavities import with_cavities
 from tline.scene.coupled import Coupled
-from tline.scene.vessel import with_cavities
 from tline.words.wording import place
 
 if TYPE_CHECKING:

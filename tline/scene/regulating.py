@@ -49,6 +49,12 @@ class RegulatingValve(CharacterisedValve, Between):
         """Whether the set value is given."""
         return (self.set_flow if self.keeps == "flow" else self.set_pressure) is not None
 
+    @property
+    def mistake_at_rest(self) -> InputError | None:
+        """Mistake if the run starts at rest, not in a steady state."""
+        key = "set_flow" if self.keeps == "flow" else "set_pressure"
+        return None if self.has_set else InputError(key, "is missing", "a value, or start = 'steady'")
+
     @model_validator(mode="after")
     def _keeps_one(self):
         other = "set_pressure" if self.keeps == "flow" else "set_flow"

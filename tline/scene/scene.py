@@ -22,10 +22,8 @@ from tline.gc_paused import gc_paused
 from tline.scene.check import conflicts, misplaced
 from tline.scene.coupled import Lines, single_lines
 from tline.scene.display import as_html, as_text, drawn
-from tline.scene.element import Element, Name, optional, required
+from tline.scene.element import Composed, Element, Measured, Name, optional, required
 from tline.scene.heights import GRAVITY, Height, Site, heights_of
-from tline.scene.ibis.element import Ibis
-from tline.scene.ibis.series import IbisSeries
 from tline.scene.law import ElementLaw, NonLinear
 from tline.scene.line import Cable, Pipe, SceneLine
 from tline.scene.load import Link, Load
@@ -39,7 +37,6 @@ from tline.scene.shape import Shape
 from tline.scene.solver import Solver
 from tline.scene.source import Source
 from tline.scene.text_file import Folder
-from tline.scene.touchstone import MeasuredMultiport, Touchstone
 from tline.scene.user_defined import user_elements
 from tline.words.progress import Progress
 from tline.words.wording import one_line, place, shown
@@ -318,14 +315,14 @@ class Scene(Element):
         return links + [(place("sources", name), s.nodes) for name, s in self.sources.items() if s.nodes is not None]
 
     @property
-    def measured(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport]:
+    def measured(self) -> dict[tuple[str, str], Any]:
         """Each load and multiport from a Touchstone file, by section and name."""
-        return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport)}
+        return {at: x for at, x in self.placed if isinstance(x, Measured)}
 
     @property
-    def composed(self) -> dict[tuple[str, str], Touchstone | MeasuredMultiport | Ibis | IbisSeries]:
+    def composed(self) -> dict[tuple[str, str], Any]:
         """Each element that a file composes of several others, by section and name."""
-        return {at: x for at, x in self.placed if isinstance(x, Touchstone | MeasuredMultiport | Ibis | IbisSeries)}
+        return {at: x for at, x in self.placed if isinstance(x, Composed)}
 
     @property
     def parts(self) -> set[tuple[str, str]]:

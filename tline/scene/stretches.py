@@ -7,8 +7,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from tline.scene.cavities import with_cavities
 from tline.scene.coupled import Coupled
-from tline.scene.vessel import with_cavities
 
 if TYPE_CHECKING:
     from tline.scene.measure import Probe

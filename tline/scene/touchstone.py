@@ -9,9 +9,10 @@ import numpy as np
 from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, OneMedium, optional, required
+from tline.scene.element import AtNode, Measured, OneMedium, optional, required
 from tline.scene.line import Cable, SceneLine
-from tline.scene.multiport import Multiport, PortNodes, Ports
+from tline.scene.multiport import PortNodes
+from tline.scene.ports import Multiport, Ports
 from tline.scene.quantity import FIT_TOLERANCE, Quantity, Role
 from tline.scene.rational import Ratio, RationalImpedance
 from tline.scene.text_file import beside
@@ -23,7 +24,7 @@ Tolerance = Annotated[Quantity, FIT_TOLERANCE]
 Delay = Annotated[Quantity, Role("delay", "s", at_least=0)]
 
 
-class Touchstone(OneMedium, RationalImpedance, AtNode):
+class Touchstone(Measured, OneMedium, RationalImpedance, AtNode):
     """Measured one-port, such as an antenna: the S-parameters of a Touchstone file.
 
     A rational model is fitted to the file's reflection, with as few poles as the tolerance allows; a delay in front, as
@@ -139,7 +140,7 @@ def _told(file: str, error: ValueError | OSError) -> InputError:
 MOST_PORTS = 8  # proofs with more take minutes
 
 
-class MeasuredMultiport(OneMedium, Multiport):
+class MeasuredMultiport(Measured, OneMedium, Multiport):
     """Measured network such as a filter, a connector or a cable: the S-parameters of a Touchstone file.
 
     A rational model whose entries have common poles is fitted to the file's S, with as few poles as the

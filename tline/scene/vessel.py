@@ -1,16 +1,16 @@
 """Vessels at a node: gas above liquid, enclosed or open to the air."""
 
-from collections.abc import Mapping
 from math import inf, pi
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
 from tline.errors import InputError
-from tline.scene.element import AtNode, Element, optional, required
-from tline.scene.law import Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
+from tline.scene.cavities import ATMOSPHERE, Boiling
+from tline.scene.element import AtNode, optional, required
+from tline.scene.law import GAS_VOLUME, Bend, ElementLaw, LawKind, OfLiquids, Shown, Volume
 from tline.scene.quantity import (
     GRAVITY,
     ZERO,
@@ -22,18 +22,10 @@ from tline.scene.quantity import (
     Pressure,
     Quantity,
     Role,
-    Whole,
 )
 from tline.scene.rating import Rated
 
-if TYPE_CHECKING:
-    from tline.scene.line import SceneLine
-
-
-ATMOSPHERE = Quantity(101_325, "Pa")
-GAS_VOLUME = "gas volume"
 Height = Annotated[Quantity, Role("height", "m")]
-MOST_PLACES = 1000  # places
 
 
 class Gas(LawKind):
@@ -173,20 +165,6 @@ class AirVessel(_Vessel):
         return ElementLaw("gas", constants)
 
 
-class Boiling(Element):
-    """Liquid that boils where its pressure falls far enough."""
-
-    vapour_pressure: PositivePressure = optional("absolute; of water at 20 degC", Quantity(2339, "Pa"))
-    atmosphere: PositivePressure = optional("absolute pressure of the air outside", ATMOSPHERE)
-
-    @model_validator(mode="after")
-    def _boils_below(self):
-        if self.vapour_pressure >= self.atmosphere:
-            expected = f"less than the atmosphere's {self.atmosphere:g} Pa"
-            raise InputError("vapour_pressure", "too high", expected, f"{self.vapour_pressure:g} Pa")
-        return self
-
-
 class _BoilingAtNode(Boiling, AtNode, OfLiquids):
     back_pressure: Pressure = optional("gauge pressure outside; 0 is the open air", ZERO)
 
@@ -255,6 +233,11 @@ class SurgeTank(_Vessel):
         return None if self.level is None else self.weight * self.level
 
     @property
+    def mistake_at_rest(self) -> InputError | None:
+        """Mistake if the run starts at rest, not in a steady state."""
+        return None if self.level is None else InputError("level", "is that of a steady start", "start = 'steady'")
+
+    @property
     def weight(self) -> float:
         """Pressure per metre of liquid, Pa/m."""
         return float(self.density * self.gravity)
@@ -281,35 +264,3 @@ class SurgeTank(_Vessel):
     def law(self) -> ElementLaw:  # noqa: D102
         area = pi / 4 * self.tank_diameter**2 if self.tank_diameter is not None else (self.tank_area or ZERO)
         return ElementLaw("tank", (0.0, self.capacity or inf, float(area / (self.density * self.gravity))))
-
-
-class Cavities(Boiling):
-    """Cavities at places inside a pipe: of free gas and vapour (DGCM), or of vapour alone (DVCM).
-
-    Where the ends of the pipe have elevations, that of a place lies on the straight line between them.
-
-    References
-    ----------
-    E. B. Wylie, V. L. Streeter: Fluid Transients in Systems (1993), chapter 8.
-    """
-
-    places: Annotated[int, Whole(1, MOST_PLACES)] = required(
-        f"number of places, from 1 to {MOST_PLACES}, between which are equal stretches"
-    )
-    gas_volume: PositiveVolume | None = optional(
-        "volume of the free gas at each place at the atmosphere's pressure, often 1e-7 of the liquid's "
-        "between two places; without it vapour alone"
-    )
-
-    def load(self, node: str) -> dict[str, Any]:
-        """Table of the load at a node."""
-        table: dict[str, Any] = {"at": node, "kind": "vapour cavity"}
-        table |= {"vapour_pressure": float(self.vapour_pressure), "atmosphere": float(self.atmosphere)}
-        return table | ({"kind": "cavity", "gas_volume": float(self.gas_volume)} if self.gas_volume is not None else {})
-
-
-def with_cavities(lines: Mapping[str, "SceneLine"]) -> dict[str, "SceneLine"]:
-    """Lines that have cavities; coupled conductors never do, nor tables of pipes."""
-    if not isinstance(lines, dict):
-        return {}
-    return {name: line for name, line in lines.items() if getattr(type(line), "stretches", None) and line.stretches > 1}

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import PrivateAttr, TypeAdapter, ValidationInfo, model_validator
 
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.element import optional, pair, required
 from tline.scene.mistakes import OneOf
@@ -283,7 +284,7 @@ class Pulses(Shape):
             expected, got = f"at most {MOST_PULSES:,}", f"{last - first:.3g}"
             raise InputError("period", "too many pulses before the end", expected, got)
         starts = self.at + (self.period or 0.0) * np.arange(first, last)
-        return np.unique(starts[:, None] + self._corners())
+        return distinct(starts[:, None] + self._corners())
 
     def value(self, t, inside):  # noqa: D102
         start = float(self.at)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
@@ -217,11 +218,11 @@ def _divided(kinks: Kinks, error: NoFlowError, n: int, h: float) -> Kinks:
     known = kinks.get(where, ())
     begin, end = error.span or (0.0, 0.0)
     if end - begin > PARTS * EDGE and len(known) < MOST_ALONE:
-        return {**kinks, where: np.union1d(known, (begin + (end - begin) * np.arange(1, PARTS) / PARTS) * h)}
+        return {**kinks, where: distinct(np.append(known, (begin + (end - begin) * np.arange(1, PARTS) / PARTS) * h))}
     parts = PARTS if len(known) < (PARTS - 1) * n else PARTS**2
     if len(known) >= (PARTS**2 - 1) * n or parts * n > MOST_CUTS:
         raise error
-    return {**kinks, where: np.union1d(known, np.arange(1, parts * n) * (h / parts))}
+    return {**kinks, where: distinct(np.append(known, np.arange(1, parts * n) * (h / parts)))}
 
 
 def _cuts(assembly: Assembly, kinks: Kinks) -> Iterator[Event]:

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.errors import InputError
+from tline.scene.cavities import MOST_PLACES, with_cavities
 from tline.scene.heights import weight_at
 from tline.scene.held import held_nodes
 from tline.scene.scene import Scene
-from tline.scene.vessel import MOST_PLACES, with_cavities
 from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import Result
 from tline.solver.result.states import StateTrace

@@ -18,9 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import PrivateAttr, ValidationInfo, model_validator
 
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
-from tline.scene.element import AtNode, OneMedium, optional, required
+from tline.scene.element import AtNode, Composed, OneMedium, optional, required
+from tline.scene.ibis import die_of
 from tline.scene.ibis.buffer import ALWAYS, DRIVING, Buffer, CurrentTable, EdgeWaveform, read_buffer, read_once
 from tline.scene.quantity import ZERO, Duration, Time
 from tline.scene.rational import Capacitor, Ratio, RationalImpedance, Series, exact
@@ -57,7 +59,7 @@ def edge_of(buffer: Buffer, rises: bool) -> Edge:
     if not waveforms:
         up = np.array([0.0, 1.0])
         return Edge(np.array([0.0, buffer.ramps[rises]]), up if rises else 1 - up, 1 - up if rises else up, 0.0)
-    t = np.unique(np.concatenate([each.t for each in waveforms]))
+    t = distinct(np.concatenate([each.t for each in waveforms]))
     up, down = _shares(buffer, waveforms, t)
     wanted = (0.0, 1.0) if rises else (1.0, 0.0)
     misfit = max(abs(up[0] - wanted[0]), abs(up[-1] - wanted[1]), abs(down[0] - wanted[1]), abs(down[-1] - wanted[0]))
@@ -166,7 +168,7 @@ class Shares(Shape):
         return min(np.diff(self.t))
 
 
-class Ibis(OneMedium, RationalImpedance, AtNode):
+class Ibis(Composed, OneMedium, RationalImpedance, AtNode):
     """Driver or receiver as published by its maker: a model of an IBIS file at one of its corners.
 
     It becomes the capacitance of the die with tables of current over voltage, to ideal supplies, behind the package.
@@ -289,11 +291,6 @@ class Ibis(OneMedium, RationalImpedance, AtNode):
             key: _corners(*shares[short], bits[0] == (short == "up"))
             for key, short in (("pullup", "up"), ("pulldown", "down"))
         }
-
-
-def die_of(name: str) -> str:
-    """Name of the node between the package of a load and its die."""
-    return f"{name}, die"
 
 
 def _corners(t: np.ndarray, level: np.ndarray, high: bool) -> Shares:

@@ -9,7 +9,7 @@ from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from tline.errors import InputError
 from tline.scene.characteristic import Curve
-from tline.scene.element import Between, OneMedium, optional, required
+from tline.scene.element import Between, Composed, OneMedium, optional, required
 from tline.scene.ibis.buffer import CurrentTable, above_zero, current_table, own_sections, read_once
 from tline.scene.ibis.keywords import Section, sections_of
 from tline.scene.rational import Ratio, RationalImpedance, exact
@@ -80,7 +80,7 @@ def _of_state(own: list[Section], on: bool | None) -> list[Section]:
     return found
 
 
-class IbisSeries(OneMedium, RationalImpedance, Between):
+class IbisSeries(Composed, OneMedium, RationalImpedance, Between):
     """Element between two pins of a chip as published by its maker, or a switch in one of its states.
 
     It becomes an impedance of the file's R, L and C, and a table of current over voltage beside it.

@@ -16,6 +16,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from tline.compiled.structure import empty, pack
+from tline.distinct import distinct
 from tline.loss import Foster
 from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
 from tline.solver.description.laws import tools_of
@@ -209,7 +210,7 @@ def _friction(
             assert isinstance(law, Colebrook | SwameeJain)
             key, plain, kind[k] = np.asarray(law.roughness), np.full(len(k), False), KIND[type(law)]
             constants[k, 2:] = np.stack([law.strength * square, law.reynolds * y[k], key], axis=1)
-        for each in np.unique(key[~plain]) if not isinstance(law, SwameeJain) else ():
+        for each in distinct(key[~plain]) if not isinstance(law, SwameeJain) else ():
             table = _power_table(each - 1) if isinstance(law, PowerLaw) else _colebrook(each)
             table_at[k[key == each]], tables, size = size, [*tables, table], size + len(table)
     return kind, constants, np.concatenate(tables), table_at

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.solver.description.excitation import EDGE, Straight, Waveform, just_before
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis, thin_product
@@ -51,7 +52,7 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
     """
     before = just_before(waveform) if steady else 0.0
     breaks = waveform.breaks(t_end)
-    knots = np.unique(np.concatenate([[0.0], breaks[(breaks > 0) & (breaks < t_end)], [t_end]]))
+    knots = distinct(np.concatenate([[0.0], breaks[(breaks > 0) & (breaks < t_end)], [t_end]]))
     width = np.diff(knots)
     pieces = waveform.value(knots[:-1] + width * SEEN, (knots[:-1] + knots[1:]) / 2)  # (places, pieces)
     jump, curved = pieces[0] - np.append(before, pieces[-1, :-1]), bool(np.isfinite(waveform.fastest()))
@@ -71,12 +72,12 @@ def changes_of(waveform: Waveform, steady: bool, t_end: float) -> Changes:
 def leads(instants: NDArray) -> NDArray:
     """Leads by which slabs begin earlier, in slabs; with one of them each instant, in slabs, is at an edge."""
     found: list[float] = []
-    for ahead in np.unique(-instants % 1.0).tolist():
+    for ahead in distinct(-instants % 1.0).tolist():
         if not found or ahead - found[-1] > SAME_FAMILY:
             found.append(ahead)
     if found and found[-1] > 1.0 - SAME_FAMILY:
         found[-1] -= 1.0
-    return np.unique([ahead if ahead > SAME_FAMILY else 0.0 for ahead in found])
+    return distinct([ahead if ahead > SAME_FAMILY else 0.0 for ahead in found])
 
 
 def family_of(instants: NDArray, ahead: NDArray) -> NDArray:
@@ -116,7 +117,7 @@ def summed(
     `least` of its largest value at most it is added as that; elsewhere the sum has pieces between the places at which
     slabs begin.
     """
-    edges = np.append(np.unique([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
+    edges = np.append(distinct([0.0, *(1.0 - ahead[ahead > 0.0])]), 1.0)
     whole, kept = np.zeros((1, 1, n, order.s)), []
     for record, slabs in zip(records, ahead.tolist(), strict=True):
         waves = record.reshape(len(record), 2, -1, order.s)
@@ -128,7 +129,7 @@ def summed(
         kept.append((bent, _pieces(waves, bent, slabs, edges, order)))
         mean[:, :, bent] = 0.0
         whole = whole + mean
-    slab = np.unique(np.concatenate([np.empty(0, int), *(bent for bent, _ in kept)]))
+    slab = distinct(np.concatenate([np.empty(0, int), *(bent for bent, _ in kept)]))
     spans = list(pairwise(edges.tolist()))
     values = np.stack([whole[:, :, slab] @ order.restriction(*span).T for span in spans], axis=3)
     for bent, pieces in kept:

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import Packed, empty, pack
+from tline.distinct import distinct
 from tline.errors import NoFlowError
 from tline.solver.assembly.workspace import work_for
 from tline.solver.convolution.families import SAME_FAMILY, changes_of, leads
@@ -102,7 +103,7 @@ class LawsAtPorts:
         self.states = states_of(self.elements, before.effort, before.openings)
         self.sent_before = 2 * across - self.packed.before
         t_end = description.t_end
-        moves = np.unique(np.concatenate([np.empty(0), *(control.breaks(t_end) for control in self.controls)]))
+        moves = distinct(np.concatenate([np.empty(0), *(control.breaks(t_end) for control in self.controls)]))
         self.moves = moves[moves > 0]  # instants at which control signals jump or bend, s
         changes = [changes_of(control, True, t_end) for control in self.controls]
         self.jumps = [each.at[(each.jump != 0) & (each.at > 0)] for each in changes]
@@ -111,7 +112,7 @@ class LawsAtPorts:
         """Slabs of width h from t = 0 on, and for each jump of a law that is at no edge of those before."""
         first = leads(self.moves / h)
         several = len(first) > 1 and not len(self.states)
-        jumps = np.unique(np.concatenate([*self.jumps, np.empty(0)])) if several else np.empty(0)
+        jumps = distinct(np.concatenate([*self.jumps, np.empty(0)])) if several else np.empty(0)
         first = leads(jumps[:1] / h) if len(jumps) else first
         found = [Clock(float(first[0]) if len(first) == 1 else 0.0, 0)]
         for at in jumps.tolist():

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.solver.convolution.laws import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
@@ -215,7 +216,7 @@ class Layers:
         cuts = np.concatenate(
             [slabs, slabs + 1.0, corners.slab + corners.at, *(layer.edges[layer.edges < layer.end] for layer in layers)]
         )
-        cuts = np.unique(np.where(np.abs(cuts - np.round(cuts)) < EDGE, np.round(cuts), cuts))
+        cuts = distinct(np.where(np.abs(cuts - np.round(cuts)) < EDGE, np.round(cuts), cuts))
         cuts = cuts[(np.diff(cuts, prepend=-1.0) > NARROWEST_PIECE * cuts) & (cuts <= n)]
         start, stop = cuts[:-1], cuts[1:]
         slab = np.floor((start + stop) / 2).astype(int)

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.solver.assembly.layout import Excitation
 from tline.solver.assembly.workspace import Tally
 from tline.solver.convolution.families import (
@@ -147,7 +148,7 @@ class Convolved:
     @cached_property
     def instants(self) -> NDArray:
         """Instants at which laws move, and all fronts of sources, s."""
-        return np.unique(np.concatenate([self.moves, *(changes.at for changes in self.changes)]))
+        return distinct(np.concatenate([self.moves, *(changes.at for changes in self.changes)]))
 
     def leads(self, h: float) -> tuple[NDArray, list[Clock]]:
         """Leads by which slabs of width h begin earlier, in slabs, for families of fronts; and clocks of laws.

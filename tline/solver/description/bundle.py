@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.solver.description.description import Description
 
 SAME_DELAY = 1e-9  # of the longest; modes of delays so alike are not told apart
@@ -71,7 +72,7 @@ class Bundle(NamedTuple):
         Such places are near real s, where one that is slower is then passed by the other.
         """
         found, real = self.delays, np.imag(s) == 0
-        while len(apart := np.unique(found)) > 1:
+        while len(apart := distinct(found)) > 1:
             modes = self.modes(s, found)
             passes = np.real(modes.gamma[real])
             met = [

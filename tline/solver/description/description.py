@@ -7,16 +7,16 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from tline.scene.cavities import Boiling
 from tline.scene.changed import changed, parts_of
 from tline.scene.coupled import Coupled, ends_of
 from tline.scene.law import NonLinear
 from tline.scene.load import Switch
-from tline.scene.multiport import Multiport
+from tline.scene.ports import Multiport
 from tline.scene.rational import RationalImpedance
 from tline.scene.refuse import refuse_coupled
 from tline.scene.stretches import expanded
 from tline.scene.user_defined import user_elements
-from tline.scene.vessel import Boiling, SurgeTank
 from tline.solver.description.elements import Branch, PlacedLaw, active_parts, branches_of, elements_of, impedances
 from tline.solver.description.excitation import Shape
 from tline.solver.description.given import (
@@ -224,9 +224,9 @@ class Description:
         return {tank.at: float(tank.start or 0.0) + self.nodes[tank.at].height.above_level for tank in own}
 
     @property
-    def surge_tanks(self) -> dict[str, SurgeTank]:
+    def surge_tanks(self) -> dict[str, Any]:
         """Tanks by place."""
-        return {place("loads", name): load for name, load in self.scene.loads.items() if isinstance(load, SurgeTank)}
+        return {place("loads", name): load for name, load in self.scene.loads.items() if load.kind == "surge tank"}
 
     @cached_property
     def stretches(self) -> dict[str, Stretches]:

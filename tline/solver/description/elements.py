@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from tline.line.modes import Modes
-from tline.scene.multiport import ControlledSource, Multiport
+from tline.scene.ports import Multiport
 from tline.scene.rational import Impedance, RationalImpedance
 from tline.solver.description.circuit import StateSpace, reflection
 from tline.solver.description.excitation import just_before
@@ -124,7 +124,7 @@ def active_impedances(scene: Scene) -> dict[str, Verdict]:
 
 def controlled_sources(scene: Scene) -> list[str]:
     """Names of the links that may feed waves."""
-    return [name for name, link in scene.links.items() if isinstance(link, ControlledSource)]
+    return [name for name, link in scene.links.items() if link.kind == "controlled source"]
 
 
 def laws_not_through_the_origin(scene: Scene) -> dict[str, str]:

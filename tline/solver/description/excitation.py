@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.solver.description.given import Constant, Shape
 from tline.solver.radau import Basis
 
@@ -99,7 +100,7 @@ def places_of(parts: Sequence[tuple[Waveform, float]], t_end: float, h: float) -
     places = np.concatenate([[0.0], *(waveform.breaks(t_end) for waveform, _ in parts)]) / h
     near = np.round(places)
     places = np.where(np.abs(places - near) < EDGE, near, places)
-    return np.unique(places[(places >= 0) & (places < t_end / h)])
+    return distinct(places[(places >= 0) & (places < t_end / h)])
 
 
 def jumps_of(parts: Sequence[tuple[Waveform, float]], places: NDArray, t_end: float, h: float, steady: bool) -> NDArray:
@@ -124,8 +125,8 @@ def jumps_of(parts: Sequence[tuple[Waveform, float]], places: NDArray, t_end: fl
 def broken(parts: list[tuple[Waveform, float]], places: NDArray, basis: Basis, h: float, first: int, n: int) -> Broken:
     """Sampled piece by piece in those of n slabs, from number `first` on, that hold one of the places."""
     places = places[(places >= first) & (places < first + n)]
-    cut = np.unique(np.floor(places))
-    edges = np.unique(np.concatenate([cut, places, cut + 1]))
+    cut = distinct(np.floor(places))
+    edges = distinct(np.concatenate([cut, places, cut + 1]))
     start, stop = edges[:-1], edges[1:]
     slab = np.floor((start + stop) / 2)
     of_cut = cut[np.searchsorted(cut, slab, "right") - 1] == slab  # the others lie between cut slabs

@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.scene.heights import below
-from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
+from tline.scene.load import Load, Matched, NoFlow, Reservoir, Short, Switch
 from tline.scene.quantity import ZERO
-from tline.scene.rational import MOST_STATES, RationalImpedance
+from tline.scene.rational import MOST_STATES, RationalImpedance, Resistor
 from tline.scene.refuse import refuse_cavities
 from tline.scene.shape import Lowered
 from tline.scene.source import Source
 from tline.solver.description.circuit import StateSpace, reflection, reflection_of_poles
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import Constant, End, Height, Ratio, Scene, Shape, Touchstone
+from tline.solver.description.given import Constant, End, Height, Measured, Ratio, Scene, Shape
 from tline.solver.description.lines import Columns, Line
 from tline.words.wording import place
 
@@ -46,7 +46,7 @@ class Node:
     held: Shape | None = None  # the effort, where it is ideal
     load: Ratio | None = None  # all dynamic loads side by side
     load_name: str = ""
-    measured: Touchstone | None = None  # if that is all of the load
+    measured: Any = None  # element from a file of S-parameters, if that is all of the load
     switches: list[Switch] = field(default_factory=list)
     alone: float = 1.0  # reference where nothing conducts
     height: Height = SEA_LEVEL
@@ -123,10 +123,8 @@ class Node:
                 self._conduct(self.lines + self.lumped)
             case Switch():
                 self.switches.append(load)
-            case Touchstone():
-                self.respond(load.ratio, where, load)
             case RationalImpedance():
-                self.respond(load.ratio, where)
+                self.respond(load.ratio, where, load if isinstance(load, Measured) else None)
             case NoFlow():
                 pass
 
@@ -154,7 +152,7 @@ class Node:
         if conductance and self.above_level:
             self.flows.append((UNIT, conductance * self.above_level))
 
-    def respond(self, impedance: Ratio, where: str, measured: Touchstone | None = None) -> None:
+    def respond(self, impedance: Ratio, where: str, measured: Any = None) -> None:
         """Attach a rational impedance, or a measured one; without dynamics it is a resistance."""
         if impedance.degree == 0:
             resistance = impedance.at_zero()

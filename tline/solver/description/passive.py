@@ -24,10 +24,11 @@ from numpy.typing import NDArray
 
 from passivity.status import Decided, Status
 from tline.loss import ConstantLoss
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.multiport import Junction, Multiport
-from tline.scene.rational import RationalImpedance
-from tline.scene.touchstone import MeasuredMultiport, Touchstone
+from tline.scene.element import Measured
+from tline.scene.load import Matched, NoFlow, Reservoir, Short
+from tline.scene.multiport import Junction
+from tline.scene.ports import Multiport
+from tline.scene.rational import RationalImpedance, Resistor
 from tline.solver.description.elements import active_impedances, controlled_sources
 from tline.solver.description.given import Scene
 from tline.solver.description.groups import parts
@@ -63,7 +64,7 @@ def exact_elements(scene: Scene) -> Iterator[ExactElement]:
 
 def _equations(scene: Scene, element: Any, terminals: int) -> tuple[Matrix, Matrix] | None:
     match element:
-        case Touchstone() | MeasuredMultiport() | Junction():
+        case Measured() | Junction():
             return None
         case RationalImpedance():
             impedance = element.rational().reduced()

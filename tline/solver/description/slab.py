@@ -8,6 +8,7 @@ from math import ceil, floor, inf, lcm, log2, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tline.distinct import distinct
 from tline.solver.description.description import Description
 
 SLABS_PER_DELAY, SLABS_PER_RUN = 4, 500  # at least, where they cost little
@@ -112,7 +113,7 @@ def relative_work(h: float, delays: Sequence[float], breaks: ArrayLike) -> float
     """Work for a slab of this width, over that for one without fronts inside."""
     if not whole_slabs(h, delays):
         return WITH_FRONTS * MOST_PLACES if np.size(breaks) else WITH_SHIFTS
-    places = np.unique(np.round(np.append(0.0, breaks) / h % 1.0, PLACES) % 1.0)
+    places = distinct(np.round(np.append(0.0, breaks) / h % 1.0, PLACES) % 1.0)
     return 1.0 if len(places) == 1 else WITH_FRONTS * min(len(places), MOST_PLACES)
 
 

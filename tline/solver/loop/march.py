@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.distinct import distinct
 from tline.errors import InputError, NoFlowError
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.assembly.layout import Excitation
@@ -264,7 +265,7 @@ class Stepper:
         self.at_edges = [] if assembly.follows_edges else [each for each in events if each.at % 1 == 0 and each.moves]
         inside = [each for each in events if assembly.follows_edges or each.at % 1 != 0]
         instants = np.concatenate([*self.signals.places, [each.at for each in inside]])
-        self.events = np.unique(np.floor(instants).astype(int)) if instants.size else instants
+        self.events = distinct(np.floor(instants).astype(int)) if instants.size else instants
         self.fronts: Fronts | None = None
         if len(self.events):
             in_slab = [np.unique(np.floor(p), return_counts=True)[1] for p in self.signals.places]

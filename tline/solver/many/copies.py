@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.coupled import Coupled
 from tline.scene.law import NonLinear
-from tline.scene.load import Matched, NoFlow, Reservoir, Resistor, Short
-from tline.scene.rational import Parallel, Series
+from tline.scene.load import Matched, NoFlow, Reservoir, Short
+from tline.scene.rational import Parallel, Resistor, Series
 from tline.scene.refuse import refuse_cavities
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import EDGE
@@ -238,14 +239,14 @@ def breaks_of(description: Description, copies: Copies) -> Floats:
     for waveform in waveforms:
         alone = isinstance(waveform, Shape)
         each = [shape.breaks(t_end) for shape in ([waveform] if alone else waveform)]
-        each = [np.unique(instants[(instants > 0) & (instants < t_end)]) for instants in each]
+        each = [distinct(instants[(instants > 0) & (instants < t_end)]) for instants in each]
         most = max(map(len, each))
         found.append(np.transpose([np.pad(instants, (most - len(instants), 0)) for instants in each]))
     if len({part.shape[1] for part in found}) > 1:
         found = [np.broadcast_to(part, (len(part), len(copies.unit))) for part in found]
     instants = np.vstack(found)
     if instants.shape[1] == 1:
-        instants = np.unique(instants)[:, None]
+        instants = distinct(instants)[:, None]
     if len(instants) > MOST_BREAKS:
         problem = "their waveforms have too many jumps and corners for many runs"
         raise InputError("sources", problem, f"at most {MOST_BREAKS}", f"{len(instants)}")

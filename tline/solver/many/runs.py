@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ive
 
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.scene.quantity import Role
 from tline.solver.description.description import Description
@@ -47,7 +48,7 @@ def resolve(
         raise InputError("", "no values that copies take")
     ends = [pick(numbers[valid]) for numbers in vary.values() for pick in (np.argmin, np.argmax)]
     ends += [np.abs(A[valid]).max(axis=(1, 2)).argmax() for A in loads]
-    rows = valid[np.unique([*ends, *np.linspace(0, len(valid) - 1, COMPARED).astype(int)])]
+    rows = valid[distinct([*ends, *np.linspace(0, len(valid) - 1, COMPARED).astype(int)])]
     fronts = front_places(breaks, copies.unit)
 
     def apart(edges: Floats, s: int) -> Floats:

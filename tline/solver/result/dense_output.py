@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.distinct import distinct
 from tline.errors import InputError
 from tline.loss import Foster
 from tline.solver.description.description import describe
@@ -55,7 +56,7 @@ def edges_of(passing: Passing, end: float) -> NDArray:
     if all(wave.h == h and late == 0.0 and not len(wave.pieces.slab) for wave, late in passing):
         return np.append(h * np.arange(np.ceil(end / h - NEAR)), end)
     each = [late + wave.h * np.append(np.arange(len(wave.values) + 1.0), wave.begins) for wave, late in passing]
-    edges = np.unique(np.concatenate([[0.0], *each]))
+    edges = distinct(np.concatenate([[0.0], *each]))
     edges = edges[(edges >= 0.0) & (edges < end - NEAR * h)]
     return np.append(edges[np.diff(edges, prepend=-np.inf) > NEAR * h], end)
 
@@ -211,7 +212,7 @@ class Inside:
         for share in self.places.tolist():
             way = self.record.delay * share  # waves are as they were at slab ends a way ago
             late = [slab_ends, slab_ends + way, slab_ends + self.record.delay - way, self.t]
-            at = np.unique(np.concatenate(late))
+            at = distinct(np.concatenate(late))
             u = self.effort(at[at <= slab_ends[-1]], share)
             seen.append((u[0], u.min(), u.max()))
         return np.array(seen).T

@@ -21,8 +21,6 @@ from tline.solver.description.given import (
     AIR_VOLUME,
     GAS_VOLUME,
     OPENING,
-    AirValve,
-    AirVessel,
     Extent,
     Interval,
     LevelCrossing,
@@ -93,7 +91,7 @@ def states_of(result: Result) -> list[StateTrace]:
 
 def emptied(result: Result) -> dict[str, tuple[float, float]]:
     """Vessels that run empty of liquid, by place, with the instant, s, and the volume then filled by gas, m³."""
-    vessels = ((place(*at), x) for at, x in result.scene.placed if isinstance(x, AirVessel) and not x.bladder)
+    vessels = ((place(*at), x) for at, x in result.scene.placed if x.kind == "air vessel" and not x.bladder)
     return _beyond(result, GAS_VOLUME, {where: x.total_volume for where, x in vessels if x.total_volume is not None})
 
 
@@ -102,7 +100,7 @@ def drained(result: Result) -> dict[str, tuple[float, float]]:
 
     Each has the instant, s, and the volume of air, m³: `NEARLY_FULL` of that of all these pipes.
     """
-    valves = {place(*at): x.at for at, x in result.scene.placed if isinstance(x, AirValve)}
+    valves = {place(*at): x.at for at, x in result.scene.placed if x.kind == "air valve"}
     volumes = defaultdict[str, float](float)
     for line in result.scene.single_lines.values() if valves else ():
         area, length = (getattr(line.parameters, key, None) for key in ("area", "length"))

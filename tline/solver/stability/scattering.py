@@ -11,7 +11,7 @@ A lossy line is exact in s: its transmission and reflection of waves referred to
 from collections.abc import Iterable, Iterator, Mapping
 from fractions import Fraction
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,6 @@ from tline.loss import LossyLine
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.elements import Branch
-from tline.solver.description.given import Touchstone
 from tline.solver.description.groups import Group
 from tline.solver.description.lines import Line
 from tline.solver.description.nodes import Node
@@ -164,7 +163,7 @@ class Scattering:
         p, f = zip(*found, strict=True)
         return np.stack(p, axis=1), np.stack(f, axis=1)
 
-    def _measured(self, load: Touchstone, total: float, s: NDArray) -> tuple[NDArray, NDArray]:
+    def _measured(self, load: Any, total: float, s: NDArray) -> tuple[NDArray, NDArray]:
         """Values of p and f of a measured load with poles a and S = (Z - z0)/(Z + z0): Z = z0 (1 + S)/(1 - S)."""
         model = load.model.model
         S = model.at(s / (1j * self.second))

@@ -184,10 +184,13 @@ def branches_with_ports(description: Description) -> list[Branch]:
 
 def _mixing(description: Description) -> list[Branch]:
     """Modes of coupled conductors that constant losses mix, from end to end, at s = 0."""
+    bundles = bundles_of(description)
+    if not bundles:  # for an import takes longer than many a run
+        return []
     from scipy.linalg import expm
 
     found = []
-    for name, bundle in bundles_of(description).items():
+    for name, bundle in bundles.items():
         one, none = np.eye(len(bundle.z0)), np.zeros((len(bundle.z0),) * 2)
         rate = np.block([[none, bundle.resistance], [bundle.conductance, none]])
         (A, B), (C, D) = (np.hsplit(half, 2) for half in np.vsplit(expm(-bundle.length * rate), 2))

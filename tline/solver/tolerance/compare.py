@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import pack
+from tline.distinct import distinct
 from tline.solver.description.description import Description
 from tline.solver.description.groups import filling_times
 from tline.solver.kernel.finished import BLOCK, Compared, find_difference
@@ -129,7 +130,7 @@ def _in_one_piece(coarse: ProbeResult, fine: ProbeResult, every: int, broken: ND
             (probe.record.a1.h / k, delay) for probe, k in ((fine, 1), (coarse, every)) for _, delay in probe.passing
         )
         edges = [delay / h % 1.0 for h, delay in each]
-        x = np.unique(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
+        x = distinct(np.clip([*x, *(edge + d for edge in edges for d in (-BESIDE, BESIDE))], 0.0, 1.0 - BESIDE))
     n, whole = len(broken), ~broken
     in_coarse = (np.arange(every)[:, None] + x).ravel() / every
     for first in range(0, n // every, CHUNK):
@@ -150,7 +151,7 @@ def _wave_on_slabs(wave: Wave, late: float, x: NDArray, first: int, n: int) -> N
     """Return values of a wave delayed by `late` slabs, shape (n, places)."""
     slab = np.floor(x - late).astype(int)
     seen = np.empty((n, len(x)))
-    for k in np.unique(slab):
+    for k in distinct(slab):
         here = slab == k
         begin = min(max(first + int(k), 0), first + n)
         none = min(max(-first - int(k), 0), n)
@@ -176,7 +177,7 @@ def _in_pieces(
     fronts = np.concatenate([wave.breakpoints() + delay for wave, delay in passing])
     edges = [slabs * h + late % h for late in (0.0, *(late for _, late in fine.passing))]  # of the waves' slabs, too
     end = min(n * h, fine.slabs.end)
-    knots = np.unique(np.concatenate([*edges, slabs * h + h, fronts, [end]]))
+    knots = distinct(np.concatenate([*edges, slabs * h + h, fronts, [end]]))
     knots = knots[(knots >= 0) & (knots <= end)]
     same = SAME_BREAK * coarse.record.a1.h + ROUNDINGS * EPS * knots
     kept = np.diff(knots, prepend=-np.inf) > same
@@ -225,7 +226,7 @@ def _broken(coarse: ProbeResult, fine: ProbeResult, n: int) -> NDArray:
     for probe in (coarse, fine):
         ratio = probe.record.a1.h / fine.record.a1.h
         for wave, delay in probe.passing:
-            slabs = np.unique(wave.pieces.slab)
+            slabs = distinct(wave.pieces.slab)
             if len(slabs):
                 begin = np.floor((slabs + delay / wave.h) * ratio + BESIDE).astype(int)
                 for k in range(round(ratio) + (delay > 0)):

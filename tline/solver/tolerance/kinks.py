@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial.legendre import legval
 from numpy.typing import NDArray
 
+from tline.distinct import distinct
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Bend, Shape
@@ -101,7 +102,7 @@ class Cuts:
             flow[np.abs(flow) <= STILL * np.abs(a.values).max()] = 0.0
             instants = _crossings(a._replace(values=flow, before=a.before - b.before), last)
             if len(instants):
-                found[at_node(node)] = np.union1d(found.get(at_node(node), np.empty(0)), instants)
+                found[at_node(node)] = distinct(np.append(found.get(at_node(node), np.empty(0)), instants))
         return found
 
 
@@ -128,7 +129,7 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw], sharp: bool) -> Kink
                 t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
                 opened = np.maximum(_control(factor, t, t), SHUT)
                 instants.append(t[swept(t) >= (WIDER - 1) * level.layer * opened**2])
-        all_ = np.unique(np.concatenate(instants))
+        all_ = distinct(np.concatenate(instants))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
     return found
@@ -181,7 +182,7 @@ def _thinned(cuts: NDArray) -> NDArray:
 def united(*all_: Kinks) -> Kinks:
     """Instants of all, ascending, by place."""
     return {
-        where: np.unique(np.concatenate([each[where] for each in all_ if where in each])) for where in {*chain(*all_)}
+        where: distinct(np.concatenate([each[where] for each in all_ if where in each])) for where in {*chain(*all_)}
     }
 
 

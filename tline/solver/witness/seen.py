@@ -10,6 +10,7 @@ window with its derivatives, and integrated by parts, its equation contains none
 from collections.abc import Collection, Iterator
 from functools import cache, cached_property
 from itertools import chain
+from random import Random
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -187,7 +188,8 @@ class Seen:
 @cache
 def _one_in_each(parts: int) -> NDArray:
     """Random instants over the end time, one in each of equal parts of the run, in order."""
-    return (np.arange(parts) + np.random.default_rng(parts).uniform(0.0, 1.0, parts)) / parts
+    random = Random(parts)
+    return np.array([(k + random.random()) / parts for k in range(parts)])
 
 
 Doubt = tuple[str, float, str]  # place and instant of a misfit between a result and the equations, and what it is

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from tline.errors import InputError
 from tline.loss.line import Losses
+from tline.scene.cavities import with_cavities
 from tline.scene.scene import Scene
-from tline.scene.vessel import with_cavities
 from tline.solver.description.groups import Group
 from tline.solver.description.nodes import Node
 from tline.study.baseline.loops import NodeScattering

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from tline.errors import InputError
 from tline.loss.law import BALLS
 from tline.loss.line import LossyLine
-from tline.scene.load import NoFlow, Resistor
+from tline.scene.load import NoFlow
+from tline.scene.rational import Resistor
 from tline.scene.refuse import refuse_cavities, refuse_heights
 from tline.scene.scene import Scene
 from tline.scene.waveform import Shape

@@ -10,8 +10,8 @@ from flint import acb, acb_poly, arb
 
 from passivity import RationalFunction
 from tline.errors import InputError
-from tline.scene.load import Load, Matched, NoFlow, Reservoir, Resistor, Short, Switch
-from tline.scene.rational import RationalImpedance
+from tline.scene.load import Load, Matched, NoFlow, Reservoir, Short, Switch
+from tline.scene.rational import RationalImpedance, Resistor
 from tline.scene.refuse import refuse_floating, refuse_heights, refuse_losses
 from tline.scene.scene import Scene
 from tline.scene.waveform import Constant, DoubleExponential, Exponential, Points, Pulses, Shape, Sine, Step
