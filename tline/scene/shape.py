@@ -4,7 +4,7 @@ A waveform is evaluated at instants t *relative to* an instant inside one of its
 sides and rounding never picks the wrong one. ``breaks`` lists the jumps and corners.
 """
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,27 @@ class Lowered(Shape):
 
     def fastest(self):  # noqa: D102
         return self.waveform.fastest()
+
+
+class Straight(NamedTuple):
+    """Waveform of straight pieces between fronts, of which there is one at least."""
+
+    at: Floats  # (fronts,) s
+    level: Floats  # (fronts + 1,) before the first front, and behind each
+    slope: Floats  # (fronts + 1,) 1/s; 0 before the first front
+
+    def breaks(self, t_end: float) -> Floats:
+        """Instants of the fronts, s."""
+        return self.at[self.at < t_end]
+
+    def value(self, t: Floats, inside: Floats) -> Floats:
+        """Value at t of the piece that contains `inside`, continued."""
+        piece = np.searchsorted(self.at, inside)
+        return self.level[piece] + self.slope[piece] * (t - self.at[piece - 1])
+
+    def fastest(self) -> float:
+        """No time scale."""
+        return np.inf
 
 
 class Step(Shape):

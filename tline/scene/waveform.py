@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import PrivateAttr, TypeAdapter, ValidationInfo, model_validator
@@ -14,7 +14,7 @@ from tline.errors import InputError
 from tline.scene.element import optional, pair, required
 from tline.scene.mistakes import OneOf
 from tline.scene.quantity import LEVEL, ZERO, Angle, Delay, Duration, Frequency, Level, Time, Whole
-from tline.scene.shape import Constant, Floats, Shape, Step
+from tline.scene.shape import Constant, Floats, Shape, Step, Straight
 from tline.scene.text_file import beside, read_rows
 
 MOST_PULSES = 1_000_000
@@ -139,19 +139,10 @@ class DoubleExponential(Shape):
         return float(self.rise)
 
 
-class Lines(NamedTuple):
-    """Straight lines between points, constant before the first and after the last."""
-
-    times: Floats  # (points,)
-    begin: Floats  # (points + 1,) where each line begins; of the first its end
-    level: Floats  # (points + 1,) there
-    slope: Floats  # (points + 1,)
-
-
 class Points(Shape):
     """Straight lines between points; constant before the first and after the last."""
 
-    _lines: Lines | None = PrivateAttr(default=None)  # made at the first use
+    _lines: Straight | None = PrivateAttr(default=None)  # made at the first use
 
     def points(self) -> tuple[Floats, Floats]:
         """Times, not decreasing (two equal ones make a jump), and levels."""
@@ -165,21 +156,14 @@ class Points(Shape):
 
     def value(self, t, inside):
         self._lines = self._lines or lines(*self.points())
-        return between(self._lines, t, inside)
+        return self._lines.value(t, inside)
 
 
-def lines(times: Floats, levels: Floats) -> Lines:
+def lines(times: Floats, levels: Floats) -> Straight:
     """Straight lines between points in order of time."""
-    begin = np.maximum(np.arange(len(times) + 1) - 1, 0)
     span, slope = np.diff(times), np.zeros(len(times) + 1)
     np.divide(np.diff(levels), span, out=slope[1:-1], where=span > 0)
-    return Lines(times, times[begin], levels[begin], slope)
-
-
-def between(lines: Lines, t: Floats, inside: Floats) -> Floats:
-    """Level at t of the straight piece that contains `inside`, continued."""
-    piece = np.searchsorted(lines.times, inside)
-    return lines.level[piece] + lines.slope[piece] * (t - lines.begin[piece])
+    return Straight(times, np.append(levels[0], levels), slope)
 
 
 class Ramp(Points):
@@ -292,7 +276,7 @@ class Pulses(Shape):
             last = np.inf if self.count is None else self.count - 1
             start = start + self.period * np.clip(np.floor((inside - start) / self.period), 0, last)
         levels = np.array([self.low, self.high, self.high, self.low], float)
-        return between(lines(self._corners(), levels), t - start, inside - start)
+        return lines(self._corners(), levels).value(t - start, inside - start)
 
     def _corners(self):
         """Instants of one pulse, from its begin: rise, top, fall, end."""

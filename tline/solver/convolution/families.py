@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.distinct import distinct
-from tline.solver.description.excitation import EDGE, Straight, Waveform, just_before
+from tline.solver.description.excitation import EDGE, Waveform, just_before
+from tline.solver.description.given import Straight
 from tline.solver.loop.march import Noted
 from tline.solver.radau import Basis, thin_product
 
@@ -38,8 +39,10 @@ class Changes(NamedTuple):
     def part(self, chosen: NDArray, ahead: float) -> Waveform:
         """Return the changes at chosen fronts, all of a curved waveform's; on a clock `ahead` of the scene's, s."""
         at = self.at[chosen]
+        if not len(at):
+            return Straight(np.zeros(1), *np.zeros((2, 2)))
         if self.curved:
-            return Late(self.waveform, at + ahead, ahead, self.before) if len(at) else Straight.constant(0.0)
+            return Late(self.waveform, at + ahead, ahead, self.before)
         slope, level = np.cumsum(self.bend[chosen]), np.cumsum(self.jump[chosen])
         level[1:] += np.cumsum(slope[:-1] * np.diff(at))
         return Straight(at + ahead, np.append(0.0, level), np.append(0.0, slope))

@@ -28,7 +28,8 @@ from tline.solver.convolution.families import SAME_FAMILY, changes_of, leads
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.description.description import Description
-from tline.solver.description.excitation import EDGE, Straight
+from tline.solver.description.excitation import EDGE
+from tline.solver.description.given import Straight
 from tline.solver.description.groups import Group, parts
 from tline.solver.description.laws import laws_of, started, states_of, units_of_laws, with_basis
 from tline.solver.kernel.laws.convolved import Convolution, advance_convolved

@@ -15,7 +15,8 @@ from tline.solver.convolution.laws import Fronts, Tangents
 from tline.solver.convolution.nodal import LinearRest
 from tline.solver.convolution.quadrature import Quadrature
 from tline.solver.convolution.rays import Ray, Rays
-from tline.solver.description.excitation import EDGE, Straight, projected
+from tline.solver.description.excitation import EDGE, projected
+from tline.solver.description.given import Straight
 from tline.solver.loop.march import Noted, concatenated
 from tline.solver.radau import Basis, thin_product
 

@@ -30,32 +30,6 @@ class Waveform(Protocol):
         ...
 
 
-class Straight(NamedTuple):
-    """Waveform of straight pieces between fronts."""
-
-    at: NDArray  # (fronts,) s
-    level: NDArray  # (fronts + 1,) before the first front, and behind each
-    slope: NDArray  # (fronts + 1,) 1/s
-
-    @classmethod
-    def constant(cls, level: float) -> "Straight":
-        """Waveform without a front."""
-        return cls(np.empty(0), np.array([level]), np.zeros(1))
-
-    def breaks(self, t_end: float) -> NDArray:
-        """Instants of the fronts, s."""
-        return self.at[self.at < t_end]
-
-    def value(self, t: NDArray, inside: NDArray) -> NDArray:
-        """Value at t of the piece that contains `inside`, continued."""
-        piece = np.searchsorted(self.at, inside)
-        return self.level[piece] + self.slope[piece] * (t - np.append(0.0, self.at)[piece])
-
-    def fastest(self) -> float:
-        """No time scale."""
-        return np.inf
-
-
 def sampled(waveform: Waveform, basis: Basis, h: float, first: int, n: int) -> NDArray:
     """Values at the Radau points of n slabs from number `first` on, shape (n, s); without meaning in broken ones."""
     start = (first + np.arange(n)) * h

@@ -13,6 +13,6 @@ from tline.scene.plausible import plausibility_notes
 from tline.scene.ports import Multiport, Ports
 from tline.scene.rational import Ratio, RationalImpedance, Resistor
 from tline.scene.scene import Scene
-from tline.scene.shape import Constant, Shape
+from tline.scene.shape import Constant, Shape, Straight
 from tline.scene.source import Source
 from tline.scene.stretches import Stretches, stretches_of

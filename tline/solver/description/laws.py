@@ -12,8 +12,8 @@ from tline.errors import InputError
 from tline.scene.load import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
-from tline.solver.description.excitation import Shape, Straight, just_before, varies
-from tline.solver.description.given import ElementLaw, kinds_numbered
+from tline.solver.description.excitation import Shape, just_before, varies
+from tline.solver.description.given import ElementLaw, Straight, kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.kernel.network import Laws, Tools
 from tline.solver.radau import Basis, basis, gauss
