@@ -25,7 +25,7 @@ WITH_FRONTS = 6.0  # times the work of a slab without fronts, which is compared 
 MOST_PLACES = 4  # pieces of a slab, as far as is foretold
 WITH_SHIFTS = 12.0  # the same where no front is, but waves are projected
 BESIDE = 2e4  # samples without fronts that take as long as what comes with a run whose slabs are not whole
-DIAMONDS = 2e4  # that a first run may have: some hundredths of a second
+DIAMONDS, SMOOTH = 2e4, 5e3  # that a first run may have: some hundredths of a second; where no law bends waves
 MOST_DIAMONDS = 1e6  # of a run, beyond which friction is in cells wider than slabs, at first as few of these
 SPARE_PARTS = 2  # times that slabs may be narrower to divide delays
 PLACES = 9  # digits of an instant's place in its slab
@@ -49,17 +49,18 @@ def slab_of(description: Description, kept: NDArray, scales: Mapping[str, tuple[
     affordable = _affordable(description, delays, CHEAP_IN_BLOCKS)
     wanted = often if description.elements else wanted
     if description.diamonds:
-        return _slab_for_diamonds(delays, breaks, description.t_end, max(least, often))
+        most = DIAMONDS if description.elements else SMOOTH
+        return _slab_for_diamonds(delays, breaks, description.t_end, max(least, often), most)
     return _cheapest((*delays,), (*breaks.tolist(),), description.t_end, affordable, wanted, often)
 
 
-def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wanted: float) -> float:
+def _slab_for_diamonds(delays: list[float], breaks: NDArray, t_end: float, wanted: float, number: float) -> float:
     """Slab width that limits the number of diamonds and divides all delays, and breaks if that costs no more.
 
     The number of parts is a power of two times a common one, so that runs on halved slabs share their ends.
     """
     shortest = min(delays)
-    wanted = min(max(wanted, sqrt(2 * t_end * sum(delays) / DIAMONDS)), shortest)
+    wanted = min(max(wanted, sqrt(2 * t_end * sum(delays) / number)), shortest)
     most = int(shortest / wanted * SPARE_PARTS)
     times = ((*delays, *breaks[:MOST_MARKS].tolist()), (*delays,))
     parts = next(filter(None, (common_parts(each, shortest, most) for each in times)), 1)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import ceil, inf, log, log10
+from math import ceil, factorial, inf, log, log10
 from typing import NamedTuple
 
 from tline.errors import InputError, NoFlowError
@@ -17,7 +17,7 @@ from tline.solver.tolerance.kinks import Cuts, united
 from tline.solver.tolerance.ladder import Grids, Ladder, Search, Start, refined
 
 FIRST, LAST, LAST_BEHIND = 2, 12, 16  # orders; the last where decays behind fronts are followed
-DIGITS, DIGITS_OF_RATES = 3, 1.5  # digits of the tolerance per order of the first run; where rates alone matter
+DIGITS = 3  # of the tolerance per order of the first run, where orders are dear
 JOINED, FINER = 5e-2, 0.5  # of the tolerance: mismatch up to which adjacent pieces are joined; factor in later runs
 FOLLOWED = 1e-3  # of the tolerance: decays behind a front are followed down to this
 MOST_FOLLOWED = 1e6  # slabs at line ends; with more, decays behind fronts are not followed: that takes seconds
@@ -29,6 +29,7 @@ HALVED = 4  # halvings of the slab, at most, to find a flow
 MOST_SECTIONS = 8  # of a lumped line
 AS_LINES = 5e6  # line-end samples that lines may take in place of lumped ones, for accuracy behind fronts
 AHEAD, EACH_ORDER = 4, 0.06  # orders in one step, at most; share of a difference that an order leaves, or less
+EACH_BENT = 0.25  # share of an error that an order leaves beside laws
 ROUGH, QUARTERS = 1e-2, 4  # larger errors beside smooth laws tell nothing of an order's worth: slabs are so divided
 EARLY, FEW = 2, 3e3  # halvings of slabs beside laws that do not kink, if all line ends have so few slabs
 ALIKE = 10  # times the difference between runs with more sections, which err alike there
@@ -73,15 +74,28 @@ def _cost_of_lines(description: Description) -> tuple[float, str]:
     return cost, f"which takes {cost:.0e} line-end samples"
 
 
-def first_order(description: Description, tol: float, early: bool = False) -> int:
-    """Order of the first run: of a lower one little would be within the tolerance.
+def first_order(description: Description, tol: float, h: float) -> int:
+    """Order of the first run on slabs of width h: of a lower one little would be within the tolerance.
 
-    Laws and cells make orders dear, unless runs are cheap (`early`). Without either, what is steady or even between
-    fronts is exact in the lowest.
+    Polynomials of s points miss a decay by up to (z/2)^s / s! if slabs are z of its time scale; z is at most one, for
+    what is faster has pieces of its own. They miss what a law bends by a share that falls evenly with each order. Where
+    orders are dear, they begin as low as where there is neither, and any is exact.
     """
-    digits, rates = -log10(tol) + 1e-9, min(map(min, description.time_scales.values()), default=inf) < inf
-    dear = not rates or description.elements or description.dispersive
-    return FIRST - 1 + max(int(digits / (DIGITS if dear and not early else DIGITS_OF_RATES)), 1)
+    s, bent = FIRST - 1 + max(int(-log10(tol) / DIGITS + 1e-9), 1), bool(description.elements)
+    if description.dispersive or description.diamonds or (bent and not _solved_by_points(description)):
+        return s
+    z = min(h / min(map(min, description.time_scales.values()), default=inf), 1.0) / 2
+    while (EACH_BENT**s if bent else z**s / factorial(s)) > CLEAR * tol:
+        s += 1
+    return min(s, LAST - 2)  # another order tells the error, and one more knows kinks
+
+
+def _solved_by_points(description: Description) -> bool:
+    """Whether all laws are solved at one point of a slab after the other, so that an order costs little."""
+    groups = (group for group in description.grouped()[0] if group.elements)
+    return all(
+        group.simple and group.elements[0].governor is None and not group.elements[0].kind.fills for group in groups
+    )
 
 
 class Orders(Grids):
@@ -169,10 +183,10 @@ class Orders(Grids):
         description, tol = self.search.description, self.search.tol
         given, crowded = description.scene.solver, description.diamonds or description.elements
         early = bool(self.cuts.elements) and not self.cuts.kinked and self._is_cheap()
-        s = given.order or self.start.order or first_order(description, tol, early)
-        chosen, narrowed = resolution(description, s, None, self.sections, self.settle), halved + EARLY * early
-        if narrowed and not self.fixed:
-            chosen = resolution(description, s, chosen.h / 2**narrowed, self.sections, self.settle)
+        h = resolution(description, None, None, self.sections, self.settle).h
+        h /= 1 if self.fixed else 2 ** (halved + EARLY * early)
+        s = given.order or self.start.order or first_order(description, tol, h)
+        chosen = resolution(description, s, None if self.fixed else h, self.sections, self.settle)
         return chosen._replace(
             same=JOINED * tol if crowded else 0.0,  # pieces meet all of those across; laws make new ones
             cell=0.0 if given.order or given.slab else cell_of(description, s, chosen.h),
@@ -215,7 +229,9 @@ class Shown(NamedTuple):
 
     layered: bool  # decays behind fronts are followed, in pieces that do not become more on narrower slabs
     pieces: bool  # slabs are in pieces at laws, which do not become narrower with them
-    rough: bool  # no pieces or kinks beside laws, and an error too large to tell an order's worth: slabs cost less
+    # no pieces or kinks beside laws, and an error too large to tell an order's worth: slabs cost less; or fronts that
+    # were too many for a slab, which no order makes up for
+    rough: bool
     order_helps: bool
     stuck: bool  # neither a higher order nor narrower slabs without kinks are known to help
 
@@ -227,4 +243,5 @@ class Shown(NamedTuple):
         narrowed = ladder.compared > 0 and last.resolution.h < ladder.attempts[-2].slab
         smooth, helps = bool(cuts.elements) and not (cuts.kinked or layered or pieces), ladder.helps or layered
         rough = smooth and ladder.compared > 0 and not narrowed and ladder.told.worst > ROUGH
+        rough |= CLEAR * ladder.search.tol < last.fronts.lost < inf
         return cls(layered, pieces, rough, not rough and (helps or (smooth and narrowed)), not (helps or smooth))
