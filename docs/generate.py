@@ -1,4 +1,7 @@
-"""Write the generated files of docs/: ``python -m docs.generate [NAME…]``; with ``charts``, also the measured ones."""
+"""Write the generated files of docs/: ``python -m docs.generate [NAME]``.
+
+Without a name all but the charts; the scene reference alone, in seconds, with ``reference``.
+"""
 
 import runpy
 import sys
@@ -160,4 +163,5 @@ GENERATED = "pictures", "drives", "losses", "measured"
 if __name__ == "__main__":
     (DOCS / "scene-reference.md").write_text(reference(), encoding="utf-8")
     for each in sys.argv[1:2] or GENERATED:
-        runpy.run_module(f"docs.generate_{each}", run_name="__main__", alter_sys=True)
+        if each != "reference":
+            runpy.run_module(f"docs.generate_{each}", run_name="__main__", alter_sys=True)

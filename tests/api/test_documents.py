@@ -138,7 +138,9 @@ def test_the_random_network_of_a_thousand_lines_runs(tmp_path):
 def test_the_scene_reference_is_up_to_date(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["generate.py"])
     page = runpy.run_path(str(ROOT / "docs" / "generate.py"))["reference"]()
-    assert (ROOT / "docs" / "scene-reference.md").read_text(encoding="utf-8") == page, "run: make docs"
+    assert (ROOT / "docs" / "scene-reference.md").read_text(encoding="utf-8") == page, (
+        "run: python -m docs.generate reference"
+    )
 
 
 def test_the_numbers_of_terms_shown_for_1e_4_are_those_found():

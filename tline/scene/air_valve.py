@@ -33,7 +33,7 @@ class Air(LawKind):
 
     name, unit = "air", "stores.air.air"
     states = 3
-    fills = breaks = True
+    breaks = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         if effort < c[0]:

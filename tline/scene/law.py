@@ -47,15 +47,23 @@ class LawKind:
     # supplies, returns: whether it is a source of energy, or may return energy that it took
     supplies: ClassVar[bool] = False
     returns: ClassVar[bool] = False
-    fills: ClassVar[bool] = False  # whether no steady flow passes it
     steep: ClassVar[bool] = False  # whether its flow may change behind a front faster than slabs resolve
     breaks: ClassVar[bool] = False  # whether it sends fronts at instants of its own, which are not followed
     steady: ClassVar[str] = ""  # name of its law in the steady state; its own if empty
     number: ClassVar[int]  # index in `KINDS`
 
     def __init_subclass__(cls) -> None:
+        if cls.name in KINDS:
+            raise TypeError(f"{cls.__name__}: another law is called '{cls.name}'")
+        if bool(cls.states) != (cls.at_rest is not LawKind.at_rest):
+            raise TypeError(f"{cls.__name__}: a law with 'states' says in 'at_rest' how they begin, and no other does")
         cls.number = len(KINDS)
         KINDS[cls.name] = cls()
+
+    @property
+    def fills(self) -> bool:
+        """Whether no steady flow passes it."""
+        return self.states > 0 and not self.steady
 
     def at_rest(self, c: Constants, effort: float, control: float) -> tuple[float, ...]:
         """State in equilibrium with an effort at the node, and a control signal."""

@@ -36,7 +36,7 @@ class Gas(LawKind):
 
     name, unit = "gas", "stores.gas.gas"
     states = 1
-    returns = fills = steep = True
+    returns = steep = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         above, outside, n = effort - c[0], c[2], c[4]
@@ -88,7 +88,7 @@ class Tank(LawKind):
 
     name, unit = "tank", "stores.tank.tank"
     states = 1
-    returns = fills = steep = True
+    returns = steep = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         return (effort - c[0],)
@@ -110,7 +110,7 @@ class Vapour(LawKind):
 
     name, unit = "vapour", "stores.vapour.vapour"
     states = 1
-    fills = breaks = True
+    breaks = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         if effort < c[0]:

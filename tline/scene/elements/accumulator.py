@@ -20,7 +20,7 @@ class SpringLoaded(LawKind):
 
     name, unit = "spring", "stores.spring.spring"
     states = 1
-    returns = fills = steep = True
+    returns = steep = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         return (min(max(effort - c[0], c[2]), c[3]),)

@@ -23,7 +23,7 @@ class Ended(LawKind):
 
     name, unit = "open tank", "stores.open_tank.open_tank"
     states = 1
-    returns = fills = steep = breaks = True
+    returns = steep = breaks = True
 
     def at_rest(self, c, effort, control):  # noqa: D102
         return (float(np.clip(effort - c[0] if np.isnan(c[6]) else c[6], c[4], c[5])),)

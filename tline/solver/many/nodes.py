@@ -111,7 +111,7 @@ def laws_by_node(description: Description, scenes: Sequence[Scene], copies: int)
         free = [node for node in element.nodes if description.nodes[node].held is None]
         if len(free) > 1:
             raise InputError(where, "stands between two nodes", WHAT)
-        if element.kind.fills or element.kind.states or element.governor is not None or where in own:
+        if element.kind.states or element.governor is not None or where in own:
             raise InputError(where, "keeps a state, or is made of others", WHAT)
         (node,) = free
         if node in found or not description.nodes[node].ends:
