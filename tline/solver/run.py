@@ -14,7 +14,7 @@ from tline.errors import InputError, NoFlowError
 from tline.gc_paused import gc_paused
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.assembly.node_maps import Event
-from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, suits
+from tline.solver.convolution.suited import CLOSEST, suits
 from tline.solver.description.description import Description, describe
 from tline.solver.description.excitation import EDGE
 from tline.solver.description.given import Scene
@@ -87,6 +87,8 @@ def _convolved(description: Description, chosen: Resolution, record: Iterable[st
     """The run as a convolution; None if the scene is not one for that, on these slabs."""
     if not chosen.exact or not suits(description):
         return None
+    from tline.solver.convolution.run import Convolved, is_affordable
+
     try:
         scene = Convolved(description, record, envelope=envelope)
         if is_affordable(scene, chosen.s, chosen.h):

@@ -11,6 +11,7 @@ from tline.gc_paused import gc_paused
 from tline.scene.file import as_scene
 from tline.scene.quantity import SECONDS, TOLERANCE
 from tline.scene.user_defined import user_elements, user_mistakes
+from tline.solver.convolution.suited import is_slow, suits
 from tline.solver.description.description import Description, describe
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution
@@ -19,7 +20,6 @@ from tline.solver.result.merged import merged, recorded
 from tline.solver.result.result import Result
 from tline.solver.run import Again, refuse_mixing, run, with_ledger
 from tline.solver.tolerance.compare import caution, differences, magnified
-from tline.solver.tolerance.convolved import convolved
 from tline.solver.tolerance.grids import Rounded, compared
 from tline.solver.tolerance.ladder import Budget, Search, inside_slabs, refined
 from tline.solver.tolerance.search import Orders, within
@@ -186,7 +186,7 @@ def _found(search: Search) -> Result:
     """Return the result of a search for order and slab, after a second look by other means."""
     witness = None if search.start else Witness(search.description, search.record)
     wider = search._replace(record=[*search.record, *(witness.lines if witness else ())])
-    result = convolved(wider)
+    result = _convolved(wider)
     if result is None:
         refuse_mixing(search.description)
         result = refined(Orders(wider)) if search.description.dispersive else within(wider)
@@ -195,6 +195,14 @@ def _found(search: Search) -> Result:
     kept = {*search.record, *search.description.probed}
     lines = {name: line for name, line in result.lines.items() if name in kept}
     return replace(witness.heard(result), lines=lines)
+
+
+def _convolved(search: Search) -> Result | None:
+    if not (suits(search.description) or is_slow(search.description)):
+        return None
+    from tline.solver.tolerance.convolved import convolved
+
+    return convolved(search)
 
 
 def judged(result: Result) -> Accuracy:

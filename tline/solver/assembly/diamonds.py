@@ -22,9 +22,17 @@ from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
 from tline.solver.description.laws import tools_of
 from tline.solver.description.lines import Circuits, Columns, Line, one_step
 from tline.solver.description.slab import WHOLE
-from tline.solver.kernel.diamonds.cells import CELL_ORDER
-from tline.solver.kernel.diamonds.full import PLACES, TERMS, lose_steadily, lost
-from tline.solver.kernel.network import COLEBROOK, POWER, SQUARE, SWAMEE_JAIN, Diamonds, Memory, Network, State
+from tline.solver.kernel.network import (
+    CELL_ORDER,
+    COLEBROOK,
+    POWER,
+    SQUARE,
+    SWAMEE_JAIN,
+    Diamonds,
+    Memory,
+    Network,
+    State,
+)
 from tline.solver.radau import Basis, basis, gauss
 from tline.solver.steady.edges import Ends
 
@@ -134,6 +142,8 @@ def begin_steady(diamonds: Diamonds, sent: NDArray, y: NDArray, z0: NDArray) -> 
     a1, b2 = sent[diamonds.line].T
     d = 2 * z0[diamonds.line] * y[diamonds.line].mean(axis=1)
     diamonds.steady[:, :3] = np.stack([a1 - b2, a1 + b2, d], axis=1)
+    from tline.solver.kernel.diamonds.full import lose_steadily
+
     lose_steadily(pack(diamonds))
 
 
@@ -225,6 +235,8 @@ def _colebrook(roughness: float) -> NDArray:
 @lru_cache
 def _power_table(n: float) -> NDArray:
     """Table for `tline.solver.kernel.diamonds.full.power`."""
+    from tline.solver.kernel.diamonds.full import PLACES, TERMS
+
     k, places = np.arange(TERMS), 1 + (np.arange(PLACES) + 0.5) / PLACES
     binomials = np.cumprod(np.append(1.0, (n - k[:-1]) / k[1:]))
     exponents = np.arange(2 * EXPONENT + 1) - EXPONENT
@@ -236,6 +248,10 @@ def _power_table(n: float) -> NDArray:
 
 def fill_diamonds(network: Network, state: State, flows: Mapping[int, Ends], order: Basis) -> None:
     """Write waves on lines with distributed losses, each slab on its next edge, and the losses of half diamonds."""
+    if not len(network.diamonds.line):
+        return
+    from tline.solver.kernel.diamonds.full import lost
+
     s, c = order.s, order.c
     for row, k in enumerate(network.diamonds.line.tolist()):
         D, f = int(network.delay[k]), float(network.diamonds.rest[row])

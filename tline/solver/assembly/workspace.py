@@ -12,7 +12,6 @@ from tline.solver.assembly.node_maps import Event
 from tline.solver.description.circuit import load_step
 from tline.solver.description.excitation import Broken
 from tline.solver.description.laws import MOVING, tools_of
-from tline.solver.kernel.diamonds.cells import CELL_ORDER, PARTS
 from tline.solver.kernel.fronts.structures import (
     CONTINUED,
     DISSOLVED,
@@ -32,6 +31,8 @@ from tline.solver.kernel.fronts.structures import (
     Workspace,
 )  # fmt: skip
 from tline.solver.kernel.network import (
+    CELL_ORDER,
+    PARTS,
     CircuitWork,
     Crossing,
     DiamondWork,

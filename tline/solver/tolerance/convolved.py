@@ -10,7 +10,8 @@ from tline.errors import InputError
 from tline.solver.convolution.families import SAME_FAMILY, leads
 from tline.solver.convolution.quadrature import padding, rounding
 from tline.solver.convolution.rays import arrivals
-from tline.solver.convolution.run import CLOSEST, Convolved, is_affordable, is_slow, suits
+from tline.solver.convolution.run import Convolved, is_affordable
+from tline.solver.convolution.suited import CLOSEST, is_slow, suits
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.given import Scene
 from tline.solver.description.resolution import Resolution, resolution

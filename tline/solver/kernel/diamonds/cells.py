@@ -18,10 +18,7 @@ from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import TINY, copy, times
 from tline.solver.kernel.blocks import FAR
 from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost, places_in_ring
-from tline.solver.kernel.network import SQUARE, Run
-
-CELL_ORDER = 2  # at most: the friction of cells in place of half diamonds is of second order in any case
-PARTS = 8  # of a wave in a cell, between jumps; beyond that jumps are projected
+from tline.solver.kernel.network import PARTS, SQUARE, Run
 
 
 @function

@@ -7,10 +7,11 @@ import numpy as np
 
 from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import clear, copy, project, series, times
-from tline.solver.kernel.diamonds.cells import PARTS, as_one, find_change, pass_line, put_back, take_wave
+from tline.solver.kernel.diamonds.cells import as_one, find_change, pass_line, put_back, take_wave
 from tline.solver.kernel.diamonds.full import flushed, meet_apart, pass_all
 from tline.solver.kernel.fronts.gather import release
 from tline.solver.kernel.fronts.structures import MERGE, FrontRun
+from tline.solver.kernel.network import PARTS
 
 
 @function
