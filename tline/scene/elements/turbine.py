@@ -19,6 +19,7 @@ from tline.scene.quantity import (
     Quantity,
     Role,
 )
+from tline.scene.valve import Root
 from tline.scene.waveform import PiecewiseLinear
 
 
@@ -28,7 +29,7 @@ class Driven(LawKind):
     name, unit = "turbine", "stores.turbine.turbine"
     control = "load"
     states = 2
-    steady = "quadratic"
+    steady = Root.name
 
     def at_rest(self, c, effort, control):  # noqa: D102
         return 1.0, c[3]

@@ -16,7 +16,7 @@ from tline.scene.ports import Multiport
 from tline.scene.rational import Impedance, RationalImpedance
 from tline.solver.description.circuit import StateSpace, reflection
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import ElementLaw, Governor, LawKind, Ports, Ratio, Scene, Switch
+from tline.solver.description.given import ElementLaw, Governor, LawKind, Ports, Ratio, Scene, Switch, Tabled
 from tline.solver.description.lines import Line
 from tline.words.wording import place
 
@@ -256,7 +256,7 @@ def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
             open_ = just_before(source.value) if source.is_effort else 0.0
             found.append((place("sources", name), source.nodes, open_, 1 / source.conductance))
     return [
-        PlacedLaw(where, ElementLaw("table", (0.0, 2.0, open_, open_ + r, 0.0, 1.0)), *at)
+        PlacedLaw(where, ElementLaw(Tabled.name, (0.0, 2.0, open_, open_ + r, 0.0, 1.0)), *at)
         for where, at, open_, r in found
         if abs(r) < np.inf and any(nodes[node].held is None for node in at)
     ]

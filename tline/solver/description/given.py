@@ -10,6 +10,7 @@ from tline.scene.measure import Extent, Interval, LevelCrossing, Measure, Probe,
 from tline.scene.medium import Medium, readable
 from tline.scene.pipe_table import PipeTable
 from tline.scene.plausible import plausibility_notes
+from tline.scene.polyline import Tabled
 from tline.scene.ports import Multiport, Ports
 from tline.scene.rational import Ratio, RationalImpedance, Resistor
 from tline.scene.scene import Scene

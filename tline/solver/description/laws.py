@@ -13,7 +13,7 @@ from tline.scene.load import Switch
 from tline.solver.description.description import Description
 from tline.solver.description.elements import PlacedLaw
 from tline.solver.description.excitation import Shape, just_before, varies
-from tline.solver.description.given import ElementLaw, Straight, kinds_numbered
+from tline.solver.description.given import ElementLaw, Straight, Tabled, kinds_numbered
 from tline.solver.description.groups import Group
 from tline.solver.kernel.network import Laws, Tools
 from tline.solver.radau import Basis, basis, gauss
@@ -153,6 +153,6 @@ def switches_of(description: Description) -> Iterator[PlacedLaw]:
             impedance = max(1 / description.nodes[node].total for node in free)
             before, after = (1 / max(float(r), SHORT * impedance) for r in (one.before, one.after))
             moving = Straight(np.array([float(one.time)]), np.array([before, after]), np.zeros(2))
-            law = ElementLaw("table", LINEAR, moving)  # type: ignore[arg-type]
+            law = ElementLaw(Tabled.name, LINEAR, moving)  # type: ignore[arg-type]
             level = description.nodes[free[0]].above_level if ends[1] is None else 0.0
             yield PlacedLaw(place(*at), law, *ends, above_level=level, control=just_before(moving))
