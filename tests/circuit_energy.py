@@ -3,7 +3,7 @@
 import numpy as np
 from energy import on_lines, silent
 
-from tline.scene.law import KINDS
+from tline.scene.vessel import Gas, Tank, Vapour
 from tline.solver.assembly.assemble import Assembly
 from tline.solver.description.circuit import StateSpace, equations, reflection
 from tline.solver.description.elements import Branch
@@ -13,7 +13,7 @@ from tline.solver.kernel.stores import gas, tank
 from tline.solver.loop.march import Stepper
 
 ROUNDED = 1e-9
-GAS, TANK, VAPOUR = (KINDS[name].number for name in ("gas", "tank", "vapour"))
+GAS, TANK, VAPOUR = (kind.number for kind in (Gas, Tank, Vapour))
 
 
 class InCircuits:

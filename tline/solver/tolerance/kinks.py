@@ -6,6 +6,9 @@ A law is smooth between some points of its graph. With e the effort across the e
 into it rises along the graph, and passes each point once. A piece without a kink inside is as accurate as its order; so
 the instant is sought on the piece before or behind, continued into the one that has it.
 
+The pressure behind a check valve through which nothing comes out rises with the one before it: the wave stays at the
+kink until that has a peak, leaves it with a slope of zero, and is back when the pressure is as high again.
+
 The flow through an orifice of capacity C is i = (sqrt(v² + v |e + ρ i|) - v)·2/ρ with v = (ρ C/2)²: beside its kink it
 turns within a layer as wide as v, which is little if the orifice is nearly shut. Slabs are cut where the wave is
 `WIDER` times farther from the kink than at the cut before, if slabs sweep over as much: on all such pieces
@@ -17,7 +20,7 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import legval
+from numpy.polynomial.legendre import legder, legval
 from numpy.typing import NDArray
 
 from tline.distinct import distinct
@@ -36,6 +39,7 @@ SETTLED = 1e-13  # pieces; a step this short is the last, for each is some 1e4 t
 OVER = 1.5  # pieces by which a neighbour is extrapolated
 ROUNDED = 1e-12  # of the largest wave; smaller values have no sign
 STILL = 1e-9  # of the largest wave; a smaller flow does not turn
+STAYS = 1e-9  # of the largest effort; a wave so near to a kink of a valve that holds stays there
 WIDER = 4.0  # ratio of distances from a kink of two cuts beside it
 SHUT = 1e-2  # control signal; layers of elements nearer to shut are not resolved
 FULL = 24  # middles of pieces at which a slab is cut, at most: of more pieces waves would be smeared
@@ -122,11 +126,15 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw], sharp: bool) -> Kink
         control = _control(factor, points, (into.start + into.width / 2)[:, None])
         instants, swept = [np.empty(0)], _swept(into, result.resolution.h)
         bends, knees = (find(element.constants, record.impedance) for find in (element.kind.bends, element.kind.knees))
+        least, most = element.kind.holds(element.constants, 1.0)
+        efforts = (effort for effort in (record.wave, *record.efforts) if effort is not None)
+        rounded = STAYS * max(np.abs(effort.values).max() for effort in efforts) if least < most else 0.0
         for place in chain(bends, knees if sharp else ()):
             beside = _beside(place, into, control) if sharp else ()
             for level in (place._replace(layer=0.0), *beside):
                 values = into.values - level.constant - level.varying * control**level.power
-                t = _crossings(into._replace(values=values, before=float(values[0, 0])), result)
+                off = into._replace(values=values, before=float(values[0, 0]))
+                t = np.append(_crossings(off, result, rounded), _stays(off, result, rounded) if rounded else ())
                 opened = np.maximum(_control(factor, t, t), SHUT)
                 instants.append(t[swept(t) >= (WIDER - 1) * level.layer * opened**2])
         all_ = distinct(np.concatenate(instants))
@@ -199,11 +207,11 @@ def _in_pieces(wave: Wave) -> PiecewiseQuantity:
     return PiecewiseQuantity(start[order] * wave.h, width[order] * wave.h, values, wave.before)
 
 
-def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
-    """Instants at which a quantity passes zero, s."""
+def _crossings(seen: PiecewiseQuantity, result: Result, rounded: float = 0.0) -> NDArray:
+    """Instants at which a quantity passes zero, s; none of its values up to `rounded` has a sign."""
     order = basis(result.resolution.s)
     heights = np.column_stack([np.append(seen.before, seen.values[:-1, -1]), seen.values])
-    told = np.abs(heights) > ROUNDED * np.abs(heights).max()  # the others keep the sign before them
+    told = np.abs(heights) > max(ROUNDED * np.abs(heights).max(), rounded)  # the others keep the sign before them
     told[0, 0] = True
     last = np.maximum.accumulate(np.where(told, np.arange(heights.size).reshape(heights.shape), 0).ravel())
     below = (heights.ravel() < 0)[last].reshape(heights.shape)
@@ -213,23 +221,51 @@ def _crossings(seen: PiecewiseQuantity, result: Result) -> NDArray:
     places = np.append(0.0, order.c)
     low, high = places[k], places[k + 1]
     own = np.clip(_root(seen, order, piece, (low + high) / 2), low, high)
-    found = own.copy()
-    near = own > 0.5
+    found, near = own, own > 0.5
     for side, preferred in ((1, near), (-1, ~near)):
-        neighbour = np.clip(piece + side, 0, len(seen.start) - 1)
-        ratio = seen.width[piece] / seen.width[neighbour]
-        offset = (seen.start[piece] - seen.start[neighbour]) / seen.width[neighbour]
-        x = (_root(seen, order, neighbour, offset + own * ratio) - offset) / ratio
-        reach = OVER * seen.width[neighbour] / seen.width[piece]
-        fits = (x > -0.02) & (x < 1.02) & (np.where(side > 0, 1 - x, x) < reach) & (neighbour != piece)
+        x, reach = _continued(seen, order, piece, np.full(len(piece), side), own)
+        fits = (x > -0.02) & (x < 1.02) & (np.where(side > 0, 1 - x, x) < reach)
         found = np.where(preferred & fits, x, found)
-    t = seen.start[piece] + np.clip(found, 0.0, 1.0) * seen.width[piece]
+    return _instants(seen, result, piece, np.clip(found, 0.0, 1.0))
+
+
+def _stays(seen: PiecewiseQuantity, result: Result, rounded: float) -> NDArray:
+    """Instants at which a quantity begins and ceases to stay at zero, s."""
+    order, found = basis(result.resolution.s), []
+    heights = np.column_stack([np.append(seen.values[0, 0], seen.values[:-1, -1]), seen.values])
+    zero, places, s = np.abs(heights) <= rounded, np.append(0.0, order.c), len(order.c)
+    piece, k = np.nonzero(zero[:, :-1] & ~zero[:, 1:])  # a point may still be at zero behind the peak
+    if 0 < len(piece) <= MOST_KINKS:
+        x, _ = _continued(seen, order, piece, np.where(k > 0, 1, 0), places[k], turns=True)
+        found.append(_instants(seen, result, piece, np.clip(x, np.where(k > 0, places[k - 1], -1.0), places[k + 1])))
+    piece, k = np.nonzero(~zero[:, :-1] & zero[:, 1:])
+    if 0 < len(piece) <= MOST_KINKS:
+        x, _ = _continued(seen, order, piece, np.where(k + 1 < s, -1, 0), places[k + 1])
+        found.append(_instants(seen, result, piece, np.clip(x, places[k], places[k + 1])))
+    return np.concatenate([np.empty(0), *found])
+
+
+def _continued(
+    seen: PiecewiseQuantity, order: Basis, piece: NDArray, side: NDArray, x: NDArray, turns: bool = False
+) -> tuple[NDArray, NDArray]:
+    """Places in pieces where polynomials of those beside them, continued, pass zero or turn; and their reach."""
+    neighbour = np.clip(piece + side, 0, len(seen.start) - 1)
+    ratio = seen.width[piece] / seen.width[neighbour]
+    offset = (seen.start[piece] - seen.start[neighbour]) / seen.width[neighbour]
+    found = (_root(seen, order, neighbour, offset + x * ratio, turns) - offset) / ratio
+    return found, np.where(neighbour != piece, OVER / ratio, 0.0)
+
+
+def _instants(seen: PiecewiseQuantity, result: Result, piece: NDArray, x: NDArray) -> NDArray:
+    """Instants of places in pieces, s, during the run."""
+    t = seen.start[piece] + x * seen.width[piece]
     return t[(t > 0) & (t < result.t[-1])]
 
 
-def _root(seen: PiecewiseQuantity, order: Basis, piece: NDArray, x: NDArray) -> NDArray:
-    """Newton's root of the polynomials of pieces, continued; from places x, in their own widths."""
+def _root(seen: PiecewiseQuantity, order: Basis, piece: NDArray, x: NDArray, turns: bool = False) -> NDArray:
+    """Newton's root of the polynomials of pieces, or of their slopes, continued; from places x, in their own widths."""
     series = order.to_legendre @ seen.values[piece].T
+    series = legder(series) if turns else series
     low, high = -OVER - 1, OVER + 2
     for _ in range(STEPS):
         here, ahead = legval(2 * np.stack([x, x + STEP]) - 1, series[:, None], tensor=False)

@@ -193,7 +193,7 @@ def united(place, size, n, edges, most, counts, sizes):
     while kept >= most:
         j = weakest(size, 0, kept)
         counts[DROPPED] += 1
-        sizes[LOST] = max(sizes[LOST], size[j])
+        sizes[LOST] = max(sizes[LOST], 0.0 if size[j] == CUT else size[j])  # a cut is no wave
         for i in range(j, kept - 1):
             place[i], size[i] = place[i + 1], size[i + 1]
         kept -= 1

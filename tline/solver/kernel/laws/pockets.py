@@ -111,26 +111,25 @@ def hold(run, g, q, h, step, at, k):
     first, m, width = laws.first[g], laws.first[g + 1] - laws.first[g], work.width[0]
     faint = ROUNDED * largest(row, (k + m) * q)
     for i in range(q):
-        moved = False
+        moved, passes = True, 0
+        while moved and passes < k:  # what one takes along has to be brought back after it
+            moved, passes = False, passes + 1
+            for p in range(k):
+                by = work.held[low + p] - effort(run, step, at + (p * q + i) * width) if laws.pocket[low + p] else 0.0
+                if abs(by) <= faint:
+                    continue
+                for other in range(k):
+                    work.part[other] = p if other == p else -1
+                share = allowed(run, g, q, h, i, p, by, faint)
+                asked, moved, by = asked or share >= 0.0, moved or share > 0.0, max(share, 0.0) * by
+                for e in range(m if by != 0.0 else 0):
+                    here = inside(work, laws.from_node[first + e], p)
+                    if here != inside(work, laws.to_node[first + e], p):
+                        work.aimed[e * q + i] += by if here else -by
+                        row[(k + e) * q + i] = work.aimed[e * q + i]
         for p in range(k):
-            work.part[p] = -1
-        for p in range(k):
-            if not laws.pocket[low + p]:
-                continue
-            now = effort(run, step, at + (p * q + i) * width)
-            by, work.held[low + p] = work.held[low + p] - now, now
-            if work.part[p] >= 0 or abs(by) <= faint:
-                continue
-            work.part[p] = p
-            share = allowed(run, g, q, h, i, p, by, faint)
-            asked, moved, by = asked or share >= 0.0, moved or share > 0.0, max(share, 0.0) * by
-            for e in range(m if by != 0.0 else 0):
-                here = inside(work, laws.from_node[first + e], p)
-                if here != inside(work, laws.to_node[first + e], p):
-                    work.aimed[e * q + i] += by if here else -by
-                    row[(k + e) * q + i] = work.aimed[e * q + i]
-        for p in range(k if moved else 0):
-            work.held[low + p] = effort(run, step, at + (p * q + i) * width)
+            if laws.pocket[low + p]:
+                work.held[low + p] = effort(run, step, at + (p * q + i) * width)
     if asked:  # stores have moved
         unbalance(run, g, q, h, step, at, k, 0.0)
         for a in range(m * q):
