@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numba
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding as llvm, ir
 from numba import types
 from numba.core import cgutils, typed_passes as typed, untyped_passes as untyped
 from numba.core.codegen import JITCodeLibrary
@@ -26,6 +26,7 @@ from numba.core.registry import cpu_target
 from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
+from numba.np import arrayobj
 from numba.np.numpy_support import from_dtype
 
 from tline.compiled.structure import Field, fields
@@ -183,6 +184,8 @@ class _Part(_Linked):
 class _Whole(_Linked):
     """Code of a unit; only the unit is called from outside, and no reference is counted."""
 
+    long_loops = False
+
     def _optimize_functions(self, ll_module: Any) -> None:
         super()._optimize_functions(ll_module)
         self._names = [f.name for f in ll_module.functions if not f.is_declaration]
@@ -191,8 +194,15 @@ class _Whole(_Linked):
         for f in self._final_module.functions:
             if not f.is_declaration and f.name not in self._names:
                 f.linkage = "internal"
-        passes, builder = self._codegen._module_pass_manager()
-        passes.run(self._final_module, builder)
+        tuning = llvm.create_pipeline_tuning_options(3 if self.long_loops else 2)
+        tuning.loop_vectorization = tuning.slp_vectorization = self.long_loops
+        tuning.loop_interleaving = tuning.loop_unrolling = self.long_loops
+        builder = llvm.create_pass_builder(self._codegen._tm, tuning)
+        builder.getModulePassManager().run(self._final_module, builder)
+
+
+class _WholeOfLongLoops(_Whole):
+    long_loops = True
 
 
 @cache
@@ -215,17 +225,24 @@ def _call_type(operation: Any, context: Any, arguments: tuple[Any, ...], named: 
     return _signature(operation, arguments)
 
 
+def _index(context: Any, builder: Any, kind: Any, index: Any, _: Any) -> Any:
+    """Position in an array: none counts from the end."""
+    return context.cast(builder, index, kind, types.intp if kind.signed else types.uintp)
+
+
 @contextmanager
-def _quickly(name: str) -> Iterator[None]:
-    """Let numba generate the code of one unit without repeated look-ups."""
+def _quickly(name: str, whole: type[_Whole]) -> Iterator[None]:
+    """Let numba generate the code of one unit without repeated look-ups, and without negative indices."""
     context: Any = cpu_target.target_context
-    codegen, builtin = context.codegen(), cast(Any, types.Function)
-    codegen._library_class = lambda owner, made: (_Whole if made == name else _Part)(owner, made)
+    codegen, builtin, wrapped = context.codegen(), cast(Any, types.Function), arrayobj.fix_integer_index
+    codegen._library_class = lambda owner, made: (whole if made == name else _Part)(owner, made)
     codegen.set_env = lambda *_: None  # constants that are Python objects: there are none
     context.get_abi_sizeof, builtin.get_call_type = _size_of, _call_type
+    arrayobj.fix_integer_index = _index
     try:
         yield
     finally:
+        arrayobj.fix_integer_index = wrapped
         del codegen._library_class, codegen.set_env, context.get_abi_sizeof, builtin.get_call_type
 
 
@@ -238,14 +255,16 @@ def dispatcher_of(code: Any) -> Any:
     return dispatcher
 
 
-def compile_unit(code: Any, parameters: list[Any]) -> Any:
+def compile_unit(code: Any, parameters: list[Any], long_loops: bool = False) -> Any:
     """Compile a function with parameters `int`, `float` or of a structure; returns numba's result.
+
+    Loops over the few points of a slab are slower vectorised or unrolled, and take twice as long to compile.
 
     Raises TypeError: the function does not return an integer.
     """
     kinds = [{int: types.int64, float: types.float64}.get(kind) or Reference(kind) for kind in parameters]
     dispatcher = dispatcher_of(code)
-    with global_compiler_lock, gc_paused(), _quickly(code.__qualname__):
+    with global_compiler_lock, gc_paused(), _quickly(code.__qualname__, _WholeOfLongLoops if long_loops else _Whole):
         dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
     if types.unliteral(result.signature.return_type) != types.int64:

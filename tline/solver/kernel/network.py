@@ -171,6 +171,7 @@ class Units(NamedTuple):
     halves: int  # groups at which such lines end
     diamonds_in_pieces: int  # the same where slabs are in pieces
     halves_in_pieces: int
+    constants: int  # the same lines where waves are constants
     rectangle: int  # a part of a diamond
     remember: int  # the circuits of a cell
     pieces: int  # a group in a slab in pieces
