@@ -49,7 +49,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         halves=address("diamonds.half.pass_halves", diamonds and not whole),
         diamonds_in_pieces=address(f"diamonds.pieces.{in_pieces}", fronts and diamonds),
         halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds and not whole),
-        constants=address("diamonds.cells.pass_constants", whole and len(network.laws.tools.c) == 1),
+        constants=address("diamonds.cells.pass_constants", whole and len(network.diamonds.weight) == 1),
         rectangle=address("diamonds.full.pass_rectangle", diamonds),
         remember=address("diamonds.cells.remember", len(network.diamonds.memory.sign)),
         pieces=address("fronts.advance.scatter_pieces", fronts),
