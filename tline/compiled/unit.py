@@ -57,6 +57,7 @@ class _Intrinsic:
 
 invoke: Any = _Intrinsic("invoke")
 callback: Any = _Intrinsic("callback")
+address_of: Any = _Intrinsic("address_of")
 
 
 class Unit:
