@@ -33,7 +33,7 @@ def access_of(context: Any, operation: Any, signature: Any) -> Any:
     if operation is not operator.getitem and operation is not operator.setitem:
         return None
     kind, index = signature.args[:2]
-    indices: Any = index.types if isinstance(index, types.BaseTuple) else (index,)
+    indices = getattr(index, "types", (index,))
     whole = len(indices) == getattr(kind, "ndim", 0)
     if not (
         isinstance(kind, types.Array) and kind.layout == "C" and all(isinstance(i, types.Integer) for i in indices)
