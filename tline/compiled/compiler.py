@@ -14,24 +14,25 @@ from typing import Any, cast
 
 import numba
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding as llvm, ir
 from numba import types
 from numba.core import cgutils, typed_passes as typed, untyped_passes as untyped
+from numba.core.base import BaseContext
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.compiler_machinery import PassManager
-from numba.core.imputils import impl_ret_untracked
 from numba.core.registry import cpu_target
 from numba.core.types.functions import BaseFunction
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 from numba.np.numpy_support import from_dtype
 
+from tline.compiled.indexing import WORD, access_of, array_of
 from tline.compiled.structure import Field, fields
 from tline.gc_paused import gc_paused
 
-WORD, BYTES = ir.IntType(64), 8
+BYTES = 8
 INVARIANT = "invariant.load"  # no word changes while compiled code runs
 
 
@@ -81,23 +82,9 @@ def _member(context: Any, builder: Any, kind: Any, pointer: Any, attr: str) -> A
             size = ir.Constant(WORD, BYTES * sum(inner.words for inner in member.members.values()))
             loaded.set_metadata("dereferenceable", builder.module.add_metadata([size]))
         return loaded
-    data_type = context.get_data_type(member.dtype)
     shape = [_load(builder, pointer, field.word + 1 + k, WORD) for k in range(field.dimensions)]
-    size = context.get_abi_sizeof(data_type)
-    strides = [ir.Constant(WORD, size)]
-    for extent in reversed(shape[1:]):
-        strides.insert(0, builder.mul(strides[0], extent))
-    items = ir.Constant(WORD, 1)
-    for extent in shape:
-        items = builder.mul(items, extent)
-    array = context.make_array(member)(context, builder)
-    array.data = _load(builder, pointer, field.word, data_type.as_pointer())
-    array.nitems, array.itemsize = items, ir.Constant(WORD, size)
-    array.shape = cgutils.pack_array(builder, shape, WORD)
-    array.strides = cgutils.pack_array(builder, strides, WORD)
-    array.meminfo = cgutils.get_null_value(array.meminfo.type)
-    array.parent = cgutils.get_null_value(array.parent.type)
-    return impl_ret_untracked(context, builder, member, array._getvalue())
+    data = _load(builder, pointer, field.word, context.get_data_type(member.dtype).as_pointer())
+    return array_of(context, builder, member, data, shape)
 
 
 @intrinsic
@@ -125,6 +112,12 @@ def callback(_: Any, address: Any, effort: Any, control: Any) -> Any:
         return builder.call(builder.inttoptr(values[0], function.as_pointer()), values[1:])
 
     return types.float64(types.int64, types.float64, types.float64), call
+
+
+@intrinsic
+def address_of(_: Any, structure: Any) -> Any:
+    """Address of a structure, to be handed on to a unit that the one in between does not know."""
+    return types.int64(structure), lambda _, builder, __, values: builder.ptrtoint(values[0], WORD)
 
 
 def type_of(value: Any) -> Any:
@@ -183,6 +176,8 @@ class _Part(_Linked):
 class _Whole(_Linked):
     """Code of a unit; only the unit is called from outside, and no reference is counted."""
 
+    long_loops = False
+
     def _optimize_functions(self, ll_module: Any) -> None:
         super()._optimize_functions(ll_module)
         self._names = [f.name for f in ll_module.functions if not f.is_declaration]
@@ -191,8 +186,15 @@ class _Whole(_Linked):
         for f in self._final_module.functions:
             if not f.is_declaration and f.name not in self._names:
                 f.linkage = "internal"
-        passes, builder = self._codegen._module_pass_manager()
-        passes.run(self._final_module, builder)
+        tuning = llvm.create_pipeline_tuning_options(3 if self.long_loops else 2)
+        tuning.loop_vectorization = tuning.slp_vectorization = self.long_loops
+        tuning.loop_interleaving = tuning.loop_unrolling = self.long_loops
+        builder = llvm.create_pass_builder(self._codegen._tm, tuning)
+        builder.getModulePassManager().run(self._final_module, builder)
+
+
+class _WholeOfLongLoops(_Whole):
+    long_loops = True
 
 
 @cache
@@ -215,18 +217,24 @@ def _call_type(operation: Any, context: Any, arguments: tuple[Any, ...], named: 
     return _signature(operation, arguments)
 
 
+def _code_of(context: Any, operation: Any, signature: Any, **named: Any) -> Any:
+    return access_of(context, operation, signature) or BaseContext.get_function(context, operation, signature, **named)
+
+
 @contextmanager
-def _quickly(name: str) -> Iterator[None]:
-    """Let numba generate the code of one unit without repeated look-ups."""
+def _quickly(name: str, whole: type[_Whole]) -> Iterator[None]:
+    """Let numba generate the code of one unit without repeated look-ups, and by simpler accesses to arrays."""
     context: Any = cpu_target.target_context
-    codegen, builtin = context.codegen(), cast(Any, types.Function)
-    codegen._library_class = lambda owner, made: (_Whole if made == name else _Part)(owner, made)
+    codegen, builtin, generator = context.codegen(), cast(Any, types.Function), cast(Any, type(context))
+    codegen._library_class = lambda owner, made: (whole if made == name else _Part)(owner, made)
     codegen.set_env = lambda *_: None  # constants that are Python objects: there are none
     context.get_abi_sizeof, builtin.get_call_type = _size_of, _call_type
+    generator.get_function = _code_of  # of copies for a function each, too
     try:
         yield
     finally:
         del codegen._library_class, codegen.set_env, context.get_abi_sizeof, builtin.get_call_type
+        del generator.get_function
 
 
 def dispatcher_of(code: Any) -> Any:
@@ -238,14 +246,16 @@ def dispatcher_of(code: Any) -> Any:
     return dispatcher
 
 
-def compile_unit(code: Any, parameters: list[Any]) -> Any:
+def compile_unit(code: Any, parameters: list[Any], long_loops: bool = False) -> Any:
     """Compile a function with parameters `int`, `float` or of a structure; returns numba's result.
+
+    Loops over the few points of a slab are slower vectorised or unrolled, and take twice as long to compile.
 
     Raises TypeError: the function does not return an integer.
     """
     kinds = [{int: types.int64, float: types.float64}.get(kind) or Reference(kind) for kind in parameters]
     dispatcher = dispatcher_of(code)
-    with global_compiler_lock, gc_paused(), _quickly(code.__qualname__):
+    with global_compiler_lock, gc_paused(), _quickly(code.__qualname__, _WholeOfLongLoops if long_loops else _Whole):
         dispatcher.compile(tuple(kinds))
     (result,) = dispatcher.overloads.values()
     if types.unliteral(result.signature.return_type) != types.int64:

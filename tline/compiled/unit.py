@@ -57,6 +57,7 @@ class _Intrinsic:
 
 invoke: Any = _Intrinsic("invoke")
 callback: Any = _Intrinsic("callback")
+address_of: Any = _Intrinsic("address_of")
 
 
 class Unit:
@@ -66,10 +67,13 @@ class Unit:
     ----------
     code : function
         Its parameters are annotated: `int`, `float`, or the class of a structure (`tline.compiled.structure`), passed
-        by reference. It returns an `int`, allocates nothing, and raises nothing.
+        by reference. It returns an `int`, allocates nothing, raises nothing, and has no negative index.
+    long_loops : bool
+        Whether its loops are long, so that it is worth while to vectorise and unroll them.
     """
 
-    def __init__(self, code: Callable[..., Any]):
+    def __init__(self, code: Callable[..., Any], long_loops: bool = False):
+        self.long_loops = long_loops
         self.code, self.__doc__, self.__name__, self.__module__ = code, code.__doc__, code.__name__, code.__module__
         self.sources = sources_for(code.__module__)
 
@@ -108,7 +112,7 @@ class Unit:
         from tline.compiled.compiler import compile_unit
 
         with counted(), announced(self.__module__):
-            result = compile_unit(self.code, self.parameters)
+            result = compile_unit(self.code, self.parameters, self.long_loops)
         keep(self, result.fndesc.llvm_func_name, result.library)
         return result.library.get_pointer_to_function(result.fndesc.llvm_func_name), result
 
@@ -125,3 +129,8 @@ def unit(code: Callable[..., Any]) -> Unit:
     42
     """
     return Unit(code)
+
+
+def unit_of_long_loops(code: Callable[..., Any]) -> Unit:
+    """Make a unit of a function with long loops, to be vectorised and unrolled."""
+    return Unit(code, long_loops=True)

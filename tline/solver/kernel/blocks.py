@@ -10,7 +10,7 @@ The fractional rest of a delay: a slab that arrives is the projection of parts o
 
 import numpy as np
 
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import function, invoke, unit, unit_of_long_loops
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.laws.crossing import is_watched
 from tline.solver.kernel.network import Run
@@ -190,7 +190,7 @@ def scatter_one(run, node, here, begun, ahead, column):
     return np.isfinite(u)
 
 
-@unit
+@unit_of_long_loops
 def scatter_block(run: Run, chosen: int, k: int, begun: int, count: int, column: int) -> int:
     """Scatter the slabs of a block from slab k on, some of them already begun, at a group, or at FAR or NEAR ones.
 
@@ -283,7 +283,7 @@ def advance(run: Run, k: int, n_slabs: int, column: int) -> int:
     return -1
 
 
-@unit
+@unit_of_long_loops
 def delay_rest(run: Run, end: int, o: int, m: int) -> int:
     """Delay m slabs that arrive at an end from place o of the buffers on by the rest of the line's delay, in place.
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, unit, unit_of_long_loops
 from tline.solver.kernel.arithmetic import clear
 
 BLOCK = 128  # slabs compared side by side
@@ -61,7 +61,7 @@ def raise_to(sums, differences, one, other, less):
         sums[i], differences[i] = u if u > sums[i] else sums[i], y if y > differences[i] else differences[i]
 
 
-@unit
+@unit_of_long_loops
 def find_difference(work: Compared) -> int:
     """Find the largest differences and values."""
     m, places, slabs, most = len(work.in_coarse), len(work.in_fine), len(work.coarse_a), work.most
@@ -236,7 +236,7 @@ def extremes(
     return ExtremesOfCopies(wave, period, edges, t_end, points, to_powers, found, top, np.empty(len(points)), begin)
 
 
-@unit
+@unit_of_long_loops
 def find_extremes(search: ExtremesOfCopies) -> int:
     """Find the extremes in all copies.
 

@@ -171,8 +171,12 @@ class Units(NamedTuple):
     law: Integers  # (E,) of each element: its law, or its store
     diamonds: int  # lines that lose all along
     halves: int  # groups at which such lines end
+    settle: int  # friction at these groups, with the waves that they send
+    answer: int  # the efforts there
     diamonds_in_pieces: int  # the same where slabs are in pieces
     halves_in_pieces: int
+    answer_in_piece: int
+    constants: int  # the same lines where waves are constants
     rectangle: int  # a part of a diamond
     remember: int  # the circuits of a cell
     pieces: int  # a group in a slab in pieces
@@ -279,6 +283,7 @@ class DiamondWork(NamedTuple):
     a: Annotated[Floats, "r"]  # a wave in a part of a diamond, or in a cell
     b: Annotated[Floats, "r"]
     coming: Annotated[Floats2, "E s"]  # arriving wave without friction in the triangle
+    arrived: Annotated[Floats2, "E s"]  # the same with friction
     tail: Annotated[Floats2, "E s"]  # the rest of a slab
     seen: Annotated[Floats2, "E K"]
     modes: Annotated[Floats2, "E K"]  # of friction

@@ -34,6 +34,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
 
     diamonds = len(network.diamonds.line)
     whole = diamonds and network.diamonds.cell.any()  # cells that do not touch nodes
+    halves = diamonds and not whole
     in_pieces = "pass_cells_in_pieces" if whole else "pass_diamonds_in_pieces"
     laws, mapped = np.diff(network.laws.first) > 0, network.load_at >= 0
     return Units(
@@ -46,9 +47,13 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         govern=address("laws.govern.govern", network.laws.governed.any()),
         law=law_addresses(kinds),
         diamonds=address("diamonds.cells.pass_cells" if whole else "diamonds.full.pass_diamonds", diamonds),
-        halves=address("diamonds.half.pass_halves", diamonds and not whole),
+        halves=address("diamonds.half.pass_halves", halves),
+        settle=address("diamonds.half.settle_without_gain", halves),
+        answer=address("diamonds.half.respond", halves),
         diamonds_in_pieces=address(f"diamonds.pieces.{in_pieces}", fronts and diamonds),
-        halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and diamonds and not whole),
+        halves_in_pieces=address("diamonds.half_pieces.scatter_half_pieces", fronts and halves),
+        answer_in_piece=address("diamonds.half_pieces.respond_in_piece", fronts and halves),
+        constants=address("diamonds.cells.pass_constants", whole and len(network.diamonds.weight) == 1),
         rectangle=address("diamonds.full.pass_rectangle", diamonds),
         remember=address("diamonds.cells.remember", len(network.diamonds.memory.sign)),
         pieces=address("fronts.advance.scatter_pieces", fronts),

@@ -17,7 +17,7 @@ from tline.compiled.structure import (
     Integers,
     Integers2,
 )
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import function, invoke, unit_of_long_loops
 from tline.solver.kernel.arithmetic import TINY
 from tline.solver.kernel.finished import fill, powers
 from tline.solver.kernel.network import Crossing
@@ -61,7 +61,7 @@ class CopiesRun(NamedTuple):
     out: Floats2  # (s + n, B)
 
 
-@unit
+@unit_of_long_loops
 def advance_copies(run: CopiesRun, n_periods: int) -> int:
     """Advance all copies by n periods, and record them."""
     first, ends, u, record, s = run.first, run.ends, run.u, run.record, run.waves.shape[2]
@@ -195,7 +195,7 @@ class Values(NamedTuple):
     coef: Floats  # (s,)
 
 
-@unit
+@unit_of_long_loops
 def find_values(sought: Values) -> int:
     """Find the waves at the instants; at a jump the value before it, at t = 0 zero."""
     waves, edges, t = sought.waves, sought.edges, sought.t
@@ -227,7 +227,7 @@ class Apart(NamedTuple):
     work: Floats2  # (2, B)
 
 
-@unit
+@unit_of_long_loops
 def find_apart(runs: Apart) -> int:
     """Find the largest differences at the points of the finer order."""
     coarse, fine, most = runs.coarse, runs.fine, runs.most

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, pack
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, unit_of_long_loops
 
 
 class BaselineSignals(NamedTuple):
@@ -101,7 +101,7 @@ def advance_moc(net, late, taps, drive, seen, steps, record):
     )
 
 
-@unit
+@unit_of_long_loops
 def advance_histories(run: Histories, steps: int) -> int:
     """Read the arriving waves from the histories, scatter them, and store those sent."""
     history, late, taps, now = run.history, run.late, run.taps, run.now
@@ -139,7 +139,7 @@ def advance_cells(net, cells, courant, diffusion, drive, seen, steps, record):
     advance_advection(pack(AdvectedCells(net, at_rest(net), signals, cells, courant, diffusion, a)), steps)
 
 
-@unit
+@unit_of_long_loops
 def advance_advection(run: AdvectedCells, steps: int) -> int:
     """Carry waves from cell to cell, and scatter the arriving ones."""
     a, arriving, sent = run.a, run.now.arriving, run.now.sent
@@ -187,7 +187,7 @@ def advance_fdtd(cells, courant, z0, at, held, x_x, x_i, drive, seen, steps, rec
     advance_staggered(pack(run), steps)
 
 
-@unit
+@unit_of_long_loops
 def advance_staggered(run: Staggered, steps: int) -> int:
     """Leap from flows to efforts, along the lines and at the nodes."""
     cells, courant, z0, at, u, y, x, new = run.cells, run.courant, run.z0, run.at, run.u, run.y, run.x, run.new

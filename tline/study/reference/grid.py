@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, pack
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, unit_of_long_loops
 
 ROUNDS = 60  # of Newton's method for the steady state
 LAST_STEP = 1e-9  # a step of Newton's method at a node, relative to the arriving wave; the error left is its square
@@ -89,7 +89,7 @@ def march(
     return record
 
 
-@unit
+@unit_of_long_loops
 def march_on(state: GridState) -> int:
     """Advance all points, step by step."""
     pipes, reaches, a, b = state.pipes, state.reaches, state.a, state.b

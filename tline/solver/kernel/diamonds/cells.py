@@ -14,7 +14,7 @@ its polynomial changes so fast, as fronts do, that the circuit answers at once: 
 
 import numpy as np
 
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import function, invoke, unit, unit_of_long_loops
 from tline.solver.kernel.arithmetic import TINY, copy, times
 from tline.solver.kernel.blocks import FAR
 from tline.solver.kernel.diamonds.full import MIDDLE, NEWTON, ROUNDS, flushed, lost, places_in_ring
@@ -233,13 +233,16 @@ def taken_from(diamonds, row, before, weight, d, size):
     return taken, False
 
 
-@function
-def pass_constants(run, row, count):
-    """Advance a line as `pass_line`, for constants in cells of one slab without memory: waves are their projections."""
+@unit_of_long_loops
+def pass_constants(run: Run, row: int, count: int) -> int:
+    """Advance a line as `pass_line`, for constants in cells of one slab without memory: waves are their projections.
+
+    Returns whether friction was found.
+    """
     diamonds, waves, cells = run.network.diamonds, run.state.waves, run.work.diamonds.cells
     line, begin = diamonds.line[row], due(run, row, count)
     if begin < -1:
-        return True
+        return 1
     D = run.network.delay[line]
     o, a, b, weight, end = np.uint64(run.network.offset[line]), cells[0], cells[1], cells[2], 0.5 + diamonds.over[row]
     first_a, first_b = places_in_ring(begin, 0, D - 1, D)
@@ -255,13 +258,13 @@ def pass_constants(run, row, count):
             r, k = diamonds.constants[row, 0], diamonds.constants[row, 1]
             meet_by_squares(r, k, diamonds.steady[row], later, D - later, a, b, weight, cells[3])
         elif not meet_by_steps(diamonds, row, later, D - later, a, b, weight):
-            return False
+            return 0
         weight[0], weight[D - 1] = 1.0, 1.0
     for i in range(D):
         j = np.uint64(i)
         waves[o + np.uint64(first_a - i + (0 if i < from_start else 2 * D))] = a[j]
         waves[o + np.uint64(first_b + i - (0 if i < to_end else 2 * D))] = b[j]
-    return True
+    return 1
 
 
 @function
@@ -343,7 +346,7 @@ def pass_cells(run: Run, chosen: int, count: int) -> int:
     for index in range(rows.size):
         row = int(rows[index])
         if constant and diamonds.cell[row] == 1 and diamonds.memory.first[row] == diamonds.memory.first[row + 1]:
-            done = pass_constants(run, row, count)
+            done = invoke(run.units.constants, (run, np.int64(row), count)) == 1
         else:
             done = pass_line(run, run, row, count, take_wave, put_wave)
         if not done:

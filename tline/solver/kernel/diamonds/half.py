@@ -11,7 +11,7 @@ The rest of that one, past which the leaving wave goes, is a rectangle one slab 
 
 import numpy as np
 
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import address_of, function, invoke, unit
 from tline.solver.kernel.arithmetic import times
 from tline.solver.kernel.blocks import begin, gather, load, note, scatter
 from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
@@ -41,9 +41,9 @@ def begin_half(diamonds, e, coming, work, k):
 
 
 @function
-def arrive(diamonds, taken, e, coming, work, k, out, o):
-    """Find the wave that arrives at an end under the assumed friction in the triangle, and put it at place o."""
-    modes, s = work.modes[k], coming.shape[1]
+def arrive(diamonds, taken, e, work, k):
+    """Find the wave that arrives at an end under the assumed friction in the triangle."""
+    modes, coming, out, s = work.modes[k], work.coming[k], work.arrived[k], work.coming.shape[1]
     for i in range(modes.size):
         modes[i] = 0.0
     part_of(diamonds.moments, taken[e], 0, modes)
@@ -51,7 +51,7 @@ def arrive(diamonds, taken, e, coming, work, k, out, o):
         total = 0.0
         for j in range(modes.size):
             total += diamonds.gained[work.projected[k], i, j] * modes[j]
-        out[o + i] = coming[k, i] + total * work.width[0]
+        out[i] = coming[i] + total * work.width[0]
 
 
 @function
@@ -103,12 +103,12 @@ def leave(diamonds, sent, work, k):
 
 
 @function
-def makes_energy(job, run, e, k, here, wave_at):
-    """Whether a half diamond at end e, the k-th of its group, would give more energy than it gets."""
+def makes_energy(run, k):
+    """Whether the half diamond at the k-th end of a group would give more energy than it gets."""
     diamonds, work, gain, size = run.network.diamonds, run.work.diamonds, 0.0, 0.0
     sent, modes = work.sent, work.modes[k]
     for i in range(sent.size):
-        total, wave, coming = 0.0, wave_at(job, run, e, k, here, i), work.coming[k, i]
+        total, wave, coming = 0.0, work.arrived[k, i], work.coming[k, i]
         for j in range(modes.size):
             total += diamonds.left[0, i, j] * modes[j]
         out, weight = sent[i] - work.width[0] * total, diamonds.weight[i]
@@ -146,43 +146,39 @@ def prepare(run, g):
         work.projected[k] = 0
 
 
-@function
-def arrived(job, run, e, k, here, j):
-    """The wave that arrives at end e, the k-th of its group, at point j."""
-    return run.state.waves[run.work.position[e] + j]
-
-
-@function
-def respond(job, run, g, here, column, n):
+@unit
+def respond(run: Run, g: int, here: int, column: int) -> int:
     """Find efforts of a group's nodes under the arriving waves."""
-    network, u, waves, diamonds = run.network, run.work.u, run.state.waves, run.network.diamonds
-    low = network.first[network.group[g]]
+    network, u, waves, work = run.network, run.work.u, run.state.waves, run.work.diamonds
+    low, n = network.first[network.group[g]], run.state.before.shape[1]
     for node in range(network.group[g], network.group[g + 1]):
         q = np.uint64((node - network.group[g]) * n)
         begin(u, q, n, run.excitation, network.excitation_row[node], here)
         for i in range(network.first[node], network.first[node + 1]):
-            e = network.ends[i]
-            o = run.work.position[e]
-            if diamonds.row[e >> 1] >= 0:
-                arrive(diamonds, run.state.halves, e, run.work.diamonds.coming, run.work.diamonds, i - low, waves, o)
-            gather(u, q, n, waves, np.uint64(o), network.weight[i])
+            e, k = network.ends[i], i - low
+            if network.diamonds.row[e >> 1] >= 0:
+                arrive(network.diamonds, run.state.halves, e, work, k)
+                gather(u, q, n, work.arrived[k], np.uint64(0), network.weight[i])
+            else:
+                gather(u, q, n, waves, np.uint64(run.work.position[e]), network.weight[i])
     if network.laws.first[g] < network.laws.first[g + 1]:
         invoke(run.units.laws, (run, g, here, n, column))
     elif network.load_at[g] >= 0:
         load(run, g, n, network.step, network.step_at[network.step_row[g]])
+    return 0
 
 
 @function
-def settle(job, run, g, here, column, n, answer, wave_at):
+def settle(run, answer, job, g, here, column):
     """Find friction in the half diamonds at a group, with the waves that it sends. Returns whether that ended.
 
-    Friction begins as in the last slab, or piece. `answer` finds the efforts, `wave_at` arriving waves.
+    Friction begins as in the last slab, or piece.
     """
-    network, diamonds, u = run.network, run.network.diamonds, run.work.u
+    network, diamonds, u, n = run.network, run.network.diamonds, run.work.u, run.state.before.shape[1]
     work, last, one = run.work.diamonds, 1e300, run.network.group[g]
     for turn in range(ROUNDS):
         keep_states(run, g, work.kept, turn > 0)
-        answer(job, run, g, here, column, n)
+        invoke(answer, (job, g, here, column))
         change, size = 0.0, 0.0
         for node in range(one, network.group[g + 1]):
             q = (node - one) * n
@@ -191,9 +187,8 @@ def settle(job, run, g, here, column, n, answer, wave_at):
                 row = diamonds.row[e >> 1]
                 if row >= 0:
                     for j in range(n):
-                        wave = wave_at(job, run, e, k, here, j)
-                        work.sent[j] = 2.0 * u[q + j] - wave
-                        size = max(size, abs(work.sent[j]), abs(wave))
+                        work.sent[j] = 2.0 * u[q + j] - work.arrived[k, j]
+                        size = max(size, abs(work.sent[j]), abs(work.arrived[k, j]))
                     change = max(change, lose_half(diamonds, row, run.state.halves, e, work.sent, work, k, turn, size))
         if not np.isfinite(size):
             return False
@@ -203,26 +198,33 @@ def settle(job, run, g, here, column, n, answer, wave_at):
     return False
 
 
-@function
-def settle_without_gain(job, run, g, here, column, n, answer, wave_at):
-    """Settle, and again with projections where the leaving waves would make energy. Returns whether that ended."""
+@unit
+def settle_without_gain(run: Run, answer: int, job: int, g: int, here: int, column: int) -> int:
+    """Settle, and again with projections where the leaving waves would make energy. Returns whether that ended.
+
+    The unit at the address `answer` finds the efforts, from arriving waves under the assumed friction; `job` is the
+    address of its structure.
+    """
     network, diamonds, u, made = run.network, run.network.diamonds, run.work.u, False
-    work, one = run.work.diamonds, run.network.group[g]
-    if not settle(job, run, g, here, column, n, answer, wave_at):
-        return False
-    for node in range(one, network.group[g + 1]):
-        q = (node - one) * n
-        for i in range(network.first[node], network.first[node + 1]):
-            e, k = network.ends[i], i - network.first[one]
-            if diamonds.row[e >> 1] >= 0 and work.projected[k] == 0:
-                for j in range(n):
-                    work.sent[j] = 2.0 * u[q + j] - wave_at(job, run, e, k, here, j)
-                if makes_energy(job, run, e, k, here, wave_at):
-                    work.projected[k], made = 1, True
-    if not made:
-        return True
-    keep_states(run, g, work.kept, True)
-    return settle(job, run, g, here, column, n, answer, wave_at)
+    work, one, n = run.work.diamonds, run.network.group[g], run.state.before.shape[1]
+    for _ in range(2):
+        if not settle(run, answer, job, g, here, column):
+            return 0
+        if made:
+            return 1
+        for node in range(one, network.group[g + 1]):
+            q = (node - one) * n
+            for i in range(network.first[node], network.first[node + 1]):
+                e, k = network.ends[i], i - network.first[one]
+                if diamonds.row[e >> 1] >= 0 and work.projected[k] == 0:
+                    for j in range(n):
+                        work.sent[j] = 2.0 * u[q + j] - work.arrived[k, j]
+                    if makes_energy(run, k):
+                        work.projected[k], made = 1, True
+        if not made:
+            return 1
+        keep_states(run, g, work.kept, True)
+    return 1
 
 
 @unit
@@ -237,12 +239,15 @@ def pass_halves(run: Run, g: int, here: int, column: int) -> int:
     low = network.first[one]
     work.width[0] = 1.0
     prepare(run, g)
-    found = settle_without_gain(run, run, g, here, column, n, respond, arrived)
+    units = run.units
+    found = invoke(units.settle, (run, units.answer, address_of(run), g, here, column)) == 1
     for node in range(one, after):
         q = np.uint64((node - one) * n)
         for i in range(network.first[node], network.first[node + 1]):
             e, k = network.ends[i], i - low
             o, row = position[e], diamonds.row[e >> 1]
+            for j in range(n if row >= 0 else 0):
+                waves[o + j] = work.arrived[k, j]
             if network.record_row[e] >= 0:
                 note(u, q, n, waves, np.uint64(o), record, network.record_row[e], column + here)
             scatter(u, q, n, waves, np.uint64(o))

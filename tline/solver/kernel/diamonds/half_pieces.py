@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import address_of, function, invoke, unit
+from tline.solver.kernel.arithmetic import copy
 from tline.solver.kernel.diamonds.full import meet_apart
-from tline.solver.kernel.diamonds.half import arrive, begin_half, leave, settle_without_gain
+from tline.solver.kernel.diamonds.half import arrive, begin_half, leave
 from tline.solver.kernel.diamonds.pieces import cut_tail, meet_in_pieces
 from tline.solver.kernel.fronts.gather import happen_until
 from tline.solver.kernel.fronts.respond import rejoin_all, respond_piece
@@ -27,17 +28,12 @@ def begin_piece(job, g, piece):
             work.projected[k] = 0
 
 
-@function
-def arrived_in_piece(job, run, e, k, piece, j):
-    """The wave that arrives at end e, the k-th of its group, at point j of a piece."""
-    return job.fronts.work.arrived[k, piece, j]
-
-
-@function
-def respond_in_piece(job, run, g, piece, m, s):
-    """Find efforts of a group's nodes under the waves that arrive in a piece."""
-    fronts, network, u, work = job.fronts, run.network, run.work.u, run.work.diamonds
-    one, low, arrived = network.group[g], network.first[network.group[g]], fronts.work.arrived
+@unit
+def respond_in_piece(job: FrontRun, g: int, piece: int, m: int) -> int:
+    """Find efforts of a group's nodes under the waves that arrive in one of m pieces."""
+    run, fronts = job.run, job.fronts
+    network, u, work, s = run.network, run.work.u, run.work.diamonds, fronts.tools.c.size
+    one, low = network.group[g], network.first[network.group[g]]
     for node in range(one, network.group[g + 1]):
         q = (node - one) * s
         for j in range(s):
@@ -45,10 +41,24 @@ def respond_in_piece(job, run, g, piece, m, s):
         for i in range(network.first[node], network.first[node + 1]):
             e, k = network.ends[i], i - low
             if network.diamonds.row[e >> 1] >= 0:
-                arrive(network.diamonds, run.state.halves, e, work.coming, work, k, arrived[k, piece], np.int64(0))
+                arrive(network.diamonds, run.state.halves, e, work, k)
                 for j in range(s):
-                    u[q + j] += network.weight[i] * (arrived[k, piece, j] - work.coming[k, j])
+                    u[q + j] += network.weight[i] * (work.arrived[k, j] - work.coming[k, j])
     respond_piece(job, g, piece, m)
+    return 0
+
+
+@function
+def end_piece(job, g, piece):
+    """Keep the waves that have arrived in a piece at the ends of lines with losses, and the nodes' efforts."""
+    run, work, s = job.run, job.fronts.work, job.fronts.tools.c.size
+    network, one = run.network, run.network.group[g]
+    for i in range(network.first[one], network.first[network.group[g + 1]]):
+        if network.diamonds.row[network.ends[i] >> 1] >= 0:
+            copy(run.work.diamonds.arrived[i - network.first[one]], work.arrived[i - network.first[one], piece])
+    for p in range(network.group[g + 1] - one):
+        for i in range(s):
+            work.u[p, piece, i] = run.work.u[p * s + i]
 
 
 @function
@@ -104,9 +114,9 @@ def pass_tails(job, g):
 @unit
 def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
     """Scatter one slab in pieces at a group with ends of lines with losses. Returns whether that was possible."""
-    run, fronts, network, work = job.run, job.fronts, job.run.network, job.fronts.work
-    edges, one, s = work.edges, network.group[g], fronts.tools.c.size
-    m = invoke(run.units.arrive, (job, np.int64(g), slab, k))
+    run, fronts, network, units = job.run, job.fronts, job.run.network, job.run.units
+    edges, one = fronts.work.edges, network.group[g]
+    m = invoke(units.arrive, (job, np.int64(g), slab, k))
     for i in range(network.first[one], network.first[network.group[g + 1]]):
         e = network.ends[i]
         if network.diamonds.row[e >> 1] >= 0 and fronts.rest[e >> 1] > 0.0:
@@ -114,15 +124,13 @@ def scatter_half_pieces(job: FrontRun, g: int, slab: int, k: int) -> int:
     for piece in range(m):
         happen_until(network, fronts.events, fronts.counts, g, slab + edges[piece])
         begin_piece(job, g, piece)
-        if not settle_without_gain(job, run, g, piece, m, s, respond_in_piece, arrived_in_piece):
+        if invoke(units.settle, (run, units.answer_in_piece, address_of(job), g, np.int64(piece), m)) == 0:
             fronts.sizes[BEGIN], fronts.sizes[END] = edges[piece], edges[piece + 1]
             return 0
-        for p in range(network.group[g + 1] - one):
-            for i in range(s):
-                work.u[p, piece, i] = run.work.u[p * s + i]
+        end_piece(job, g, piece)
         if not pass_later(job, g, piece, m):
             return 0
     m = rejoin_all(job, g, m)
-    if invoke(run.units.depart, (job, np.int64(g), slab, m)) == 0:
+    if invoke(units.depart, (job, np.int64(g), slab, m)) == 0:
         return 0
     return 1 if pass_tails(job, g) else 0

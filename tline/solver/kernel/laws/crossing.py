@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tline.compiled.structure import Floats, Integers
-from tline.compiled.unit import function, invoke, unit
+from tline.compiled.unit import function, invoke, unit, unit_of_long_loops
 from tline.solver.kernel.arithmetic import STEPS, ULPS
 from tline.solver.kernel.network import DIVIDED, MISSES, Crossing, Run
 
 
-@unit
+@unit_of_long_loops
 def crossing(run: Run, g: int, n: int, h: float) -> int:
     """Turn the Thévenin waves of n samples at a group into efforts, slab by slab of width h if its element stores."""
     laws, u, control, s = run.network.laws, run.work.u, run.work.control, run.state.before.shape[1]
@@ -124,7 +124,7 @@ def is_watched(laws, g):
     return False
 
 
-@unit
+@unit_of_long_loops
 def pass_block(run: Run, g: int, here: int, n: int, column: int) -> int:
     """Turn the Thévenin waves of n samples of slabs into efforts, from sample `here` of the excitation on.
 
