@@ -250,7 +250,8 @@ def test_a_node_at_which_no_pipe_ends_is_judged_too():
     found = worst(seen)
     assert seen.envelope is not None
     assert found.highest.before == pytest.approx(seen.envelope.of("c")["start"] + 1e5 - 10 * DENSITY * GRAVITY)
-    assert (found.highest.node, found.highest.highest_at, found.needed) == ("d", 0.5, None)
+    assert (found.highest.node, found.needed) == ("d", None)
+    assert 0.5 <= found.highest.highest_at < 0.5 + seen.slabs.width  # as high, but for rounding, from then on
 
 
 def test_the_rotor_of_a_pump_that_lifts_nothing_is_that_of_its_largest_power():
