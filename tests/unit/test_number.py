@@ -130,6 +130,17 @@ def test_each_listed_kind_is_one_of_its_model_and_all_of_these_are_listed(kinds:
     assert told == [*kinds.items()]
 
 
+def test_laws_of_runs_are_known_where_no_element_has_them():
+    code = """
+import tline.solver.simulate
+from tline.scene.elements import turbine
+from tline.scene.law import KINDS
+print("table" in KINDS, turbine.Driven.steady in KINDS)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True", "True"]  # of switches; of turbines before the run
+
+
 def test_a_plain_scene_builds_few_models():
     code = """
 from tline.scene.mistakes import MODELS
