@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import html
 import io
 import json
 import math
@@ -70,7 +69,9 @@ class Presentation:
         return self._shown(str(self).splitlines())
 
     def _shown(self, lines: Iterable[str]) -> str:
-        text = html.escape("\n".join(lines))
+        from html import escape
+
+        text = escape("\n".join(lines))
         return f"<pre>{text}</pre>{self._drawn()}"
 
     def _drawn(self) -> str:

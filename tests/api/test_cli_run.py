@@ -296,7 +296,7 @@ def test_imports_are_no_more_than_needed() -> None:
     assert not imported("run --help") & {"numpy", "scipy", "numba", "pydantic", "matplotlib"}
     heavy = {"matplotlib", "PIL", "tqdm", "flint", "passivity", "wntr", "skrf", "pint", "fluids"}
     heavy |= {f"scipy.{part}" for part in ("signal", "optimize", "special", "sparse", "stats", "integrate")}
-    unused = {"numba", "scipy", "numpy.ma", "numpy.random"}  # what it needs is compiled and kept by now
+    unused = {"numba", "scipy", "numpy.ma", "numpy.random", "difflib", "html"}  # all is compiled and kept by now
     others = {
         f"tline.scene.{kind}" for kind in ("elements", "pump", "vessel", "multiport", "touchstone", "ibis.element")
     }

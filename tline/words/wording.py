@@ -4,7 +4,6 @@ import json
 import re
 import reprlib
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 SEARCHED, LISTED = 2000, 16  # known words that are searched for a near one, and that are listed
 BARE = re.compile(r"[\w-]+")  # a key that needs no quotes
@@ -42,6 +41,8 @@ def shown(value: object) -> str:
 def nearest(word: object, known: list[str]) -> str:
     """Find the known word a user probably meant; all of them, or some, if none is near."""
     if len(known) <= SEARCHED:
+        from difflib import get_close_matches
+
         lower = {name.lower(): name for name in known}
         close = get_close_matches(str(word).lower(), lower, n=1)
         if close:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -122,6 +121,8 @@ class Export:
             except OSError as error:
                 raise InputError(str(path), "cannot be written", got=error.strerror or str(error)) from None
         else:
+            from tempfile import TemporaryDirectory
+
             import_extra("h5netcdf", "h5netcdf", "data", str(path))
             with TemporaryDirectory() as folder, replacing(path) as temporary:
                 file = Path(folder, "result.nc")  # HDF5 locks what it writes, and `temporary` is locked already
