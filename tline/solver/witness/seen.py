@@ -71,8 +71,9 @@ class Seen:
         self._computed = computed
         self.t = _one_in_each(INSTANTS) * description.t_end if t is None else t
         self._waves: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
+        self._ends: dict[tuple[str, int], tuple[NDArray, NDArray]] = {}
         self._allowed: dict[str, tuple[float, float]] = {}
-        self._places: dict[tuple[int, int], tuple[NDArray, NDArray]] = {}
+        self._places: dict[tuple[int, int, float], tuple[NDArray, NDArray]] = {}
         self.at_node = {
             node: (name, end)
             for name in result.lines
@@ -101,7 +102,7 @@ class Seen:
         """Waves at an end of a line, toward end 2 and toward end 1."""
         if (name, end) not in self._waves:
             a, b = self.recorded(name, end)
-            self._waves[name, end] = self._values(a), self._values(b)
+            self._waves[name, end] = self.values(a), self.values(b)
         return self._waves[name, end]
 
     def recorded(self, name: str, end: int) -> tuple[Wave, Wave]:
@@ -111,22 +112,29 @@ class Seen:
             return (record.a2, record.b2) if end else (record.a1, record.b1)
         return record.at_end2 if end else record.at_end1
 
-    def _values(self, wave: Wave) -> NDArray:
-        """Values of a wave; places in slabs, and their polynomials, are the same for all waves without fronts."""
+    def values(self, wave: Wave, late: float = 0.0) -> NDArray:
+        """Values of a wave that passed `late` seconds ago.
+
+        Places in slabs, and polynomials there, are the same for all waves without fronts.
+        """
+        t = self.t - late
         if len(wave.pieces.slab):
-            return wave(self.t)
-        key = wave.basis.s, len(wave.values)
+            return wave(t)
+        key = wave.basis.s, len(wave.values), late
         if key not in self._places:
-            place = self.t / wave.h
+            place = np.maximum(t, 0.0) / wave.h
             slab = np.minimum(place.astype(int), len(wave.values) - 1)
             self._places[key] = slab, wave.basis.evaluation(np.minimum(place - slab, 1.0))
         slab, weights = self._places[key]
-        return np.einsum("ij,ij->i", wave.values[slab], weights)
+        found = np.einsum("ij,ij->i", wave.values[slab], weights)
+        return np.where(t < 0, wave.before, found) if late else found
 
     def end(self, name: str, end: int) -> tuple[NDArray, NDArray]:
         """Effort at an end of a line, and flow out of the line there."""
-        a, b = self.waves(name, end)
-        return (a + b) / 2, (a - b) / (2 * self.result.lines[name].z0) * (1.0 if end else -1.0)
+        if (name, end) not in self._ends:
+            (a, b), z0 = self.waves(name, end), self.result.lines[name].z0
+            self._ends[name, end] = (a + b) / 2, (a - b) / (2 * z0 if end else -2 * z0)
+        return self._ends[name, end]
 
     def reads(self, one: Balance) -> bool:
         """Whether all lines that the balance of a node needs are recorded."""
@@ -230,7 +238,7 @@ def line_doubts(seen: Seen) -> Iterator[Doubt]:
 
 def _is_another(seen: Seen, sent: Wave, now: NDArray, delay: float) -> NDArray:
     """At which random instants a wave that arrives differs from the one sent a delay before."""
-    then = sent(seen.t - delay)
+    then = seen.values(sent, delay)
     size = max(float(np.abs(now).max()), FAINT * seen.largest)
     return np.abs(now - then) > (4 * seen.tol + NODE_ROUNDING) * size
 
