@@ -80,8 +80,8 @@ def first_order(description: Description, tol: float, h: float) -> int:
 
     Polynomials of s points miss a decay by up to (z/2)^s / s! if slabs are z of its time scale; z is at most one, for
     what is faster has pieces of its own. They miss what a law bends by a share that falls evenly with each order. Where
-    orders are dear, they begin as low as where there is neither, and any is exact. The highest whose polynomials are
-    shared by neighbours cost more than those beyond, which are compared as they are.
+    orders are dear, they begin as low as where there is neither, and any is exact. Without laws the next order is at
+    most the highest whose polynomials neighbours share: beyond, differences in narrow pieces between fronts stay large.
     """
     s, bent = FIRST - 1 + max(int(-log10(tol) / DIGITS + 1e-9), 1), bool(description.elements)
     if description.dispersive or description.diamonds or (bent and not _solved_by_points(description)):
@@ -89,8 +89,7 @@ def first_order(description: Description, tol: float, h: float) -> int:
     z = min(h / min(map(min, description.time_scales.values()), default=inf), 1.0) / 2
     while (EACH_BENT**s if bent else z**s / factorial(s)) > CLEAR * tol:
         s += 1
-    s = max(s, SHARED + 1) if s >= SHARED - 1 else s
-    return min(s, LAST - 2)  # another order tells the error, and one more knows kinks
+    return min(s, LAST - 2 if bent else SHARED - 1)  # another order tells the error, and one more knows kinks
 
 
 def _solved_by_points(description: Description) -> bool:
