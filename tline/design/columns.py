@@ -12,12 +12,12 @@ from tline.presentation import Presentation, plain
 from tline.scene.cavities import with_cavities
 from tline.scene.file import as_scene
 from tline.scene.quantity import Quantity
+from tline.scene.rating import BAR
 from tline.scene.scene import Scene
 from tline.solver.result.result import Result
 from tline.solver.simulate import simulate
 
 DOUBLINGS = 2
-BAR = 1e5  # Pa
 LATE = 0.98  # share of a run
 
 

@@ -10,14 +10,21 @@ from tline.scene.file import as_scene
 from tline.scene.refuse import refuse_losses
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
-from tline.solver.stability.growth import MOST_SAMPLES, Box, Characteristic, UncountableError, right_of_all, zeros
+from tline.solver.stability.growth import (
+    MOST_SAMPLES,
+    SAMPLES,
+    Box,
+    Characteristic,
+    UncountableError,
+    right_of_all,
+    zeros,
+)
 
 DEEP = 3.0  # decay exp(-DEEP) in the shortest delay; faster decay is not an oscillation
 LOWEST = 1e-9  # relative to the highest frequency; slower is not an oscillation
 ABOVE = 1e-3  # per shortest delay: right edge of the search where nothing can grow
 NEUTRAL = 1e-9  # per shortest delay; smaller growth or decay is rounding
 UNDAMPED = 1e-12  # relative to |s|; a smaller real part is rounding
-SAMPLES = 4.0  # per radian of phase of the delays
 MOST_WORK = 3e10  # entries of all matrices times their size
 
 

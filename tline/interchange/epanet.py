@@ -30,16 +30,16 @@ from tline.interchange.water_network import (
 )
 from tline.scene.connected import connected
 from tline.scene.heights import GRAVITY
+from tline.scene.rating import HOUR, WATER
 from tline.units import to_si
 from tline.words.wording import shown
 
-WATER, VISCOSITY = 1000.0, 1.1e-5 * FOOT**2  # kg/m³ and m²/s, EPANET's
+VISCOSITY = 1.1e-5 * FOOT**2  # m²/s, EPANET's
 LAST_HOUR = 8784.0  # of a year
 HIGHEST, LARGEST = 1e5, 1e9  # m, of a head that is no accident of an unsolved network; and of other numbers
 UNEVEN = 1e-4  # of the largest flow
 KEPT = 1e-3  # of a setting, or so many of its units; EPANET keeps it so well
 INCH, HORSEPOWER, KILOWATT = FOOT / 12, 745.7, 1e3
-HOUR = 3600.0
 # in the order of EPANET's codes; the first five go with feet
 FLOWS = "ft^3/s", "gpm", "MGD", "IMGD", "AFD", "L/s", "L/min", "ML/d", "m^3/h", "m^3/d"
 TRADITIONAL = 5

@@ -10,11 +10,11 @@ from tline.scene.heights import words
 from tline.style import COLOURS, DASHES, INK, cells_of, styled
 from tline.sweeps import Sweep
 from tline.sweeps.design import unit_of
+from tline.sweeps.table import QUANTILES
 from tline.units import handy
 
 WORDS = ("highest", "lowest")
 BINS = 60
-QUANTILES = (0.05, 0.5, 0.95)
 
 
 @styled

@@ -14,7 +14,6 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 Matrix = NDArray
-MAX_ORDER = 16
 LEAST_PLACES = 8  # of `chebyshev`
 ALONE = 250_000  # multiplications for which BLAS takes no threads
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tline.scene.rating import BAR
 from tline.solver.result.accuracy import Accuracy
 from tline.solver.result.result import Result
 from tline.solver.result.states import StateTrace
@@ -14,7 +15,7 @@ from tline.surge.worst import Extreme, Worst, class_of, extremes, worst
 from tline.units import to_si
 from tline.words.wording import aligned, first_of
 
-BAR, NAMED, DECIMALS = 1e5, 5, 6  # Pa; nodes in a sentence; of a spread
+NAMED, DECIMALS = 5, 6  # nodes in a sentence; of a spread
 STATES, MOST_STATES = ["element", "", "before", "lowest", "at [s]", "highest", "at [s]", "at the end"], 20
 
 

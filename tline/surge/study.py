@@ -18,6 +18,7 @@ from tline.errors import InputError
 from tline.presentation import Presentation, plain
 from tline.scene.file import scene_text
 from tline.scene.medium import readable
+from tline.scene.rating import BAR
 from tline.surge.scenarios import AS_READ, Plan, Scenario, read_plan
 from tline.surge.worst import extremes
 from tline.sweeps.design import whole
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WRITTEN = ".html", ".pdf", ".csv"
-BAR = 1e5  # Pa
 SHOWN = 4  # decimals of pressures in tables
 # of the extremes of a node, Pa: largest where a surge hit hardest
 MEASURES: dict[str, Callable[[Mapping[str, Any]], float]] = {

@@ -24,11 +24,9 @@ from tline.scene.shape import Lowered
 from tline.scene.source import Source
 from tline.solver.description.circuit import StateSpace, reflection, reflection_of_poles
 from tline.solver.description.excitation import just_before
-from tline.solver.description.given import Constant, End, Height, Measured, Ratio, Scene, Shape
+from tline.solver.description.given import NO_HEIGHT, Constant, End, Height, Measured, Ratio, Scene, Shape
 from tline.solver.description.lines import Columns, Line
 from tline.words.wording import place
-
-SEA_LEVEL = Height()
 
 
 @dataclass
@@ -49,7 +47,7 @@ class Node:
     measured: Any = None  # element from a file of S-parameters, if that is all of the load
     switches: list[Switch] = field(default_factory=list)
     alone: float = 1.0  # reference where nothing conducts
-    height: Height = SEA_LEVEL
+    height: Height = NO_HEIGHT
     hidden: bool = False  # whether it is nothing but what a source between two other nodes prescribes
 
     @property

@@ -8,6 +8,7 @@ Polynomials on intervals, held by their Legendre coefficients.
 from tline.compiled.unit import function
 
 TINY = 1e-150  # waves below are flushed to zero: subnormal numbers are slow, and their squares vanish anyway
+ROUNDED = 1e-12  # of the largest value: smaller changes, flows and shifts are none
 BEST_RESIDUAL = 4e-15  # relative to the efforts, at which Newton's method stops
 ACCEPTED_RESIDUAL = 1e-10  # relative to the efforts, if no step reduces it
 STEPS, ULPS = 80, 4e-16  # of a scalar Newton, and the relative change at which it ends

@@ -6,7 +6,7 @@ import numpy as np
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3
 from tline.compiled.unit import function, unit, unit_of_long_loops
-from tline.solver.kernel.arithmetic import clear
+from tline.solver.kernel.arithmetic import ROUNDED, clear
 
 BLOCK = 128  # slabs compared side by side
 EXPECTED = 4.0  # largest mismatch of a start, over the change of the highest coefficient
@@ -15,7 +15,6 @@ FIRST = 10.0  # largest change by a shared polynomial in a cell without a start
 UNEQUAL = 16.0  # widths of neighbours beyond this ratio are not compared
 VALUE_ROUNDING = 4e-15  # of the largest value
 NEWTON = 3  # steps from the best point of a slab to the extreme of its polynomial
-ROUNDED = 1e-12  # of a value: largest excess that may be missed
 TIE = 1e-9  # relative difference below which extremes are the same: the first counts
 
 

@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tline.solver.kernel.arithmetic import ACCEPTED_RESIDUAL
+
 if TYPE_CHECKING:
     from scipy.sparse.linalg import SuperLU
 
@@ -33,7 +35,6 @@ STEPS, HALVINGS = 400, 40
 ROUNDED = 1e-15  # residual that is rounding, of the largest effort, and in the end of the terms of its own equation
 VAIN = 3  # steps without gain on the way there
 NO_FLOW = 1e-24  # residual that is none, relative to the largest effort
-ACCEPTED_RESIDUAL = 1e-10  # relative to the largest effort, if no step reduces it
 SHUT = 1e-9  # conductance of a closed law, in those units, beside multiports
 LEAK = 1e-14  # conductance of a part, in those units, that determines its effort where nothing else does
 LEAKS = 10.0 ** np.arange(0, -14, -1)  # leaks on the way to a state that is not found at once

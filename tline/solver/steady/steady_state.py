@@ -15,7 +15,8 @@ from tline.errors import InputError
 from tline.solver.description.bundle import bundles_of
 from tline.solver.description.description import Description
 from tline.solver.description.excitation import just_before
-from tline.solver.steady.balance import ACCEPTED_RESIDUAL, Balance, Linear, Sparse, balanced, regular
+from tline.solver.kernel.arithmetic import ACCEPTED_RESIDUAL
+from tline.solver.steady.balance import Balance, Linear, Sparse, balanced, regular
 from tline.solver.steady.edges import Edges, openings_at_rest, still
 from tline.solver.steady.pockets import settled
 from tline.solver.steady.ports import AtNodes, Wiring, at_nodes, branches_with_ports, check_limit, ported, wiring_of

@@ -6,6 +6,7 @@ import numpy as np
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Integers, pack
 from tline.compiled.unit import function, unit_of_long_loops
+from tline.solver.kernel.arithmetic import TINY
 
 
 class BaselineSignals(NamedTuple):
@@ -21,9 +22,6 @@ def put(signals, u, step):
     """Record efforts of nodes."""
     for row in range(signals.seen.size):
         signals.record[row, step] = u[signals.seen[row]]
-
-
-TINY = 1e-150  # waves below are flushed to zero, as in the production kernel
 
 
 class NodeScattering(NamedTuple):

@@ -13,14 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from tline.scene.friction import darcy
+from tline.scene.friction import FOOT, darcy
 from tline.scene.scene import Scene
 from tline.solver.description.description import describe
 from tline.solver.steady.steady_state import rest, steady_state
 from tline.study.charts.measure import TimedRun
 from tline.study.programs.ngspice import corners
 
-FOOT, DENSITY = 0.3048, 1000.0  # m, kg/m³
+DENSITY = 1000.0  # kg/m³
 HEAD = 5000.0  # ft; high enough that nothing boils
 SMOOTH = 1e9  # Hazen-Williams C
 

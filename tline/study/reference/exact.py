@@ -12,14 +12,14 @@ from flint import arb, ctx
 from numpy.typing import NDArray
 
 from tline.errors import InputError
-from tline.loss.law import MOST_DIGITS
+from tline.loss.law import MOST_BITS, MOST_DIGITS
 from tline.scene.load import Switch
 from tline.scene.scene import Scene
 from tline.study.reference.motion import rational
 from tline.study.reference.network import ReferenceNetwork, decimal
 from tline.study.reference.rays import Begun, arrivals, instant, lattice, sampled
 
-FEW_BITS, MOST_BITS = 64, 20_000
+FEW_BITS = 64
 GUARD_DIGITS = 15  # digits carried beyond those asked
 
 

@@ -11,7 +11,7 @@ g(d) = r d + k |d| d + c f |d| d, with f = |d|^n or Darcy's friction factor over
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.arithmetic import TINY
+from tline.solver.kernel.arithmetic import ROUNDED, TINY
 from tline.solver.kernel.network import COLEBROOK, POWER, SWAMEE_JAIN, Diamonds, Run
 
 STOKES, DUNLOP, LAMINAR = 2000.0, 4000.0, 2040.0  # Reynolds numbers, as in `tline.loss.flow_law`
@@ -21,7 +21,6 @@ TERMS, PLACES = 7, 128  # of a power's series, and in its table
 ROUNDS, NEWTON = 400, 8  # at most, and steps of Newton's method
 TANGENT_RANGE, UNKNOWN = 0.5, 1e300  # of a flow: how far tangents hold
 LINEAR = 1e-5  # of the correction by a step of Newton's method: largest rest after its rounds
-ROUNDED = 1e-12  # of the largest wave: with smaller changes a stalled iteration ends
 MIDDLE = 0.5  # of a rectangle of order 1, where friction is looked up: constants are of second order there
 REACH = 0.6  # about the change of the flow at a place by the loss there, of order 1; all lead to the same end
 

@@ -12,9 +12,9 @@ The rest of that one, past which the leaving wave goes, is a rectangle one slab 
 import numpy as np
 
 from tline.compiled.unit import address_of, function, invoke, unit
-from tline.solver.kernel.arithmetic import times
+from tline.solver.kernel.arithmetic import ROUNDED, times
 from tline.solver.kernel.blocks import begin, gather, load, note, scatter
-from tline.solver.kernel.diamonds.full import ROUNDED, ROUNDS, bent, flushed, lost, meet_apart
+from tline.solver.kernel.diamonds.full import ROUNDS, bent, flushed, lost, meet_apart
 from tline.solver.kernel.laws.answers import keep_states
 from tline.solver.kernel.network import Run
 

@@ -6,11 +6,10 @@ at the point before, or as near to that as the laws around them stay shut.
 """
 
 from tline.compiled.unit import function
-from tline.solver.kernel.arithmetic import largest
+from tline.solver.kernel.arithmetic import HALVINGS, ROUNDED, largest
 from tline.solver.kernel.laws.answers import ask, exchange_states, unbalance
 
-HALVINGS, LEAST = 40, 1e-6  # for the part of a shift with which laws stay shut; a smaller part is none
-ROUNDED = 1e-12  # of the largest wave: shifts and flows below are none
+LEAST = 1e-6  # part of a shift with which laws stay shut; a smaller one is none
 OPEN, JOINED, LIMITED, SHUT = 0, 1, 2, 3  # laws around it: one passes flow (and was asked), would if shifted, or none
 
 
