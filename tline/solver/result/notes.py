@@ -15,7 +15,7 @@ from tline.solver.result.envelope import Envelope
 from tline.solver.result.result import ProbeResult, Result
 from tline.solver.result.states import drained, emptied
 from tline.units import engineering
-from tline.words.wording import place
+from tline.words.wording import first_of, place
 
 LISTED = 4  # names in a sentence
 VISIBLE = 1e-6  # relative to the largest wave, or to the efforts
@@ -108,10 +108,10 @@ def lumped(result: Result) -> list[str]:
     if not chosen.sections:
         return []
     told, tol = (accuracy.behind_fronts, accuracy.tol or inf) if accuracy else (0.0, inf)
-    count, named = len(chosen.sections), ", ".join(map(repr, [*chosen.sections][:LISTED]))
+    count, named = len(chosen.sections), first_of([*map(repr, chosen.sections)], LISTED)
     n = max(chosen.sections.values())
     return [
-        f"lines: {named}{' and more' * (count > LISTED)} {'is' if count == 1 else 'are'} far shorter than a slab and "
+        f"lines: {named} {'is' if count == 1 else 'are'} far shorter than a slab and "
         f"lumped: {n} LC {'section' if n == 1 else 'sections'} each"
         + (f"; for {chosen.settle:.3g} s and more behind a front, what they do is blurred" if chosen.settle else "")
         + (f", and off by up to some {told:.0e}: no tolerance is asked there" if told > tol else "")
@@ -142,7 +142,7 @@ def unconnected(description: Description) -> list[str]:
     if not part.any():
         return []
     smallest = np.flatnonzero(part == np.argmin(np.bincount(part)))
-    named = ", ".join(f"'{nodes[k]}'" for k in smallest[:LISTED]) + " and more" * (len(smallest) > LISTED)
+    named = first_of([f"'{nodes[k]}'" for k in smallest], LISTED)
     return [f"lines: they form {part.max() + 1} parts that are not connected; one has the nodes {named}"]
 
 
@@ -159,25 +159,20 @@ def beyond_limits(description: Description, extremes: Mapping[str, tuple[float, 
         modelled = at_cavities if description.collapses else "not modelled"
         limit = f"a liquid cavitates below {engineering(VACUUM, unit)} gauge (0 absolute): {modelled}"
         falls = f"the pressure falls to {engineering(min(deep.values()), unit)}"
-        found.append(f"{first_of(worst_first(deep, -1))}: {falls}; {limit}")
+        found.append(f"{first_of(worst_first(deep, -1), 1)}: {falls}; {limit}")
     rating = float(description.scene.rating or inf)
     sizes = {where: high if medium.hydraulic else max(high, -low) for where, (low, high) in extremes.items()}
     high = {where: size for where, size in sizes.items() if size > rating}
     if high:
         rises = f"the {medium.effort} rises to {engineering(max(high.values()), unit)}"
         above = f"above the rating of {engineering(rating, unit)}"
-        found.append(f"{first_of(worst_first(high, 1))}: {rises}, {above}")
+        found.append(f"{first_of(worst_first(high, 1), 1)}: {rises}, {above}")
     return found
 
 
 def worst_first(sizes: Mapping[str, float], sign: int) -> list[str]:
     """Places by falling size (sign 1) or rising (sign -1); ties within rounding keep their order."""
     return sorted(sizes, key=lambda where: -sign * float(f"{sizes[where]:.9g}"))
-
-
-def first_of(places: list[str]) -> str:
-    """Name the first place, and the number of others."""
-    return places[0] + f" and {len(places) - 1} more" * (len(places) > 1)
 
 
 def surges(
@@ -221,8 +216,8 @@ def surges(
         engineering(x, description.medium.shown["effort"]) for x in (beyond[worst], joukowsky, packing[worst])
     )
     return [
-        f"{first_of(places)}: the pressure rises by {rise}, above Joukowsky's {most} and the line packing of {packed} "
-        f"that the flow in one pipe explains; waves of {by} add up"
+        f"{first_of(places, 1)}: the pressure rises by {rise}, above Joukowsky's {most} and the line packing of "
+        f"{packed} that the flow in one pipe explains; waves of {by} add up"
     ]
 
 

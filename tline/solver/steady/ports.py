@@ -25,7 +25,7 @@ from tline.solver.description.elements import Branch, Ports, admittance, capacit
 from tline.solver.description.excitation import just_before
 from tline.solver.description.groups import parts
 from tline.solver.steady.balance import Limit, Linear, Sparse
-from tline.words.wording import place
+from tline.words.wording import first_of, place
 
 NAMED = 4  # elements in a message
 
@@ -248,6 +248,5 @@ def check_limit(limit: Limit | None, names: list[str], lines: Wiring) -> None:
         nodes, pairs = {lines.number[name] for name in between}, zip(lines.names, lines.joins.tolist(), strict=False)
         found |= {place("lines", name) for name, pair in pairs if nodes >= {*pair}}
         known = sorted(found - {""}, key=lambda name: (name.startswith("node "), names.index(name)))
-        more = f" and {len(known) - NAMED} more" if len(known) > NAMED else ""
-        where = ", ".join(known[:NAMED]) + more or "start"
-        raise InputError(where, f"no steady state: {problem}", "a resistance in between, or start = 'rest'")
+        where, expected = first_of(known, NAMED) or "start", "a resistance in between, or start = 'rest'"
+        raise InputError(where, f"no steady state: {problem}", expected)
