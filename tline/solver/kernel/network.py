@@ -167,6 +167,7 @@ class Units(NamedTuple):
     delay: int  # fractional rests of delays
     crossing: int  # groups with one law and nothing else
     circuit: int  # other groups with laws
+    hold: int  # efforts in them that nothing determines
     govern: int  # groups whose elements move their openings themselves
     law: Integers  # (E,) of each element: its law, or its store
     diamonds: int  # lines that lose all along

@@ -44,6 +44,7 @@ def units_of(network: Network, kinds: Sequence[str], *, fronts: bool) -> Units:
         delay=address("blocks.delay_rest", (network.shift_row >= 0).any()),
         crossing=address("laws.crossing.crossing", (laws & ~mapped).any()),
         circuit=address("laws.circuit.circuit", (laws & mapped).any()),
+        hold=address("laws.pockets.hold", network.laws.pockets.any()),
         govern=address("laws.govern.govern", network.laws.governed.any()),
         law=law_addresses(kinds),
         diamonds=address("diamonds.cells.pass_cells" if whole else "diamonds.full.pass_diamonds", diamonds),

@@ -21,10 +21,9 @@ M. A. Krasnoselskii: Two remarks on the method of successive approximations, Usp
 
 import numpy as np
 
-from tline.compiled.unit import function, unit
+from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import ACCEPTED_RESIDUAL, BEST_RESIDUAL, TINY, largest
 from tline.solver.kernel.laws.answers import answered, exchange_states, respond_to, unbalance
-from tline.solver.kernel.laws.pockets import hold
 from tline.solver.kernel.network import DIVIDED, MISSES, SPENT, Run
 
 AT_ONCE, ALONG = 40, 200  # waves at which laws are asked: from the last slab's, and for each μ
@@ -190,7 +189,7 @@ def circuit(run: Run, g: int, n: int, h: float, own: int) -> int:
         for a in range(size):
             row[k * q + a] = work.sent[a]
         if laws.pockets[g]:
-            hold(run, g, q, h, step, at, k)
+            invoke(run.units.hold, (run, g, q, h, own))
         for a in range(size):
             work.waves[first * s + a] = work.aimed[a]
             stores = laws.state_at[first + a // q] >= 0

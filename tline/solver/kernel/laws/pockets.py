@@ -5,9 +5,12 @@ their efforts may be shifted together, and Newton's method leaves them anywhere.
 at the point before, or as near to that as the laws around them stay shut.
 """
 
-from tline.compiled.unit import function
+import numpy as np
+
+from tline.compiled.unit import function, unit
 from tline.solver.kernel.arithmetic import HALVINGS, ROUNDED, largest
 from tline.solver.kernel.laws.answers import ask, exchange_states, unbalance
+from tline.solver.kernel.network import Run
 
 LEAST = 1e-6  # part of a shift with which laws stay shut; a smaller one is none
 OPEN, JOINED, LIMITED, SHUT = 0, 1, 2, 3  # laws around it: one passes flow (and was asked), would if shifted, or none
@@ -103,10 +106,14 @@ def effort(run, step, place):
     return total
 
 
-@function
-def hold(run, g, q, h, step, at, k):
+@unit
+def hold(run: Run, g: int, q: int, h: float, own: int) -> int:
     """Bring the pockets of a group back to the efforts that they had, at all points of a slab."""
-    laws, work, row, low, asked = run.network.laws, run.work.circuit, run.work.row, run.network.group[g], False
+    network, laws, work, row, asked = run.network, run.network.laws, run.work.circuit, run.work.row, False
+    low, step, at = network.group[g], network.step, network.step_at[network.step_row[g]]
+    if own != 0:
+        step, at = run.work.map, np.int64(0)
+    k = network.group[g + 1] - low
     first, m, width = laws.first[g], laws.first[g + 1] - laws.first[g], work.width[0]
     faint = ROUNDED * largest(row, (k + m) * q)
     for i in range(q):
@@ -133,3 +140,4 @@ def hold(run, g, q, h, step, at, k):
         unbalance(run, g, q, h, step, at, k, 0.0)
         for a in range(m * q):
             row[k * q + a] = work.sent[a]
+    return 0
