@@ -68,7 +68,7 @@ def test_what_takes_long_is_said_once_while_it_compiles(monkeypatch: pytest.Monk
             assert terminal.getvalue() == "compiling for losses, once, some 3 s\n"
     with announced("tline.solver.kernel.fronts.advance"):
         clock.go_on(1.1)
-    assert terminal.getvalue().splitlines()[1:] == ["compiling for fronts, once, some 10 s"]
+    assert terminal.getvalue().splitlines()[1:] == ["compiling for fronts, once, some 5 s"]
 
 
 def test_what_is_short_is_not_said_but_adds_up(monkeypatch: pytest.MonkeyPatch, clock: Clock):
@@ -79,7 +79,7 @@ def test_what_is_short_is_not_said_but_adds_up(monkeypatch: pytest.MonkeyPatch, 
     assert terminal.getvalue() == ""
     with announced("tline.solver.kernel.laws.table"):
         clock.go_on(0.6)
-    assert terminal.getvalue() == "compiling for non-linear elements, once, some 5 s\n"
+    assert terminal.getvalue() == "compiling for non-linear elements, once, some 3 s\n"
 
 
 def test_nothing_is_said_where_nobody_looks(monkeypatch: pytest.MonkeyPatch, clock: Clock):

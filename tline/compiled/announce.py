@@ -12,11 +12,11 @@ FOR = {  # part of the kernel -> its purpose, and seconds for compiling all of i
     "blocks": ("lines", 2),
     "delay": ("delays that are no whole number of slabs", 2),
     "friction": ("friction models", 5),
-    "fronts": ("fronts", 10),
-    "laws": ("non-linear elements", 5),
+    "fronts": ("fronts", 5),
+    "laws": ("non-linear elements", 3),
     "diamonds": ("losses", 3),
     "many": ("sweeps", 4),
-    "stores": ("vessels, tanks and pumps", 5),
+    "stores": ("vessels, tanks and pumps", 3),
 }
 OTHERWISE = "this", 10
 _spent: dict[str, float] = {}
