@@ -10,6 +10,7 @@ from typing import Any
 
 from tline.scene.file import schema
 from tline.scene.medium import ELECTRICAL, HYDRAULIC
+from tline.scene.waveform import WAVEFORMS
 
 DOCS = Path(__file__).parent
 example = runpy.run_path(str(DOCS / "examples.py"))["example"]
@@ -53,10 +54,6 @@ SECTIONS = {
         "[heights](networks.md#heights).",
     ),
 }
-SHAPES = (
-    "Constant", "Step", "Ramp", "PiecewiseLinear", "Table", "Pulses", "Sine", "ModulatedSine", "Exponential",
-    "DoubleExponential",
-)  # fmt: skip
 
 
 def reference() -> str:
@@ -88,8 +85,8 @@ def reference() -> str:
             parts += _model(models[name], name, heading=key in ("lines", "loads", "links", "measures"))
         if key == "sources":
             parts += ["", "### Waveforms"]
-            for name in SHAPES:
-                parts += _model(models[name], name, heading=True, level=4)
+            for shape in WAVEFORMS:
+                parts += _model(models[shape.__name__], shape.__name__, heading=True, level=4)
     return "\n".join(parts) + "\n"
 
 

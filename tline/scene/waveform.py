@@ -148,13 +148,13 @@ class Points(Shape):
         """Times, not decreasing (two equal ones make a jump), and levels."""
         raise NotImplementedError
 
-    def breaks(self, t_end):
+    def breaks(self, t_end):  # noqa: D102
         times, _ = self.points()
         kept = np.ones(len(times), bool)
         np.greater(times[1:], times[:-1], out=kept[1:])
         return times[kept]
 
-    def value(self, t, inside):
+    def value(self, t, inside):  # noqa: D102
         self._lines = self._lines or lines(*self.points())
         return self._lines.value(t, inside)
 
@@ -283,16 +283,10 @@ class Pulses(Shape):
         return np.cumsum([0.0, self.rise, self.width, self.fall])
 
 
-__all__ = [
-    "Constant", "DoubleExponential", "Exponential", "ModulatedSine", "PiecewiseLinear", "Pulses", "Ramp", "Shape",
-    "Sine", "Step", "Table", "Waveform", "read_waveform",
-]  # fmt: skip
-
-_Any = (
-    Constant | Step | Ramp | PiecewiseLinear | Table | Pulses | Sine | ModulatedSine | Exponential
-    | DoubleExponential
+WAVEFORMS = (
+    Constant, Step, Ramp, PiecewiseLinear, Table, Pulses, Sine, ModulatedSine, Exponential, DoubleExponential,
 )  # fmt: skip
-Waveform = Annotated[_Any, OneOf(_Any, "shape")]
+Waveform = Annotated[Shape, OneOf(WAVEFORMS, "shape")]
 
 
 def read_waveform(value: Any, unit: str | None, info: ValidationInfo) -> Shape:
