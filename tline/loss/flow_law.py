@@ -64,9 +64,9 @@ class RoughPipe(FlowLaw):
     reynolds: float  # Reynolds number of a flow of 1 m³/s
     roughness: float  # relative to the diameter
 
-    @staticmethod
+    @classmethod
     @abstractmethod
-    def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:
+    def factor(cls, roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:
         """Friction factor f and d ln f/d ln Re, for Re above 0."""
 
     def _own(self, flow: NDArray) -> tuple[NDArray, NDArray]:
@@ -75,22 +75,29 @@ class RoughPipe(FlowLaw):
         return each * flow, (2 + exponent) * each
 
 
-class Colebrook(RoughPipe):
-    """Hagen and Poiseuille's factor up to Re = 2040, Colebrook's beyond.
-
-    References
-    ----------
-    D. Clamond, Industrial & Engineering Chemistry Research 48 (2009) 3665-3671, doi:10.1021/ie801626g: Colebrook's
-    equation, which `fluids.friction.friction_factor` solves.
-    """
+class Tabulated(RoughPipe):
+    """Hagen and Poiseuille's factor up to Re = 2040, one from a table over ln Re beyond; a subclass tells it."""
 
     @staticmethod
-    def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:  # noqa: D102
+    @abstractmethod
+    def turbulent(roughness: float, reynolds: float) -> float:
+        """Friction factor for Re above 2040."""
+
+    @classmethod
+    @lru_cache
+    def table(cls, roughness: float) -> NDArray:
+        """Tabulate ln f over evenly spaced ln Re: the first, their distance, their number, and the values."""
+        x = np.linspace(log(LAMINAR), log(FASTEST), int(PER_OCTAVE * log(FASTEST / LAMINAR) / log(2)))
+        factors = [cls.turbulent(roughness, float(each) * (1 + 1e-12)) for each in np.exp(x)]
+        return np.concatenate([[x[0], x[1] - x[0], len(x)], np.log(factors)])
+
+    @classmethod
+    def factor(cls, roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:  # noqa: D102
         value, exponent = np.array(64 / reynolds), np.full(reynolds.shape, -1.0)
         roughness = np.broadcast_to(roughness, reynolds.shape)
         for each in np.unique(roughness):
             here = (roughness == each) & (reynolds > LAMINAR)
-            first, step, y = colebrook_table(float(each))
+            (first, step, _), y = np.split(cls.table(float(each)), [3])
             at = np.clip((np.log(reynolds[here]) - first) / step, 0, len(y) - 1)
             k = np.minimum(at.astype(int), len(y) - 2)
             rise = y[k + 1] - y[k]
@@ -99,14 +106,20 @@ class Colebrook(RoughPipe):
         return value, exponent
 
 
-@lru_cache
-def colebrook_table(roughness: float) -> tuple[float, float, NDArray]:
-    """Tabulate ln f over evenly spaced ln Re: the first, their distance, and the values."""
-    from fluids.friction import friction_factor
+class Colebrook(Tabulated):
+    """Colebrook's factor beyond Re = 2040.
 
-    x = np.linspace(log(LAMINAR), log(FASTEST), int(PER_OCTAVE * log(FASTEST / LAMINAR) / log(2)))
-    factors = [friction_factor(Re=float(each) * (1 + 1e-12), eD=roughness) for each in np.exp(x)]
-    return float(x[0]), float(x[1] - x[0]), np.log(factors)
+    References
+    ----------
+    D. Clamond, Industrial & Engineering Chemistry Research 48 (2009) 3665-3671, doi:10.1021/ie801626g: Colebrook's
+    equation, which `fluids.friction.friction_factor` solves.
+    """
+
+    @staticmethod
+    def turbulent(roughness: float, reynolds: float) -> float:  # noqa: D102
+        from fluids.friction import friction_factor
+
+        return friction_factor(Re=reynolds, eD=roughness)
 
 
 class SwameeJain(RoughPipe):
@@ -119,8 +132,8 @@ class SwameeJain(RoughPipe):
     EPANET 2.2 User Manual, section 3.1.
     """
 
-    @staticmethod
-    def factor(roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:  # noqa: D102
+    @classmethod
+    def factor(cls, roughness: NDArray, reynolds: NDArray) -> tuple[NDArray, NDArray]:  # noqa: D102
         part = 5.74 / np.maximum(reynolds, DUNLOP) ** 0.9
         y2 = roughness / 3.7 + part
         y3 = -2 * np.log10(y2)

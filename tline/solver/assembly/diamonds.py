@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from tline.compiled.structure import empty, pack
 from tline.distinct import distinct
 from tline.loss import Foster
-from tline.loss.flow_law import Colebrook, PowerLaw, SwameeJain, colebrook_table
+from tline.loss.flow_law import PowerLaw, SwameeJain, Tabulated
 from tline.solver.description.laws import tools_of
 from tline.solver.description.lines import Circuits, Columns, Line, one_step
 from tline.solver.description.slab import WHOLE
 from tline.solver.kernel.network import (
     CELL_ORDER,
-    COLEBROOK,
     POWER,
     SQUARE,
     SWAMEE_JAIN,
+    TABULATED,
     Diamonds,
     Memory,
     Network,
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 EXPONENT = 1023  # of 1.0, as numbers hold it
 EXACT, SHARE = 1e-15, 1e-6  # of the largest wave, and of what may be left out: changes that end an iteration
 STEP, WEAK = 1e-5, 8.0  # of the largest wave, and of what may be left out: jumps that part a cell
-KIND = {PowerLaw: POWER, SwameeJain: SWAMEE_JAIN, Colebrook: COLEBROOK}
 
 
 @lru_cache
@@ -217,19 +216,14 @@ def _friction(
             kind[k], constants[k, 1] = np.where(plain, SQUARE, POWER), constants[k, 1] + np.where(plain, c, 0.0)
             constants[k, 2], constants[k, 3] = np.where(plain, 0.0, c), np.where(plain, 0.0, key - 1)
         else:
-            assert isinstance(law, Colebrook | SwameeJain)
-            key, plain, kind[k] = np.asarray(law.roughness), np.full(len(k), False), KIND[type(law)]
+            assert isinstance(law, Tabulated | SwameeJain)
+            key, plain = np.asarray(law.roughness), np.full(len(k), False)
+            kind[k] = TABULATED if isinstance(law, Tabulated) else SWAMEE_JAIN
             constants[k, 2:] = np.stack([law.strength * square, law.reynolds * y[k], key], axis=1)
         for each in distinct(key[~plain]) if not isinstance(law, SwameeJain) else ():
-            table = _power_table(each - 1) if isinstance(law, PowerLaw) else _colebrook(each)
+            table = law.table(float(each)) if isinstance(law, Tabulated) else _power_table(each - 1)
             table_at[k[key == each]], tables, size = size, [*tables, table], size + len(table)
     return kind, constants, np.concatenate(tables), table_at
-
-
-def _colebrook(roughness: float) -> NDArray:
-    """Table for `tline.solver.kernel.diamonds.full.colebrook`."""
-    first, step, y = colebrook_table(float(roughness))
-    return np.concatenate([[first, step, len(y)], y])
 
 
 @lru_cache

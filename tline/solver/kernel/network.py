@@ -15,7 +15,7 @@ from typing import Annotated, NamedTuple
 
 from tline.compiled.structure import Flags, Floats, Floats2, Floats3, Floats4, Integers, Integers2
 
-SQUARE, POWER, SWAMEE_JAIN, COLEBROOK = range(4)  # kinds of friction along a line
+SQUARE, POWER, SWAMEE_JAIN, TABULATED = range(4)  # kinds of friction along a line
 CELL_ORDER = 2  # at most: the friction of cells in place of half diamonds is of second order in any case
 PARTS = 8  # of a wave in a cell, between jumps; beyond that jumps are projected
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
 from tline.solver.kernel.arithmetic import ROUNDED, TINY
-from tline.solver.kernel.network import COLEBROOK, POWER, SWAMEE_JAIN, Diamonds, Run
+from tline.solver.kernel.network import POWER, SWAMEE_JAIN, TABULATED, Diamonds, Run
 
 STOKES, DUNLOP, LAMINAR = 2000.0, 4000.0, 2040.0  # Reynolds numbers, as in `tline.loss.flow_law`
 SLOWEST = 1e-200  # Reynolds number
@@ -44,7 +44,7 @@ def swamee_jain(roughness, reynolds):
 
 
 @function
-def colebrook(tables, at, reynolds):
+def tabulated(tables, at, reynolds):
     """Friction factor and exponent from a table: ln of the first Re, their distance, number of points, ln f there."""
     if reynolds <= LAMINAR:
         return 64.0 / reynolds, -1.0
@@ -82,10 +82,10 @@ def lost(diamonds, row, d):
     if kind == POWER:
         each = c * power(diamonds.tables, diamonds.table_at[row], size)
         return value + each * d, slope + (1.0 + constants[row, 3]) * each
-    if kind == SWAMEE_JAIN or kind == COLEBROOK:  # noqa: SIM109
+    if kind == SWAMEE_JAIN or kind == TABULATED:  # noqa: SIM109
         reynolds = max(constants[row, 3] * size, SLOWEST)
-        if kind == COLEBROOK:
-            factor, exponent = colebrook(diamonds.tables, diamonds.table_at[row], reynolds)
+        if kind == TABULATED:
+            factor, exponent = tabulated(diamonds.tables, diamonds.table_at[row], reynolds)
         else:
             factor, exponent = swamee_jain(constants[row, 4], reynolds)
         each = c * factor * size
