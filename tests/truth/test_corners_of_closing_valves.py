@@ -50,3 +50,62 @@ def test_runs_that_err_alike_are_not_called_met(at, duration, tol):
 @pytest.mark.parametrize("tol", [1e-2, 1e-3])
 def test_a_hose_whose_valve_shuts_is_met_on_the_whole_curve(tol):
     assert tl.simulate(HOSE.change({"solver": {"tol": tol}})).accuracy.met
+
+
+def behind_a_pump(t, begins, takes):
+    """Pressure behind a pump, before a short pipe to a valve that shuts, bounce by bounce.
+
+    The pump, with a rise of h - c q |q|, has no check valve: the flow through it turns. Beyond the valve is a main.
+    """
+    z = 1e6 / (np.pi * 0.1**2)  # of both pipes, whose delays are 0.03 s and 33 times that
+    sump, lake, h, c, rated = 0.5e5, 4e5, 4 / 3 * 5e5, 5e5 / 3 / 0.04**2, 500 / 3600
+    flow = np.sqrt((sump + h - lake) / (c + 1e5 / rated**2))
+    drop = 1e5 * (flow / rated) ** 2
+    bounces = np.floor(t / 0.06).astype(int)
+    begin = t - 0.06 * bounces
+    after, main, seen = np.full_like(t, lake + drop - z * flow), [], np.empty_like(t)
+    for k in range(bounces.max() + 1):
+        w = after - sump - h  # of the pump: u = after + z q, and u = sump + h - c q |q|
+        q = -2 * w / (z + np.sqrt(z * z + 4 * c * np.abs(w)))
+        u = after + z * q
+        seen[bounces == k] = u[bounces == k]
+        arrives = 2 * u - after  # at the valve, after one delay
+        left = lake - z * flow if k < 33 else 2 * lake - main[k - 33]
+        opening = np.clip(1 - (begin + 0.06 * k + 0.03 - begins) / takes, 0, 1)
+        v = (z * rated * opening) ** 2 / 1e5
+        d = arrives - left
+        q = np.sign(d) * (np.sqrt(v * v + v * np.abs(d)) - v) / z
+        main.append(left + 2 * z * q)
+        after = arrives - 2 * z * q
+    return seen
+
+
+@pytest.mark.parametrize(("tol", "takes"), [(1e-3, 1e-3), (1e-5, 1e-3), (1e-5, 20e-3)])
+def test_the_flow_through_a_pump_turns_while_a_valve_shuts(tol, takes):
+    pipe = {"diameter": "20 cm", "wave_speed": 1000, "density": 1000}
+    opening = {"shape": "ramp", "from": 1, "to": 0, "at": 1.0137, "duration": takes}
+    scene = {
+        "medium": "hydraulic", "t_end": "3 s", "start": "steady", "probes": {"header": {"at": "header"}},
+        "lines": {
+            "short": {"nodes": ["header", "before"], "length": 30, **pipe},
+            "main": {"nodes": ["behind", "lake"], "length": 990, **pipe},
+        },
+        "loads": {
+            "sump": {"at": "sump", "kind": "reservoir", "pressure": "0.5 bar"},
+            "lake": {"at": "lake", "kind": "reservoir", "pressure": "4 bar"},
+        },
+        "links": {
+            "pump": {"kind": "pump", "nodes": ["sump", "header"], "curve": [["40 L/s", "5 bar"]]},
+            "valve": {
+                "kind": "orifice", "nodes": ["before", "behind"], "flow": "500 m^3/h", "pressure_drop": "1 bar",
+                "opening": opening,
+            },
+        },
+    }  # fmt: skip
+    result = tl.simulate(scene, tol=tol)
+    beside = np.random.default_rng(1).uniform(0, 3, 20_000), np.random.default_rng(2).uniform(1.04, 1.07, 20_000)
+    t = np.concatenate(beside)
+    expected = behind_a_pump(t, 1.0137, takes)
+    off = np.abs(result.probes["header"].at(t).u - expected).max() / np.abs(expected).max()
+    assert result.accuracy.met
+    assert off <= 3 * min(tol, result.accuracy.worst)

@@ -36,9 +36,16 @@ class Pumping(LawKind):
     control = "speed"
     supplies = True
 
-    def bends(self, c, rho):  # noqa: D102
+    def bends(self, c, rho):
+        """Kinks where the check valve shuts, and between pieces of the curve: there at the rated speed, or at rest."""
         if c[2] > 0:
             yield Bend(c[0], -c[1], 2)
+        number = int(c[5])
+        borders, forms = c[9 : 8 + number], c[8 + number : 8 + 4 * number]
+        for k, q in enumerate(borders):
+            if q > 0 or (q == 0 and c[2] == 0):
+                at_rest, linear, square = forms[3 * k : 3 * k + 3]
+                yield Bend(c[0], rho * q - c[1] - (at_rest + linear * q + square * q**2), 2)
 
     def holds(self, c, control):  # noqa: D102
         return (-inf, c[0] - control**2 * c[1]) if c[2] else (0.0, 0.0)

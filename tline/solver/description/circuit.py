@@ -312,9 +312,12 @@ def _reduced(
     given = np.abs(bound @ H).max(axis=0, initial=0.0) > COEFFICIENT_ROUNDING
     if given.any():
         problem = "no efforts and flows follow from what is at its nodes"
-        at = [node.name for node, share in zip(nodes, given, strict=False) if share]
+        at = [node for node, share in zip(nodes, given, strict=False) if share]
         if np.abs(together).max(initial=0.0) > COEFFICIENT_ROUNDING and at:
-            problem = f"what an ideal source prescribes at node '{at[0]}' is held by it, and cannot jump"
+            problem = f"what an ideal source prescribes at node '{at[0].name}' is held by it, and cannot jump"
+            if at[0].held is None:
+                problem = f"it alone takes the flow that a source drives into node '{at[0].name}', and that cannot jump"
+                raise InputError(where, problem, "a resistance beside the source")
         raise InputError(where, problem, "a resistance in between, or beside it")
     follow = together @ L
     scale = np.abs(follow).max(axis=1, keepdims=True, initial=0.0)
