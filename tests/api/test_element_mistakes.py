@@ -346,3 +346,14 @@ def test_a_switch_between_nodes_that_never_moves_is_told():
 def test_a_link_and_a_load_may_have_one_name():
     links, loads = {"x": C | {"nodes": ["b", "c"]}}, {"x": C | {"at": "b"}}
     assert circuit_scene(links=links, loads=loads).links["x"].kind == "capacitor"
+
+
+def test_a_current_source_into_an_inductor_alone():
+    scene = {
+        "medium": "electrical", "t_end": "40 ns", "probes": {"e": {"at": "e"}},
+        "lines": {"l": {"nodes": ["s", "e"], "z0": 50, "delay": "3 ns"}},
+        "sources": {"i": {"at": "x", "kind": "current", "value": 1e-3}},
+        "links": {"coil": {"kind": "inductor", "nodes": ["x", "s"], "inductance": "100 nH"}},
+    }  # fmt: skip
+    with pytest.raises(InputError, match=r"links\.coil: it alone takes the flow that a source drives into node 'x'"):
+        simulate(Scene(**scene))

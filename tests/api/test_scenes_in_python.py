@@ -4,6 +4,7 @@ import copy
 import json
 import pickle
 import re
+import subprocess
 import sys
 import tomllib
 
@@ -291,3 +292,20 @@ def test_what_names_a_missing_extra_survives_pickle():
     error = tl.MissingExtraError("a.inp", "wntr is missing", "epanet")
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
     assert "[epanet]" in str(error)
+
+
+def test_a_switch_needs_no_other_element():
+    """In a process that has met no table, whose law it has beside another law."""
+    code = """if True:
+        import tline
+        pipe = {"length": 100, "wave_speed": 1000, "diameter": 0.2, "density": 1000}
+        relief = {"kind": "relief valve", "set_pressure": 1e5, "band": 1e4, "flow": 5e-3, "pressure_drop": 1e5}
+        moves = {"kind": "valve", "before": 1e7, "after": 1e8, "time": 0.2}
+        tline.simulate({
+            "medium": "hydraulic", "t_end": 1, "start": "steady", "probes": {"v": {"at": "v"}},
+            "lines": {"p": {"nodes": ["r", "v"], **pipe}, "q": {"nodes": ["w", "e"], **pipe}},
+            "loads": {"lake": {"at": "r", "kind": "reservoir", "pressure": 2e5}},
+            "links": {"m": {"nodes": ["v", "w"], **moves}, "x": {"nodes": ["v", "w"], **relief}},
+        }, tol=1e-3)
+    """
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -124,7 +124,7 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw], sharp: bool) -> Kink
         factor = element.law.factor
         points = into.start[:, None] + into.width[:, None] * basis(result.resolution.s).c
         control = _control(factor, points, (into.start + into.width / 2)[:, None])
-        instants, swept = [np.empty(0)], _swept(into, result.resolution.h)
+        instants = [np.empty(0)]
         bends, knees = (find(element.constants, record.impedance) for find in (element.kind.bends, element.kind.knees))
         least, most = element.kind.holds(element.constants, 1.0)
         efforts = (effort for effort in (record.wave, *record.efforts) if effort is not None)
@@ -136,7 +136,7 @@ def kinks_of(result: Result, elements: Sequence[PlacedLaw], sharp: bool) -> Kink
                 off = into._replace(values=values, before=float(values[0, 0]))
                 t = np.append(_crossings(off, result, rounded), _stays(off, result, rounded) if rounded else ())
                 opened = np.maximum(_control(factor, t, t), SHUT)
-                instants.append(t[swept(t) >= (WIDER - 1) * level.layer * opened**2])
+                instants.append(t[_swept(off, result.resolution.h)(t) >= (WIDER - 1) * level.layer * opened**2])
         all_ = distinct(np.concatenate(instants))
         if 0 < len(all_) <= MOST_KINKS:
             found[element.where] = all_
@@ -150,7 +150,8 @@ def _control(factor: Shape | None, t: NDArray, inside: NDArray) -> NDArray:
 
 def _beside(bend: Bend, into: PiecewiseQuantity, control: NDArray) -> Iterator[Bend]:
     """Waves on either side of a kink, each farther away by the same factor, up to the largest."""
-    away, most = bend.layer, np.abs(into.values - bend.constant).max()
+    most, moves = np.abs(into.values - bend.constant).max(), control.size > 1
+    away = bend.layer / (WIDER**2 if moves else 1.0)  # a layer that shrinks passes over the wave
     while 0 < away * max(control.min(), SHUT) ** 2 < most:
         yield from (Bend(bend.constant, sign * away, 2, away) for sign in (-1, 1))
         away *= WIDER
