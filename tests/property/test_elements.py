@@ -10,7 +10,8 @@ from random_elements import random_elements
 from random_pockets import random_pockets
 
 from tline import InputError, Scene
-from tline.scene.law import KINDS
+from tline.scene.air_valve import Air
+from tline.scene.vessel import Gas, Tank, Vapour
 from tline.solver.assembly.assemble import Assembly, assemble
 from tline.solver.description.description import describe
 from tline.solver.kernel.stores import gas, rotor, tank
@@ -18,7 +19,7 @@ from tline.solver.loop.march import Stepper
 from tline.solver.simulate import simulate
 from tline.solver.steady.steady_state import steady_state
 
-AIR, GAS, TANK, VAPOUR = (KINDS[name].number for name in ("air", "gas", "tank", "vapour"))
+AIR, GAS, TANK, VAPOUR = (kind.number for kind in (Air, Gas, Tank, Vapour))
 AT_ONCE = 2e-14  # of the energy at the start, in one slab: roundings of waves and of the laws' solutions
 
 

@@ -244,8 +244,6 @@ def _behind(r: float) -> Ports:
 
 def resistive(scene: Scene, nodes: Mapping[str, Node]) -> list[PlacedLaw]:
     """Linear resistances to a steady flow, with the effort of a source in series, between nodes not both prescribed."""
-    from tline.scene.characteristic import Tabled  # the kind of law: the scene may have no table
-
     found: list[tuple[str, tuple[str, str], float, float]] = []  # with that effort, and the resistance
     for name, link in scene.links.items():
         if isinstance(link, RationalImpedance) and link.ratio.at_zero():

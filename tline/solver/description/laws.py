@@ -144,8 +144,6 @@ def states_of(elements: list[PlacedLaw], effort: dict[str, float], openings: Map
 
 def switches_of(description: Description) -> Iterator[PlacedLaw]:
     """Switches of a scene at nodes whose effort is not held."""
-    from tline.scene.characteristic import Tabled  # the kind of law: the scene may have no table
-
     for at, one in description.scene.placed:
         if not isinstance(one, Switch):
             continue
