@@ -1,5 +1,10 @@
-"""Circuits at the nodes: each group's map over a slab, and the instants from which on it is another."""
+"""Circuits at the nodes: each group's map over a slab, and the instants from which on it is another.
 
+Settling of a group with lumped lines after a front: its map over that time, in which it moves far within a slab.
+"""
+
+from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +14,9 @@ from tline.errors import InputError
 from tline.solver.description.circuit import StateSpace, load_step
 from tline.solver.description.groups import Group
 from tline.solver.kernel.fronts.structures import SAME_MAP
-from tline.solver.radau import Basis
+from tline.solver.radau import Basis, Matrix, basis
+
+SUBSTEPS = 8  # in the time that it takes
 
 
 class Event(NamedTuple):
@@ -82,3 +89,28 @@ def maps_of(found: GroupSystems, order: Basis, h: float) -> tuple[NDArray, NDArr
         for system, whole in zip(found.spaces, found.whole, strict=True)
     ]
     return np.concatenate([np.empty(0), *maps]), np.cumsum([0, *map(len, maps)])[:-1]
+
+
+def settling_step(system: StateSpace, order: Basis, width: float) -> Matrix:
+    """A group's map over a piece of a slab, as wide as it takes to settle, in steps within; efforts are projected.
+
+    Shape (k s + n, k s + n), as of `load_step`.
+    """
+    s, (n, k) = order.s, system.b.shape
+    step = load_step(system, order, width / SUBSTEPS)
+    within, projected = _substeps(s)
+    given = np.eye(k * s + n)
+    waves, efforts = given[: k * s].reshape(k, s, -1), np.zeros((k, s, k * s + n))
+    for restriction, projection in zip(within, projected, strict=True):
+        out = step @ np.vstack([(restriction @ waves).reshape(k * s, -1), given[k * s :]])
+        efforts += projection @ out[: k * s].reshape(k, s, -1)
+        given = out
+    return np.vstack([efforts.reshape(k * s, -1), given[k * s :]])
+
+
+@lru_cache
+def _substeps(s: int) -> tuple[list[Matrix], list[Matrix]]:
+    """Matrices that restrict a polynomial to each step, and project one that is known there on the whole."""
+    order, edges = basis(s), np.arange(SUBSTEPS + 1) / SUBSTEPS
+    spans = list(pairwise(edges))
+    return [order.restriction(*span) for span in spans], [order.projection(*span) for span in spans]

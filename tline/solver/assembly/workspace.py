@@ -8,8 +8,7 @@ import numpy as np
 
 from tline.compiled.structure import allocated, empty, pack
 from tline.solver.assembly.assemble import Assembly
-from tline.solver.assembly.node_maps import Event
-from tline.solver.description.circuit import load_step
+from tline.solver.assembly.node_maps import SUBSTEPS, Event, settling_step
 from tline.solver.description.excitation import Broken
 from tline.solver.description.laws import MOVING, tools_of
 from tline.solver.kernel.fronts.structures import (
@@ -50,7 +49,6 @@ AT_NODE, GRADED = 2 * MOST_PIECES, 8 * MOST_PIECES  # pieces of a slab on which 
 NEAREST = 2e-11  # slabs from a front to the next cut, at least
 WORK = 4e7  # pieces computed without asking; in runs that could hold more, a slab has fewer
 MEMORY = 2e8  # bytes for slabs in pieces
-SUBSTEPS = 8  # in the time that a group with lumped lines takes to settle
 LOGGED = 65_536  # pieces recorded between two looks
 LULL = 16  # slabs without a front that are worth a return to blocks
 
@@ -73,7 +71,7 @@ def work_for(network: Network, state: State) -> Work:
     sizes = {"s": s, "tile": tile, "nodes": nodes, "elements": elements, "kept": kept}
     sizes["all"] = states + (MOVING + kept) * elements
     sizes |= {"ends": len(network.ends), "tile_s": tile * s, "nodes_s": nodes * tile * s, "n": tile * s}
-    sizes |= {"row": max(tile, ports * s + states), "map": (ports * s + states) ** 2 if states else 0}
+    sizes |= {"row": max(tile, ports * s + states), "map": (ports * s + states) ** 2 if elements and states else 0}
     governed = bool(laws.governed.any())  # by openings that move
     crossing, store, circuit = (
         _of_elements(laws, state, sizes) if elements else map(_unused, (Crossing, Store, CircuitWork))
@@ -128,9 +126,9 @@ def workspace_for(network: Network, s: int, most: int, parts: int) -> Workspace:
     nodes, states, elements = largest_group(network)
     ends = int(np.diff(network.first[network.group]).max(initial=0))
     fronts, given = 2 * most * ends + most, max(parts, 2 * most + 2)
-    columns = s * states + s * (nodes + elements) + states
+    columns = s * states + (s * (nodes + elements) + states if elements else 1)
     sizes = {"s": s, "m": most, "nodes": nodes, "elements": elements, "ends": ends, "fronts": fronts, "given": given}
-    sizes |= {"stages": s * states, "columns": columns, "steps": SUBSTEPS + 1}
+    sizes |= {"stages": s * states, "columns": columns, "steps": SUBSTEPS + 1, "nodes_s": nodes * s}
     steps = allocated(Steps, sizes, ends=np.array([0.0, 1.0]))
     return allocated(Workspace, sizes, size=np.zeros(max(fronts, most + 1)), steps=steps)
 
@@ -211,7 +209,7 @@ def _packed(assembly: Assembly) -> Systems:
     maps = [np.empty(0)] * len(entries)
     for r, time in zip(assembly.network.step_row, assembly.settle, strict=True):
         if time > 0:
-            maps[r] = load_step(assembly.systems.spaces[r], assembly.basis, time / SUBSTEPS).ravel()
+            maps[r] = settling_step(assembly.systems.spaces[r], assembly.basis, time).ravel()
     at, settling_at = (np.cumsum([0, *map(len, each)])[:-1] for each in (entries, maps))
     values, settling = (np.concatenate([np.empty(0), *each]) for each in (entries, maps))
     return Systems(at, values, settling_at, settling)

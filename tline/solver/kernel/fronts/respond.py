@@ -6,7 +6,7 @@ Groups with lumped lines settle after fronts.
 import numpy as np
 
 from tline.compiled.unit import function, invoke, unit
-from tline.solver.kernel.arithmetic import copy, eliminate_all, times
+from tline.solver.kernel.arithmetic import copy, eliminate, eliminate_all, times
 from tline.solver.kernel.blocks import load
 from tline.solver.kernel.fronts.gather import happen_until, regrouped
 from tline.solver.kernel.fronts.structures import BEGIN, DROPPED, END, FEWER, MERGE, FrontRun
@@ -14,40 +14,64 @@ from tline.solver.kernel.laws.crossing import pass_laws
 
 
 @function
-def collocate(fronts, at, k, n, h, values, columns, row):
-    """One Radau IIA step of width h of dx/dt = A x + B w, u = C x + D w, for k inputs and n states, of some columns.
+def collocate(fronts, at, k, h, w, x, row):
+    """One Radau IIA step of width h of dx/dt = A x + B w, for k inputs; w becomes C x + D w, x the state at the end.
 
-    The values (k s + n, columns), row by row, are w at the points and x; they become u at the points and x at the end.
     The matrix [A B; C D] begins at a place of the systems' entries.
     """
     entries, radau, stages = fronts.systems.entries, fronts.tools.radau, fronts.work.stages
-    s, size, width = radau.shape[0], radau.shape[0] * n, n + k
+    s, n = radau.shape[0], x.size
+    size, width = s * n, n + k
     for i in range(s):
         for p in range(n):
             stage, line = i * n + p, at + p * width
-            for c in range(columns):
-                stages[stage, size + c] = values[(k * s + p) * columns + c]
+            stages[stage, size] = x[p]
             for j in range(s):
+                for q in range(k):
+                    stages[stage, size] += h * radau[i, j] * entries[line + n + q] * w[q * s + j]
                 for q in range(n):
                     stages[stage, j * n + q] = (i == j and p == q) - h * radau[i, j] * entries[line + q]
-                for q in range(k):
-                    share = h * radau[i, j] * entries[line + n + q]
-                    for c in range(columns):
-                        stages[stage, size + c] += share * values[(q * s + j) * columns + c]
-    eliminate_all(stages, size, columns)
+    eliminate(stages, size)
     for i in range(s):
-        for c in range(columns):
-            for p in range(k):
-                row[p] = 0.0
-                for q in range(n):
-                    row[p] += entries[at + (n + p) * width + q] * stages[i * n + q, size + c]
+        for p in range(k):
+            row[p] = 0.0
+            for q in range(n):
+                row[p] += entries[at + (n + p) * width + q] * stages[i * n + q, size]
+            for q in range(k):
+                row[p] += entries[at + (n + p) * width + n + q] * w[q * s + i]
+        for p in range(k):
+            w[p * s + i] = row[p]
+    for p in range(n):
+        x[p] = stages[(s - 1) * n + p, size]
+
+
+@function
+def map_of(fronts, at, k, n, h, out):
+    """The map over a piece of width h of dx/dt = A x + B w, from k waves w at the points and n states, row by row."""
+    entries, radau, stages = fronts.systems.entries, fronts.tools.radau, fronts.work.stages
+    s, size, width, columns = radau.shape[0], radau.shape[0] * n, n + k, k * radau.shape[0] + n
+    for i in range(s):
+        for p in range(n):
+            stage, line = i * n + p, at + p * width
+            for j in range(s):
                 for q in range(k):
-                    row[p] += entries[at + (n + p) * width + n + q] * values[(q * s + i) * columns + c]
-            for p in range(k):
-                values[(p * s + i) * columns + c] = row[p]
+                    stages[stage, size + q * s + j] = h * radau[i, j] * entries[line + n + q]
+                for q in range(n):
+                    stages[stage, j * n + q] = (i == j and p == q) - h * radau[i, j] * entries[line + q]
+            for q in range(n):
+                stages[stage, size + k * s + q] = p == q
+    eliminate_all(stages, size, columns)
+    for p in range(k):
+        for i in range(s):
+            place, line = (p * s + i) * columns, at + (n + p) * width
+            for c in range(columns):
+                total = entries[line + n + c // s] if c < k * s and c % s == i else 0.0
+                for q in range(n):
+                    total += entries[line + q] * stages[i * n + q, size + c]
+                out[place + c] = total
     for p in range(n):
         for c in range(columns):
-            values[(k * s + p) * columns + c] = stages[(s - 1) * n + p, size + c]
+            out[(k * s + p) * columns + c] = stages[(s - 1) * n + p, size + c]
 
 
 @function
@@ -111,32 +135,14 @@ def rejoin_all(job, g, m):
 
 
 @function
-def step_over(job, g, h):
-    """Turn the Thévenin waves of a step of width h, at a group with a map, into efforts."""
-    run, network, states, values = job.run, job.run.network, job.run.state.load, job.run.work.map
-    k, r, x = network.group[g + 1] - network.group[g], network.step_row[g], network.load_at[g]
-    size, n = k * job.fronts.tools.c.size, network.step_states[r]
-    for i in range(size):
-        values[i] = run.work.u[i]
-    for i in range(n):
-        values[size + i] = states[x + i]
-    collocate(job.fronts, job.fronts.systems.at[r], k, n, h, values, np.int64(1), run.work.row)
-    for i in range(size):
-        run.work.u[i] = values[i]
-    for i in range(n):
-        states[x + i] = values[size + i]
-
-
-@function
-def settle_over(job, g, width):
-    """Respond in steps of a part of the settling time of a group, and a last one, in slabs; efforts are projected."""
-    run, fronts, systems = job.run, job.fronts, job.fronts.systems
-    tools, s, w, k = fronts.tools, fronts.tools.c.size, run.work.u, run.network.group[g + 1] - run.network.group[g]
+def collocate_finely(run, fronts, at, k, width, settle, x):
+    """Collocate in steps of the settling time of a group, and a last one, in slabs; the effort is projected."""
+    tools, s, w, row = fronts.tools, fronts.tools.c.size, run.work.u, run.work.row
     span, coef, whole, steps = fronts.work.span, fronts.work.given, fronts.work.whole, fronts.work.steps
-    edges, values, out = steps.edges, steps.values, steps.out
-    most, m, part = edges.size - 2, 1, fronts.settle[g] / (edges.size - 2)
-    while m <= most and m * part < width - MERGE:
-        edges[m] = m * part / width
+    edges, values, flat, out = steps.edges, steps.values, steps.wave, steps.out
+    most, m = edges.size - 2, 1
+    while m <= most and m * settle < most * (width - MERGE):
+        edges[m] = m * settle / (most * width)
         m += 1
     edges[0], edges[m] = 0.0, 1.0
     for p in range(k):
@@ -146,15 +152,12 @@ def settle_over(job, g, width):
     for j in range(m):
         for p in range(k):
             for i in range(s):
-                w[p * s + i] = values[p, j, i]
-        long = width * (edges[j + 1] - edges[j])
-        if abs(long - part) < MERGE:
-            load(run, g, s, systems.settling, systems.settling_at[run.network.step_row[g]])
-        else:
-            step_over(job, g, fronts.step * long)
+                flat[p * s + i] = values[p, j, i]
+        h = fronts.step * width * (edges[j + 1] - edges[j])
+        collocate(fronts, at, k, h, flat, x, row)
         for p in range(k):
             for i in range(s):
-                values[p, j, i] = w[p * s + i]
+                values[p, j, i] = flat[p * s + i]
     for p in range(k):
         for j in range(m):
             span[j, 0], span[j, 1] = edges[j], edges[j + 1]
@@ -167,14 +170,19 @@ def settle_over(job, g, width):
 @unit
 def respond_by_map(job: FrontRun, g: int, piece: int, m: int) -> int:
     """Turn the Thévenin waves of a piece at a group with a map into efforts; the piece is the slab if m is 1."""
-    run, fronts, r = job.run, job.fronts, job.run.network.step_row[g]
-    width = fronts.work.edges[piece + 1] - fronts.work.edges[piece]
-    if m == 1 or run.network.step_states[r] == 0:
-        load(run, g, fronts.tools.c.size, run.network.step, run.network.step_at[r])
-    elif fronts.work.unsettled[piece]:
-        settle_over(job, g, width)
+    run, fronts = job.run, job.fronts
+    network, systems, wave, s = run.network, fronts.systems, run.work.u, fronts.tools.c.size
+    edges, x, k, r = fronts.work.edges, network.load_at[g], network.group[g + 1] - network.group[g], network.step_row[g]
+    n, width = network.step_states[r], edges[piece + 1] - edges[piece]
+    states = run.state.load[x : x + n]
+    if m == 1 or n == 0:
+        load(run, g, s, network.step, network.step_at[r])
+    elif not fronts.work.unsettled[piece]:
+        collocate(fronts, systems.at[r], k, fronts.step * width, wave, states, run.work.row)
+    elif abs(width - fronts.settle[g]) < MERGE:
+        load(run, g, s, systems.settling, systems.settling_at[r])
     else:
-        step_over(job, g, fronts.step * width)
+        collocate_finely(run, fronts, systems.at[r], k, width, fronts.settle[g], states)
     return 0
 
 
@@ -187,10 +195,7 @@ def respond_with_laws(job: FrontRun, g: int, piece: int, m: int) -> int:
     ports = network.group[g + 1] - network.group[g] + network.laws.first[g + 1] - network.laws.first[g]
     own = n > 0 and m > 1
     if own:
-        size = ports * fronts.tools.c.size + n
-        for i in range(size * size):
-            run.work.map[i] = i % (size + 1) == 0
-        collocate(fronts, fronts.systems.at[r], ports, n, h, run.work.map, size, run.work.row)
+        map_of(fronts, fronts.systems.at[r], ports, n, h, run.work.map)
     pass_laws(run, g, fronts.tools.c.size, h, np.int64(own))
     return 0
 

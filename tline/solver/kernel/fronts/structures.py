@@ -24,7 +24,7 @@ class Systems(NamedTuple):
 
     at: Integers  # (rows,) place of each system's first entry
     entries: Floats  # matrices [A b; c d] of shape (n + k, n + k), one after the other
-    settling_at: Integers  # (rows,) place of its map over a part of the time in which its group settles
+    settling_at: Integers  # (rows,) place of its map over the time in which its group settles
     settling: Floats  # maps from (Thévenin waves, state) to (efforts, next state)
 
 
@@ -73,6 +73,7 @@ class Steps(NamedTuple):
     edges: Annotated[Floats, "steps+1"]
     ends: Floats  # (2,) of the piece
     values: Annotated[Floats3, "nodes steps s"]
+    wave: Annotated[Floats, "nodes_s"]  # of one step
     out: Annotated[Floats2, "1 s"]
 
 
